@@ -1,0 +1,60 @@
+// Every limit of the service, by name. PROTOCOL.md prints them; candil.options repeats those that bound a message's
+// strings and arrays (protocol/status.c asserts that they agree).
+#ifndef CANDIL_PROTOCOL_LIMITS_H
+#define CANDIL_PROTOCOL_LIMITS_H
+
+// ---- messages and connections ----
+#define LIMIT_MESSAGE_BYTES (64u * 1024u)        // body of one request or reply
+#define LIMIT_CHUNK_BYTES (64u * 1024u)          // body of one FRAME_CHUNK
+#define LIMIT_CONNECTIONS 256u
+#define LIMIT_JOBS_PER_CONNECTION 16u
+#define LIMIT_JOBS 256u                          // in the daemon
+#define LIMIT_OUT_BUFFER_BYTES (256u * 1024u)    // unsent bytes past which a connection is not read and gets no chunks
+#define LIMIT_HELLO_MS 10000u                    // a connection that has not said hello by then is closed
+
+// ---- strings, without the terminating zero ----
+#define LIMIT_NAME 63u            // of a scene, camera or client
+#define LIMIT_PATH 1023u
+#define LIMIT_OPTION_NAME 31u
+#define LIMIT_OPTION_VALUE 31u
+#define LIMIT_OPTIONS 16u
+#define LIMIT_TEXT 255u           // an error's sentence, a warning
+#define LIMIT_WARNINGS 32u
+#define LIMIT_CAMERA_LIST 32u
+#define LIMIT_SCENES 64u
+#define LIMIT_STAGES 16u
+#define LIMIT_EFFECTS 16u
+
+// ---- a render ----
+#define LIMIT_SIDE 16384u                        // pixels, width and height
+#define LIMIT_PIXELS (64u * 1024u * 1024u)
+#define LIMIT_SAMPLES 16777216u                  // per pixel, first_sample + samples: 2^24
+#define LIMIT_SAMPLES_TIMES_PIXELS (1ull << 44)
+#define LIMIT_DEPTH 4096u                        // pt.depth
+#define LIMIT_RADIANCE 1e12                      // of a background component, W/(m² sr)
+#define LIMIT_COORDINATE 1e12                    // of a camera's position, metres
+
+// ---- a scene ----
+#define LIMIT_SCENE_FILE_BYTES (1ull << 30)      // the file and each of its side files
+#define LIMIT_SCENE_SOURCE_BYTES (2ull << 30)    // all its files together
+#define LIMIT_BLOB_BYTES (4ull << 30)
+#define LIMIT_TRIANGLES (32u * 1024u * 1024u)
+#define LIMIT_VERTICES (96u * 1024u * 1024u)
+#define LIMIT_MATERIALS 65535u
+#define LIMIT_TEXTURES 4096u
+#define LIMIT_TEXTURE_SIDE 16384u
+#define LIMIT_TEXELS (256u * 1024u * 1024u)      // all textures together
+#define LIMIT_PUNCTUAL_LIGHTS 4096u
+#define LIMIT_CAMERAS 1024u
+#define LIMIT_NODES 1000000u
+#define LIMIT_NODE_DEPTH 4096u
+#define LIMIT_BVH_DEPTH 48u                      // levels; the shader's stack has as many entries
+#define LIMIT_LOAD_SECONDS 120u                  // wall-clock time of one loader
+#define LIMIT_LOADERS 2u                         // at once; further loads wait
+
+// ---- the worker ----
+#define LIMIT_SLICE_MS 1000u
+#define LIMIT_STEP_SECONDS 60u                   // a slice (first compilation included) past this: the worker hangs
+#define LIMIT_JOB_RETRIES 1u                     // times the job that a dying worker held is begun again
+
+#endif

@@ -1,0 +1,82 @@
+#include "server/base/ipc.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+_Static_assert(sizeof(struct ipc_loaded) <= IPC_MAX_BYTES, "a scene's description fits one datagram");
+_Static_assert(sizeof(struct ipc_begin) <= IPC_MAX_BYTES, "a request fits one datagram");
+_Static_assert(sizeof(struct ipc_image) <= IPC_MAX_BYTES, "a frame's account fits one datagram");
+
+#define STRING_(x) #x
+#define STRING(x) STRING_(x)
+
+const char *ipc_build(void)
+{
+	static char build[64];
+	// Written with the same bytes by whoever comes first, so a race is harmless; callers are single-threaded anyway.
+	if (!build[0])
+		snprintf(build, sizeof build, "%s/%zu.%zu.%zu.%zu.%zu", CANDIL_VERSION_STRING, sizeof(struct ipc_begin),
+			 sizeof(struct ipc_begun), sizeof(struct ipc_stepped), sizeof(struct ipc_image),
+			 sizeof(struct ipc_loaded));
+	return build;
+}
+
+enum status ipc_send(int socket, const void *message, size_t bytes, int fd, struct error *err)
+{
+	struct iovec part = {.iov_base = (void *)(uintptr_t)message, .iov_len = bytes};
+	union {
+		char space[CMSG_SPACE(sizeof(int))];
+		struct cmsghdr align;
+	} control = {0};
+	struct msghdr m = {.msg_iov = &part, .msg_iovlen = 1};
+	if (fd >= 0) {
+		m.msg_control = control.space;
+		m.msg_controllen = sizeof control.space;
+		struct cmsghdr *c = CMSG_FIRSTHDR(&m);
+		c->cmsg_level = SOL_SOCKET;
+		c->cmsg_type = SCM_RIGHTS;
+		c->cmsg_len = CMSG_LEN(sizeof(int));
+		memcpy(CMSG_DATA(c), &fd, sizeof fd);
+	}
+	ssize_t sent;
+	do
+		sent = sendmsg(socket, &m, MSG_NOSIGNAL);
+	while (sent < 0 && errno == EINTR);
+	if (sent != (ssize_t)bytes)
+		return error_errno(err, STATUS_IO, "cannot send to the other process");
+	return STATUS_OK;
+}
+
+enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fd, struct error *err)
+{
+	struct iovec part = {.iov_base = buffer, .iov_len = capacity};
+	union {
+		char space[CMSG_SPACE(sizeof(int))];
+		struct cmsghdr align;
+	} control;
+	struct msghdr m = {
+		.msg_iov = &part, .msg_iovlen = 1, .msg_control = control.space, .msg_controllen = sizeof control.space};
+	*fd = -1;
+	ssize_t got;
+	do
+		got = recvmsg(socket, &m, MSG_CMSG_CLOEXEC);
+	while (got < 0 && errno == EINTR);
+	if (got < 0 && errno == ECONNRESET)
+		got = 0;
+	if (got < 0)
+		return error_errno(err, STATUS_IO, "cannot receive from the other process");
+	for (struct cmsghdr *c = CMSG_FIRSTHDR(&m); c; c = CMSG_NXTHDR(&m, c))
+		if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SCM_RIGHTS && c->cmsg_len == CMSG_LEN(sizeof(int)))
+			memcpy(fd, CMSG_DATA(c), sizeof *fd);
+	if (m.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) {
+		if (*fd >= 0)
+			close(*fd);
+		*fd = -1;
+		return error_set(err, STATUS_INTERNAL, "a message of the other process is too long");
+	}
+	*bytes = (size_t)got;
+	return STATUS_OK;
+}

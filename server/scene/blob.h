@@ -1,0 +1,95 @@
+// The scene blob: everything a technique may ask of a scene, in one flat piece of memory without pointers. A loader writes it
+// into a memfd and seals it; the front passes it on unseen; a worker maps it, checks it once and reads it for ever after.
+//
+//   struct blob_header | section | section | …     every section starts at a multiple of BLOB_ALIGN
+//
+// Nothing in it depends on where it is mapped. All coordinates are float metres relative to `origin` (double, world space),
+// so a scene far from the world's zero keeps the precision that it has about its own middle.
+#ifndef CANDIL_SCENE_BLOB_H
+#define CANDIL_SCENE_BLOB_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "server/base/error.h"
+#include "shaders/shared/layout.h"
+
+#define BLOB_MAGIC 0x4C444E43424F4C42ull
+#define BLOB_FORMAT 1u
+#define BLOB_ALIGN 256u
+
+enum blob_section {
+	BLOB_NODES,            // struct bvh_node; at least one
+	BLOB_LEAF_TRIANGLES,   // struct leaf_triangle
+	BLOB_TRIANGLES,        // struct triangle, by id; as many as leaf triangles
+	BLOB_VERTICES,         // struct vertex
+	BLOB_MATERIALS,        // struct material; at least one
+	BLOB_TEXTURES,         // struct texture_info
+	BLOB_TEXELS,           // uint
+	BLOB_EMITTERS,         // struct emitter; none if nothing emits
+	BLOB_LIGHTS,           // struct punctual_light
+	BLOB_CAMERAS,          // struct blob_camera
+	BLOB_MATERIAL_NAMES,   // struct blob_name, one a material
+	BLOB_SECTIONS
+};
+
+struct blob_range {
+	uint64_t offset;       // bytes from the blob's start
+	uint64_t count;        // elements
+};
+
+// What the plan asks of a scene. Filled by facts_collect (facts.h).
+enum fact {
+	FACT_TEXTURES = 1u << 0,        // some material that is used has a texture
+	FACT_EMITTERS = 1u << 1,        // some triangle emits
+	FACT_POINT_LIGHTS = 1u << 2,
+	FACT_SPOT_LIGHTS = 1u << 3,
+	FACT_DIRECTIONAL_LIGHTS = 1u << 4,
+	FACT_REFLECTS = 1u << 5,        // some surface has an albedo above zero
+};
+
+struct blob_header {
+	uint64_t magic;
+	uint32_t format;           // BLOB_FORMAT
+	uint32_t header_bytes;     // sizeof(struct blob_header)
+	uint64_t total_bytes;
+	struct blob_range sections[BLOB_SECTIONS];
+	double origin[3];          // world position of the blob's zero, metres
+	float bounds_min[3];       // relative to origin
+	float bounds_max[3];
+	uint32_t bvh_depth;        // levels of nodes, ≤ LIMIT_BVH_DEPTH
+	uint32_t facts;            // enum fact
+	float emitter_power;       // W, all emissive triangles: the sum their pmf is a share of; 0 without any
+	float light_power;         // W, all punctual lights, as the table weighs them
+	uint64_t hash[2];          // XXH3-128 of everything behind the header; also of the header with hash = 0
+};
+
+// A camera of the file, in world space (double, origin not subtracted).
+struct blob_camera {
+	char name[LIMIT_NAME + 1];
+	double eye[3];
+	double forward[3];         // unit
+	double up[3];              // unit, perpendicular to forward
+	double vfov_degrees;       // 0: orthographic
+	double aspect;             // width / height; 0: any
+	double half_height;        // orthographic: metres
+};
+
+struct blob_name {
+	char text[LIMIT_NAME + 1];
+};
+
+// Bytes of one element of a section.
+size_t blob_stride(enum blob_section section);
+
+// Check a mapped blob of `bytes` from end to end: magic, section bounds, every index inside, the BVH a tree of at most
+// LIMIT_BVH_DEPTH levels whose leaves name each triangle once, texture ranges inside the texels, all floats finite.
+// A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID otherwise, with the first thing that is wrong.
+enum status blob_check(const void *blob, size_t bytes, struct error *err);
+
+// Elements of a section of a checked blob.
+const void *blob_section(const struct blob_header *blob, enum blob_section section);
+uint32_t blob_count(const struct blob_header *blob, enum blob_section section);
+
+#endif
