@@ -11,6 +11,9 @@
 #define LIMIT_JOBS 256u                          // in the daemon
 #define LIMIT_OUT_BUFFER_BYTES (256u * 1024u)    // unsent bytes past which a connection is not read and gets no chunks
 #define LIMIT_HELLO_MS 10000u                    // a connection that has not said hello by then is closed
+#define LIMIT_LINGER_MS 1000u                    // after its last message a connection that closes gets so long to read it
+#define LIMIT_STALL_SECONDS 300u                 // a connection that takes no byte of what waits for it so long is closed
+#define LIMIT_IMAGE_BYTES (256u * 1024u * 1024u) // encoded images that wait for one connection; one alone may exceed it
 
 // ---- strings, without the terminating zero ----
 #define LIMIT_NAME 63u            // of a scene, camera or client
@@ -33,6 +36,8 @@
 #define LIMIT_DEPTH 4096u                        // pt.depth
 #define LIMIT_RADIANCE 1e12                      // of a background component, W/(m² sr)
 #define LIMIT_COORDINATE 1e12                    // of a camera's position, metres
+#define LIMIT_EXPOSURE_EV 64.0                   // either way
+#define LIMIT_PROGRESS_MS 3600000u
 
 // ---- a scene ----
 #define LIMIT_SCENE_FILE_BYTES (1ull << 30)      // the file and each of its side files
@@ -56,5 +61,7 @@
 #define LIMIT_SLICE_MS 1000u
 #define LIMIT_STEP_SECONDS 60u                   // a slice (first compilation included) past this: the worker hangs
 #define LIMIT_JOB_RETRIES 1u                     // times the job that a dying worker held is begun again
+#define LIMIT_ENCODE_SECONDS 600u                // an image that is not encoded by then: the worker hangs
+#define LIMIT_IPC_QUEUE 4096u                    // messages that wait for a worker to take them; more: it hangs
 
 #endif
