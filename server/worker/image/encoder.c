@@ -1,0 +1,168 @@
+// Two threads meet here. The device's thread hands over frames in encoder_submit and never touches them again; the
+// encoder's thread owns a frame from the moment it takes it out of the ring until it is destroyed. The ring, its two
+// counters and `stopping` are guarded by `mutex`; `socket` and `device` do not change after encoder_create. Encoding and
+// sending happen outside the lock, so submitting waits only when the ring is full. A front that has gone away makes sending
+// fail: the frame is dropped with a line in the log, and the worker's own loop, which reads the same socket, ends the
+// process.
+#include "server/worker/image/encoder.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "server/base/clock.h"
+#include "server/base/ipc.h"
+#include "server/base/log.h"
+
+struct encoder {
+	int socket;
+	char device[sizeof((candil_Done *)0)->device];
+	pthread_t thread;
+	pthread_mutex_t mutex;
+	pthread_cond_t changed; // something was put in or taken out, or it is time to stop
+	struct encoder_task ring[ENCODER_QUEUE_FRAMES];
+	uint32_t first, count;
+	bool stopping;
+};
+
+static void fill_image(const struct encoder *e, const struct encoder_task *task, size_t bytes, struct ipc_image *image)
+{
+	const struct frame *f = task->frame;
+	image->frame.index = 0;
+	image->frame.final = task->final;
+	image->frame.format = (candil_Format)task->format;
+	image->frame.width = f->width;
+	image->frame.height = f->height;
+	image->frame.samples = f->samples;
+	image->frame.bytes = bytes;
+
+	candil_Done *done = &image->done;
+	const size_t capacity = sizeof done->stages / sizeof done->stages[0];
+	done->samples = f->samples;
+	for (uint32_t i = 0; i < f->stage_count && i < capacity; i++) {
+		candil_Stage *stage = &done->stages[done->stages_count++];
+		snprintf(stage->name, sizeof stage->name, "%s", f->stages[i].name);
+		stage->us = f->stages[i].us;
+	}
+	done->estimated_relmse = f->estimated_relmse;
+	done->non_finite_samples = f->non_finite_samples;
+	done->rays = f->rays;
+	memcpy(done->device, e->device, sizeof done->device);
+}
+
+static void send_image(int socket, const struct ipc_image *image, int fd)
+{
+	struct error err;
+	for (;;) {
+		if (ipc_send(socket, image, sizeof *image, fd, &err) == STATUS_OK)
+			return;
+		if (errno != EAGAIN)
+			break;
+		// The worker's end may be non-blocking; this thread may wait, the device's may not.
+		struct pollfd p = {.fd = socket, .events = POLLOUT};
+		if (poll(&p, 1, -1) < 0 && errno != EINTR)
+			break;
+	}
+	log_line(LOG_WARNING, "image of job %u dropped: %s", image->head.job, err.text);
+}
+
+static void work(const struct encoder *e, const struct encoder_task *task)
+{
+	struct ipc_image image;
+	memset(&image, 0, sizeof image); // padding too: it travels
+	image.head.op = IPC_IMAGE;
+	image.head.job = task->job;
+	int fd = -1;
+	size_t bytes = 0;
+	uint64_t start = clock_us();
+	image.error.code = codec_encode(task->frame, task->format, task->view, task->exposure_ev, &fd, &bytes, &image.error);
+	frame_add_stage(task->frame, "encode", clock_us() - start);
+	fill_image(e, task, bytes, &image);
+	send_image(e->socket, &image, fd);
+	if (fd >= 0)
+		close(fd);
+}
+
+// The next task, waiting for one; false when it is time to stop and nothing is queued.
+static bool take(struct encoder *e, struct encoder_task *task)
+{
+	pthread_mutex_lock(&e->mutex);
+	while (e->count == 0 && !e->stopping)
+		pthread_cond_wait(&e->changed, &e->mutex);
+	bool got = e->count > 0;
+	if (got) {
+		*task = e->ring[e->first];
+		e->first = (e->first + 1) % ENCODER_QUEUE_FRAMES;
+		e->count--;
+		pthread_cond_broadcast(&e->changed);
+	}
+	pthread_mutex_unlock(&e->mutex);
+	return got;
+}
+
+static void *run(void *argument)
+{
+	struct encoder *e = argument;
+	struct encoder_task task;
+	while (take(e, &task)) {
+		work(e, &task);
+		frame_destroy(task.frame);
+	}
+	return NULL;
+}
+
+enum status encoder_create(int socket, const char *device, struct encoder **encoder, struct error *err)
+{
+	struct encoder *e = calloc(1, sizeof *e);
+	if (!e)
+		return error_set(err, STATUS_MEMORY, "no memory for the encoder");
+	e->socket = socket;
+	snprintf(e->device, sizeof e->device, "%s", device);
+	pthread_mutex_init(&e->mutex, NULL);
+	pthread_cond_init(&e->changed, NULL);
+
+	// Signals are the main thread's business.
+	sigset_t all, before;
+	sigfillset(&all);
+	pthread_sigmask(SIG_SETMASK, &all, &before);
+	int failed = pthread_create(&e->thread, NULL, run, e);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	if (failed) {
+		pthread_cond_destroy(&e->changed);
+		pthread_mutex_destroy(&e->mutex);
+		free(e);
+		return error_set(err, STATUS_INTERNAL, "cannot start the encoder's thread: %s", strerror(failed));
+	}
+	*encoder = e;
+	return STATUS_OK;
+}
+
+void encoder_submit(struct encoder *encoder, const struct encoder_task *task)
+{
+	pthread_mutex_lock(&encoder->mutex);
+	while (encoder->count == ENCODER_QUEUE_FRAMES)
+		pthread_cond_wait(&encoder->changed, &encoder->mutex);
+	encoder->ring[(encoder->first + encoder->count) % ENCODER_QUEUE_FRAMES] = *task;
+	encoder->count++;
+	pthread_cond_broadcast(&encoder->changed);
+	pthread_mutex_unlock(&encoder->mutex);
+}
+
+void encoder_destroy(struct encoder *encoder)
+{
+	if (!encoder)
+		return;
+	pthread_mutex_lock(&encoder->mutex);
+	encoder->stopping = true;
+	pthread_cond_broadcast(&encoder->changed);
+	pthread_mutex_unlock(&encoder->mutex);
+	pthread_join(encoder->thread, NULL);
+	pthread_cond_destroy(&encoder->changed);
+	pthread_mutex_destroy(&encoder->mutex);
+	free(encoder);
+}

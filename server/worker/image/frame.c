@@ -1,0 +1,84 @@
+#include "server/worker/image/frame.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "protocol/header.h"
+#include "server/base/checked.h"
+
+// A zeroed plane of `components` 4-byte values a pixel; NULL without memory.
+static void *plane(size_t pixels, size_t components)
+{
+	size_t values;
+	if (!checked_mul(pixels, components, &values))
+		return NULL;
+	return calloc(values, sizeof(float));
+}
+
+enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct frame **frame, struct error *err)
+{
+	size_t pixels;
+	if (width == 0 || height == 0 || !checked_mul(width, height, &pixels) || pixels > LIMIT_PIXELS)
+		return error_set(err, STATUS_LIMIT,
+				 "a frame of %u x %u pixels is not within 1 and %u pixels; ask for a smaller one", width,
+				 height, LIMIT_PIXELS);
+	struct frame *f = calloc(1, sizeof *f);
+	if (!f)
+		goto out_of_memory;
+	f->width = width;
+	f->height = height;
+	f->estimated_relmse = -1;
+	f->radiance = plane(pixels, 3);
+	if (aovs & AOV_DEPTH)
+		f->depth = plane(pixels, 1);
+	if (aovs & AOV_NORMAL)
+		f->normal = plane(pixels, 3);
+	if (aovs & AOV_ALBEDO)
+		f->albedo = plane(pixels, 3);
+	if (aovs & AOV_ID)
+		f->id = plane(pixels, 1);
+	if (!f->radiance || ((aovs & AOV_DEPTH) && !f->depth) || ((aovs & AOV_NORMAL) && !f->normal) ||
+	    ((aovs & AOV_ALBEDO) && !f->albedo) || ((aovs & AOV_ID) && !f->id))
+		goto out_of_memory;
+	*frame = f;
+	return STATUS_OK;
+
+out_of_memory:
+	frame_destroy(f);
+	return error_set(err, STATUS_MEMORY, "no memory for a frame of %u x %u pixels; ask for a smaller one or fewer AOVs",
+			 width, height);
+}
+
+void frame_destroy(struct frame *frame)
+{
+	if (!frame)
+		return;
+	free(frame->radiance);
+	free(frame->depth);
+	free(frame->normal);
+	free(frame->albedo);
+	free(frame->id);
+	free(frame);
+}
+
+void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...)
+{
+	if (frame->metadata_count >= FRAME_METADATA_MAX)
+		return;
+	uint32_t i = frame->metadata_count++;
+	snprintf(frame->metadata[i].key, sizeof frame->metadata[i].key, "%s", key);
+	va_list args;
+	va_start(args, format);
+	vsnprintf(frame->metadata[i].value, sizeof frame->metadata[i].value, format, args);
+	va_end(args);
+}
+
+void frame_add_stage(struct frame *frame, const char *name, uint64_t us)
+{
+	if (frame->stage_count >= FRAME_STAGES_MAX)
+		return;
+	struct frame_stage *s = &frame->stages[frame->stage_count++];
+	snprintf(s->name, sizeof s->name, "%s", name);
+	s->us = us;
+}

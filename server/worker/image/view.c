@@ -1,0 +1,77 @@
+#include "server/worker/image/view.h"
+
+#include <float.h>
+#include <math.h>
+
+const char *view_name(enum codec_view view)
+{
+	switch (view) {
+	case CODEC_VIEW_REINHARD:
+		return "reinhard";
+	case CODEC_VIEW_FILMIC:
+		return "filmic";
+	case CODEC_VIEW_NONE:
+		break;
+	}
+	return "none";
+}
+
+// Also turns NaN into 0: both comparisons with it are false.
+static double clip(double x, double top)
+{
+	return x > 0 ? (x < top ? x : top) : 0;
+}
+
+// Hable's rational curve; its parameters by his names.
+static double hable(double x)
+{
+	const double shoulder = 0.15, linear = 0.50, linear_angle = 0.10, toe = 0.20, toe_numerator = 0.02,
+		     toe_denominator = 0.30;
+	double top = x * (shoulder * x + linear_angle * linear) + toe * toe_numerator;
+	double bottom = x * (shoulder * x + linear) + toe * toe_denominator;
+	return top / bottom - toe_numerator / toe_denominator;
+}
+
+static double filmic(double x)
+{
+	const double bias = 2, white = 11.2;
+	// Past the white point the curve would clip anyway; stopping there keeps x² from overflowing.
+	return hable(clip(bias * x, white)) / hable(white);
+}
+
+void view_apply(enum codec_view view, double exposure_ev, const float rgb[3], double out[3])
+{
+	double scale = exp2(exposure_ev);
+	double c[3];
+	for (int i = 0; i < 3; i++)
+		c[i] = clip(clip((double)rgb[i], FLT_MAX) * scale, FLT_MAX);
+	double divisor = 1 + 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+	for (int i = 0; i < 3; i++) {
+		double x = c[i];
+		if (view == CODEC_VIEW_REINHARD)
+			x /= divisor;
+		else if (view == CODEC_VIEW_FILMIC)
+			x = filmic(x);
+		out[i] = clip(x, 1);
+	}
+}
+
+double view_srgb_encode(double x)
+{
+	x = clip(x, 1);
+	return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
+
+double view_srgb_decode(double v)
+{
+	v = clip(v, 1);
+	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+void view_srgb8(enum codec_view view, double exposure_ev, const float rgb[3], uint8_t out[3])
+{
+	double linear[3];
+	view_apply(view, exposure_ev, rgb, linear);
+	for (int i = 0; i < 3; i++)
+		out[i] = (uint8_t)lround(255 * view_srgb_encode(linear[i]));
+}

@@ -1,0 +1,31 @@
+// From scene-linear radiance to 8-bit sRGB: exposure, a view transform, clip, the sRGB curve. Pure functions, any thread.
+//
+//   VIEW_NONE      clip at 1
+//   VIEW_REINHARD  the colour divided by 1 + its Rec.709 luminance (Reinhard et al., "Photographic tone reproduction for
+//                  digital images", 2002, the simple operator): hue is kept, a saturated light may still clip
+//   VIEW_FILMIC    John Hable's curve ("Filmic tonemapping for real-time rendering", SIGGRAPH 2010 course notes), each
+//   channel
+//                  on its own, exposure bias 2, linear white 11.2: soft shoulder and toe
+//
+// A negative value counts as 0, NaN as 0, +infinity as the largest float.
+#ifndef CANDIL_WORKER_VIEW_H
+#define CANDIL_WORKER_VIEW_H
+
+#include <stdint.h>
+
+#include "server/worker/image/codec.h"
+
+// "none", "reinhard", "filmic".
+const char *view_name(enum codec_view view);
+
+// The display-linear colour, each 0…1, of `rgb` · 2^exposure_ev.
+void view_apply(enum codec_view view, double exposure_ev, const float rgb[3], double out[3]);
+
+// The sRGB curve (IEC 61966-2-1) on x in 0…1 (clipped), and its inverse.
+double view_srgb_encode(double x);
+double view_srgb_decode(double v);
+
+// view_apply, encoded and rounded to the nearest of 256 codes.
+void view_srgb8(enum codec_view view, double exposure_ev, const float rgb[3], uint8_t out[3]);
+
+#endif
