@@ -35,7 +35,8 @@ struct triangle {
 LAYOUT_ASSERT(triangle, 16)
 
 // A binary BVH's inner node: both children's boxes and where they are. Node 0 is the root; a scene of one leaf still has it,
-// its second child an empty box (min = +inf, max = -inf).
+// its second child then a point at infinity (min = max = +inf),
+// which every ray misses.
 // count[i] == 0: child[i] is a node; else leaf triangles child[i] … child[i] + count[i] - 1.
 struct bvh_node {
 	float min0[3];

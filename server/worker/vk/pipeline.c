@@ -1,0 +1,143 @@
+#include "server/worker/vk/pipeline.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static enum status make_layout(struct device *d, struct pipeline *p, struct error *err)
+{
+	VkDescriptorSetLayoutBinding bindings[PIPELINE_BINDINGS_MAX];
+	for (uint32_t i = 0; i < p->shader->bindings; i++)
+		bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
+							     .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+							     .descriptorCount = 1,
+							     .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+	const VkDescriptorSetLayoutCreateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+						     .bindingCount = p->shader->bindings,
+						     .pBindings = bindings};
+	VkResult r = vkCreateDescriptorSetLayout(d->handle, &set, NULL, &p->set_layout);
+	if (r != VK_SUCCESS)
+		return device_error(r, "making a descriptor layout", err);
+	const VkPushConstantRange push = {.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .size = p->shader->push_bytes};
+	const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+						   .setLayoutCount = 1,
+						   .pSetLayouts = &p->set_layout,
+						   .pushConstantRangeCount = push.size ? 1 : 0,
+						   .pPushConstantRanges = &push};
+	r = vkCreatePipelineLayout(d->handle, &layout, NULL, &p->layout);
+	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "making a pipeline layout", err);
+}
+
+static enum status make_pipeline(struct device *d, struct pipeline *p, struct error *err)
+{
+	VkSpecializationMapEntry entries[PIPELINE_CONSTANTS_MAX];
+	for (uint32_t i = 0; i < p->constant_count; i++)
+		entries[i] = (VkSpecializationMapEntry){.constantID = i, .offset = i * 4u, .size = 4};
+	const VkSpecializationInfo special = {.mapEntryCount = p->constant_count,
+					      .pMapEntries = entries,
+					      .dataSize = p->constant_count * 4u,
+					      .pData = p->constants};
+	VkShaderModule module;
+	const VkShaderModuleCreateInfo code = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+					       .codeSize = p->shader->bytes,
+					       .pCode = p->shader->code};
+	VkResult r = vkCreateShaderModule(d->handle, &code, NULL, &module);
+	if (r != VK_SUCCESS)
+		return device_error(r, "loading a shader", err);
+	const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+						  .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+							    .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+							    .module = module,
+							    .pName = "main",
+							    .pSpecializationInfo = &special},
+						  .layout = p->layout};
+	r = vkCreateComputePipelines(d->handle, VK_NULL_HANDLE, 1, &info, NULL, &p->handle);
+	vkDestroyShaderModule(d->handle, module, NULL);
+	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "compiling a pipeline", err);
+}
+
+static void destroy(struct device *d, struct pipeline *p)
+{
+	vkDestroyPipeline(d->handle, p->handle, NULL);
+	vkDestroyPipelineLayout(d->handle, p->layout, NULL);
+	vkDestroyDescriptorSetLayout(d->handle, p->set_layout, NULL);
+	free(p);
+}
+
+enum status pipeline_get(struct device *d, const struct shader *shader, const uint32_t *constants, uint32_t count,
+			 struct pipeline **pipeline, struct error *err)
+{
+	for (struct pipeline *p = d->pipelines; p; p = p->next)
+		if (p->shader == shader && p->constant_count == count && !memcmp(p->constants, constants, count * 4u)) {
+			*pipeline = p;
+			return STATUS_OK;
+		}
+	struct pipeline *p = calloc(1, sizeof *p);
+	if (!p)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	p->shader = shader;
+	p->constant_count = count;
+	memcpy(p->constants, constants, count * 4u);
+	enum status s = make_layout(d, p, err);
+	if (s == STATUS_OK)
+		s = make_pipeline(d, p, err);
+	if (s != STATUS_OK) {
+		destroy(d, p);
+		return s;
+	}
+	p->next = d->pipelines;
+	d->pipelines = p;
+	*pipeline = p;
+	return STATUS_OK;
+}
+
+void pipeline_destroy_all(struct device *d)
+{
+	while (d->pipelines) {
+		struct pipeline *p = d->pipelines;
+		d->pipelines = p->next;
+		destroy(d, p);
+	}
+}
+
+enum status binding_set_init(struct binding_set *set, struct device *d, const struct pipeline *p,
+			     const struct buffer *const *buffers, const struct buffer *filler, struct error *err)
+{
+	const uint32_t count = p->shader->bindings;
+	const VkDescriptorPoolSize size = {.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .descriptorCount = count};
+	const VkDescriptorPoolCreateInfo pool = {
+		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
+	memset(set, 0, sizeof *set);
+	VkResult r = vkCreateDescriptorPool(d->handle, &pool, NULL, &set->pool);
+	if (r != VK_SUCCESS)
+		return device_error(r, "making a descriptor pool", err);
+	const VkDescriptorSetAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+						  .descriptorPool = set->pool,
+						  .descriptorSetCount = 1,
+						  .pSetLayouts = &p->set_layout};
+	r = vkAllocateDescriptorSets(d->handle, &info, &set->set);
+	if (r != VK_SUCCESS) {
+		binding_set_finish(set, d);
+		return device_error(r, "making a descriptor set", err);
+	}
+	VkDescriptorBufferInfo ranges[PIPELINE_BINDINGS_MAX];
+	VkWriteDescriptorSet writes[PIPELINE_BINDINGS_MAX];
+	for (uint32_t i = 0; i < count; i++) {
+		const struct buffer *b = buffers[i] && buffers[i]->handle ? buffers[i] : filler;
+		ranges[i] = (VkDescriptorBufferInfo){.buffer = b->handle, .range = VK_WHOLE_SIZE};
+		writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+						   .dstSet = set->set,
+						   .dstBinding = i,
+						   .descriptorCount = 1,
+						   .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+						   .pBufferInfo = &ranges[i]};
+	}
+	vkUpdateDescriptorSets(d->handle, count, writes, 0, NULL);
+	return STATUS_OK;
+}
+
+void binding_set_finish(struct binding_set *set, struct device *d)
+{
+	if (set->pool)
+		vkDestroyDescriptorPool(d->handle, set->pool, NULL);
+	memset(set, 0, sizeof *set);
+}

@@ -1,0 +1,47 @@
+// Compute pipelines, made on first use and kept: a shader module with its specialization constants is made once a device.
+#ifndef CANDIL_WORKER_VK_PIPELINE_H
+#define CANDIL_WORKER_VK_PIPELINE_H
+
+#include <stddef.h>
+
+#include "server/worker/vk/buffer.h"
+#include "server/worker/vk/device.h"
+
+#define PIPELINE_BINDINGS_MAX 16u
+#define PIPELINE_CONSTANTS_MAX 8u
+
+struct shader {
+	const char *name;            // unique: the key with the constants
+	const uint32_t *code;        // SPIR-V
+	size_t bytes;
+	uint32_t bindings;           // storage buffers 0 … bindings - 1 of set 0
+	uint32_t push_bytes;         // of push constants
+};
+
+struct pipeline {
+	struct pipeline *next;
+	const struct shader *shader;
+	uint32_t constants[PIPELINE_CONSTANTS_MAX];
+	uint32_t constant_count;
+	VkDescriptorSetLayout set_layout;
+	VkPipelineLayout layout;
+	VkPipeline handle;
+	bool warm;                   // has run once: drivers compile at the first dispatch
+};
+
+// The pipeline of `shader` with specialization constants 0 … count - 1. Owned by the device.
+enum status pipeline_get(struct device *device, const struct shader *shader, const uint32_t *constants, uint32_t count,
+			 struct pipeline **pipeline, struct error *err);
+void pipeline_destroy_all(struct device *device);
+
+// Buffers for a pipeline, in the order of its bindings. A NULL handle binds `filler` instead: a buffer that the shader's
+// specialization never touches.
+struct binding_set {
+	VkDescriptorPool pool;
+	VkDescriptorSet set;
+};
+enum status binding_set_init(struct binding_set *set, struct device *device, const struct pipeline *pipeline,
+			     const struct buffer *const *buffers, const struct buffer *filler, struct error *err);
+void binding_set_finish(struct binding_set *set, struct device *device);
+
+#endif

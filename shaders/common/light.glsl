@@ -1,0 +1,114 @@
+// Next-event estimation: one light a call, chosen by power out of an alias table, then a point on it.
+#ifndef COMMON_LIGHT_GLSL
+#define COMMON_LIGHT_GLSL
+
+#include "common/lambert.glsl"
+
+// Where light might come from, if nothing is in between.
+struct light_sample {
+	vec3 contribution;   // BSDF × cosine × radiance × weight / density, to be multiplied by the throughput
+	vec3 segment;        // from the ray's origin to the light; t = 1 is there
+	float t_max;         // 1, or infinite for a directional light
+};
+
+// Walker's alias method with 64 random bits: the high product of the first 32 is the row, the second 32 decide.
+uint alias_row(uint bits, uint count)
+{
+	uint row, low;
+	umulExtended(bits, count, row, low);
+	return row;
+}
+
+// Power heuristic with β = 2 (Veach 1997, 9.2.4) for the technique whose density is 1 where the other's is r.
+float power_weight(float r)
+{
+	return 1.0 / (1.0 + r * r);
+}
+
+bool sample_emitter(surface s, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
+{
+	uint row = alias_row(pick.x, job.emitter_count);
+	emitter e = emitters[row];
+	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
+	triangle tri = triangles[keep ? e.triangle : emitters[e.alias].triangle];
+	vertex a = vertices[tri.vertex[0]];
+	vertex b = vertices[tri.vertex[1]];
+	vertex c = vertices[tri.vertex[2]];
+	material m = materials[tri.material];
+	vec3 v0 = to_vec3(a.position);
+	vec3 v1 = to_vec3(b.position);
+	vec3 v2 = to_vec3(c.position);
+	vec3 n = normalize(cross(v1 - v0, v2 - v0));
+
+	vec2 uv = sample_triangle(u);
+	vec3 q = v0 + uv.x * (v1 - v0) + uv.y * (v2 - v0);
+	float away = dot(n, origin - q);
+	bool lit = away > 0.0 || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
+	// The target is off the light's plane, on our side, for the reason that the origin is.
+	q += (away < 0.0 ? -n : n) * surface_offset(v0, v1, v2, n);
+
+	l.segment = q - origin;
+	l.t_max = 1.0;
+	float d2 = dot(l.segment, l.segment);
+	float d = sqrt(d2);
+	vec3 w = l.segment / d;
+	float pdf_bsdf = lambert_pdf(s, w);
+	float cos_light = abs(dot(n, w));
+	float pdf_area = m.power_density * job.emitter_power_inv * job.emitter_share;
+	if (!lit || !(d2 > 0.0) || pdf_bsdf == 0.0 || cos_light == 0.0)
+		return false;
+	// r = density of the BSDF's sampling over that of ours, both over area; r · weight stays below 1 however near the light is.
+	float r = min(pdf_bsdf * cos_light / (d2 * pdf_area), 1e18);
+	vec2 at = vec2(0.0);
+	if (EFFECT_TEXTURES)
+		at = (1.0 - uv.x - uv.y) * vec2(a.uv[0], a.uv[1]) + uv.x * vec2(b.uv[0], b.uv[1]) + uv.y * vec2(c.uv[0], c.uv[1]);
+	l.contribution = s.albedo * emission_at(m, at) * (r * power_weight(r));
+	return true;
+}
+
+float spot_attenuation(punctual_light light, vec3 w)
+{
+	// Khronos, KHR_lights_punctual: squared linear ramp between the two cones' cosines.
+	float c = -dot(to_vec3(light.direction), w);
+	float ramp = clamp((c - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-4), 0.0, 1.0);
+	return ramp * ramp;
+}
+
+bool sample_punctual(surface s, vec3 origin, uvec2 pick, out light_sample l)
+{
+	uint row = alias_row(pick.x, job.light_count);
+	punctual_light light = lights[row];
+	bool keep = float(pick.y >> 8) * UNIT_24 < light.keep;
+	if (!keep)
+		light = lights[light.alias];
+	vec3 to_light = to_vec3(light.position) - origin;
+	float d2 = dot(to_light, to_light);
+	bool directional = light.kind == LIGHT_DIRECTIONAL;
+	vec3 w = directional ? -to_vec3(light.direction) : to_light / sqrt(d2);
+	l.segment = directional ? w : to_light;
+	l.t_max = directional ? INFINITY : 1.0;
+	vec3 irradiance = to_vec3(light.intensity);   // on a plane facing the light
+	if (!directional)
+		irradiance /= d2;
+	if (light.kind == LIGHT_SPOT)
+		irradiance *= spot_attenuation(light, w);
+	float pdf_bsdf = lambert_pdf(s, w);
+	if (!(d2 > 0.0) || pdf_bsdf == 0.0)
+		return false;
+	l.contribution = s.albedo * irradiance * (pdf_bsdf / (light.pmf * (1.0 - job.emitter_share)));
+	return true;
+}
+
+// False: no light can come by this sample. `table` chooses between emissive triangles and punctual lights, `pick` the
+// light, `u` the point.
+bool sample_light(surface s, vec3 origin, float table, uvec2 pick, vec2 u, out light_sample l)
+{
+	bool emissive = EFFECT_EMITTERS && (!EFFECT_LIGHTS || table < job.emitter_share);
+	if (EFFECT_EMITTERS && emissive && job.emitter_count > 0u)
+		return sample_emitter(s, origin, pick, u, l);
+	if (EFFECT_LIGHTS && !emissive && job.light_count > 0u)
+		return sample_punctual(s, origin, pick, l);
+	return false;
+}
+
+#endif

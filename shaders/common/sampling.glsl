@@ -1,0 +1,127 @@
+// Random numbers with structure: Owen-scrambled Sobol points in two dimensions, padded.
+//
+// Every decision of a path takes a two-dimensional point of its own set. A set is the first two dimensions of Sobol' 1967,
+// its index shuffled and its digits scrambled by hashes of (pixel, half, set, seed): "Practical Hash-based Owen Scrambling",
+// Burley 2020 (JCGT 9-4). The two halves of a frame's samples have different hashes, so they are independent of each
+// other, and the difference of their means says how wrong the mean of both is.
+#ifndef COMMON_SAMPLING_GLSL
+#define COMMON_SAMPLING_GLSL
+
+// Sets of a path. Numbers are fixed per decision, so that an effect that is left out moves nobody else's samples.
+const uint SET_PIXEL = 0u;         // where in the pixel
+const uint SETS_PER_EVENT = 4u;
+const uint SET_PICK = 1u;          // which light, + event × SETS_PER_EVENT
+const uint SET_LIGHT = 2u;         // where on it
+const uint SET_BSDF = 3u;          // the next direction
+const uint SET_CHANCE = 4u;        // x: whether to go on; y: emissive triangles or punctual lights
+
+const float UNIT_24 = 5.9604644775390625e-08;   // 2⁻²⁴
+
+struct sampler_state {
+	uint index;       // of the sample in its half
+	uint scramble;    // hash of pixel, half and seed
+};
+
+// Mix of 32 bits in which each input bit reaches each output bit: lowbias32, Wellons 2018.
+uint hash(uint x)
+{
+	x ^= x >> 16;
+	x *= 0x7feb352du;
+	x ^= x >> 15;
+	x *= 0x846ca68bu;
+	x ^= x >> 16;
+	return x;
+}
+
+uint hash_combine(uint seed, uint v)
+{
+	return hash(seed ^ (v * 0x9e3779b9u + 0x7f4a7c15u));
+}
+
+// Laine and Karras 2011 with Burley's constants: a nested uniform scramble of a number whose bits are reversed, since each
+// step lets a bit depend on lower ones alone.
+uint scramble_reversed(uint x, uint seed)
+{
+	x += seed;
+	x ^= x * 0x6c50b47cu;
+	x ^= x * 0xb82f1e52u;
+	x ^= x * 0xc7afe638u;
+	x ^= x * 0x8d22f6e6u;
+	return x;
+}
+
+// Second Sobol' dimension of an index, bit-reversed: its generator matrix is Pascal's triangle mod 2, which is a
+// Kronecker power of ((1 1)(0 1)), so five butterflies apply it.
+uint sobol1_reversed(uint i)
+{
+	i ^= (i & 0xaaaaaaaau) >> 1;
+	i ^= (i & 0xccccccccu) >> 2;
+	i ^= (i & 0xf0f0f0f0u) >> 4;
+	i ^= (i & 0xff00ff00u) >> 8;
+	i ^= (i & 0xffff0000u) >> 16;
+	return i;
+}
+
+sampler_state sampler_make(uint pixel, uint sample_half, uint index, uint seed_lo, uint seed_hi)
+{
+	sampler_state s;
+	s.index = index;
+	s.scramble = hash_combine(hash_combine(hash_combine(hash(seed_lo), seed_hi), pixel), sample_half);
+	return s;
+}
+
+// 32 random bits in each of two dimensions.
+uvec2 sample_bits(sampler_state s, uint set)
+{
+	uint h = hash_combine(s.scramble, set);
+	// Shuffle: a nested uniform scramble of the index keeps every power-of-two block of it together.
+	uint i = bitfieldReverse(scramble_reversed(bitfieldReverse(s.index), h));
+	uint x = scramble_reversed(i, hash(h ^ 0x68bc21ebu));
+	uint y = scramble_reversed(sobol1_reversed(i), hash(h ^ 0x02e5be93u));
+	return bitfieldReverse(uvec2(x, y));
+}
+
+// In [0, 1): 24 bits, so that 1 is never reached.
+vec2 sample_2d(sampler_state s, uint set)
+{
+	return vec2(sample_bits(s, set) >> 8) * UNIT_24;
+}
+
+// Cosine-distributed direction about +Z by the concentric disc (Shirley and Chiu 1997). pdf = cos θ / π.
+vec3 cosine_hemisphere(vec2 u)
+{
+	vec2 a = 2.0 * u - 1.0;
+	bool wide = abs(a.x) > abs(a.y);
+	float r = wide ? a.x : a.y;
+	float other = wide ? a.y : a.x;
+	float phi = r != 0.0 ? 0.78539816339744831 * (other / r) : 0.0;
+	float c = cos(phi);
+	float s = sin(phi);
+	vec2 disc = r * (wide ? vec2(c, s) : vec2(s, c));
+	return vec3(disc, sqrt(max(0.0, 1.0 - dot(disc, disc))));
+}
+
+// Two unit vectors that make a right-handed frame with n: Duff et al. 2017 (JCGT 6-1).
+void frame_make(vec3 n, out vec3 x, out vec3 y)
+{
+	float s = n.z >= 0.0 ? 1.0 : -1.0;
+	float a = -1.0 / (s + n.z);
+	float b = n.x * n.y * a;
+	x = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
+	y = vec3(b, s + n.y * n.y * a, -n.y);
+}
+
+// Barycentrics of corners 1 and 2, uniform over the triangle, near points staying near: Heitz 2019.
+vec2 sample_triangle(vec2 u)
+{
+	if (u.y > u.x) {
+		u.x *= 0.5;
+		u.y -= u.x;
+	} else {
+		u.y *= 0.5;
+		u.x -= u.y;
+	}
+	return u;
+}
+
+#endif

@@ -1,0 +1,49 @@
+// Textures out of storage buffers: our own wrap and filter, since some devices cannot pick a sampler by a number.
+// Filtering is done in linear light. A look-up before the first mip level only.
+#ifndef COMMON_TEXTURE_GLSL
+#define COMMON_TEXTURE_GLSL
+
+#include "common/scene.glsl"
+
+// Texel index `i` of a side of `n`, by a wrap mode of layout.h.
+int wrap_index(int i, int n, uint mode)
+{
+	if (mode == WRAP_CLAMP)
+		return clamp(i, 0, n - 1);
+	int period = mode == WRAP_MIRROR ? 2 * n : n;
+	int m = i % period;
+	m = m < 0 ? m + period : m;
+	return m < n ? m : period - 1 - m;
+}
+
+vec4 fetch_texel(texture_info info, int x, int y)
+{
+	int u = wrap_index(x, int(info.width), info.flags >> TEXTURE_WRAP_S_SHIFT & 3u);
+	int v = wrap_index(y, int(info.height), info.flags >> TEXTURE_WRAP_T_SHIFT & 3u);
+	uint bits = texels[info.offset + uint(v) * info.width + uint(u)];
+	vec4 c = unpackUnorm4x8(bits);
+	if ((info.flags & TEXTURE_SRGB) != 0u)
+		c.rgb = vec3(srgb_table[bits & 255u], srgb_table[bits >> 8 & 255u], srgb_table[bits >> 16 & 255u]);
+	return c;
+}
+
+vec4 sample_texture(uint index, vec2 uv)
+{
+	texture_info info = textures[index];
+	vec2 size = vec2(info.width, info.height);
+	// Far coordinates lose their fraction anyway; held to a range that an int takes.
+	vec2 at = clamp(uv * size, vec2(-1e9), vec2(1e9));
+	if ((info.flags & TEXTURE_NEAREST) != 0u) {
+		ivec2 t = ivec2(floor(at));
+		return fetch_texel(info, t.x, t.y);
+	}
+	at -= 0.5;
+	vec2 base = floor(at);
+	vec2 f = at - base;
+	ivec2 t = ivec2(base);
+	vec4 top = mix(fetch_texel(info, t.x, t.y), fetch_texel(info, t.x + 1, t.y), f.x);
+	vec4 bottom = mix(fetch_texel(info, t.x, t.y + 1), fetch_texel(info, t.x + 1, t.y + 1), f.x);
+	return mix(top, bottom, f.y);
+}
+
+#endif

@@ -1,0 +1,45 @@
+// What the ray through a pixel's middle meets: depth, normal, albedo, id. Run once, and only if the request names one.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "common/camera.glsl"
+#include "common/surface.glsl"
+#include "trace/traverse.glsl"
+
+layout(local_size_x = TILE_SIDE, local_size_y = TILE_SIDE) in;
+
+layout(push_constant) uniform Push {
+	path_push push;
+};
+layout(std430, set = 0, binding = BIND_AOV) writeonly buffer Aov {
+	uint aov[];
+};
+
+void main()
+{
+	uint tile = push.first_tile + gl_WorkGroupID.x;
+	uvec2 pixel = uvec2(tile % job.tiles_x, tile / job.tiles_x) * TILE_SIDE + gl_LocalInvocationID.xy;
+	if (pixel.x >= job.width || pixel.y >= job.height)
+		return;
+	vec3 origin, direction;
+	camera_ray(vec2(pixel) + 0.5, origin, direction);
+	ray_hit hit;
+	float depth = INFINITY;
+	vec3 normal = vec3(0.0);
+	vec3 albedo = vec3(0.0);
+	uint id = 0u;
+	if (trace_closest(origin, direction, hit)) {
+		surface s = surface_at(hit.id, hit.uv, direction);
+		depth = hit.t * dot(direction, to_vec3(job.forward));
+		normal = s.shading;
+		albedo = s.albedo;
+		id = hit.material + 1u;
+	}
+	uint at = (pixel.y * job.width + pixel.x) * AOV_WORDS;
+	aov[at] = floatBitsToUint(depth);
+	for (uint i = 0u; i < 3u; i++) {
+		aov[at + 1u + i] = floatBitsToUint(normal[i]);
+		aov[at + 4u + i] = floatBitsToUint(albedo[i]);
+	}
+	aov[at + 7u] = id;
+}

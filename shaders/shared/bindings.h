@@ -1,0 +1,115 @@
+// Binding numbers of set 0 and the parameters of the path tracer's passes, for C and GLSL.
+#ifndef CANDIL_SHARED_BINDINGS_H
+#define CANDIL_SHARED_BINDINGS_H
+
+#include "shared/layout.h"
+
+// The resident scene. Every pass that traces binds these.
+#define BIND_NODES 0
+#define BIND_LEAF_TRIANGLES 1
+#define BIND_TRIANGLES 2
+#define BIND_VERTICES 3
+#define BIND_MATERIALS 4
+#define BIND_TEXTURES 5
+#define BIND_TEXELS 6
+#define BIND_EMITTERS 7
+#define BIND_LIGHTS 8
+#define BIND_SRGB_TABLE 9     // 256 floats: sRGB byte to linear
+#define BIND_SCENE_COUNT 10
+// The job.
+#define BIND_JOB 10           // struct pt_job
+#define BIND_COUNTERS 11      // struct pt_counters
+#define BIND_ACCUMULATOR 12   // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
+#define BIND_PATHS 13         // path: struct path_state, one an invocation, for paths longer than a dispatch
+#define BIND_PATH_COUNT 14
+#define BIND_AOV 12           // aov: 8 words a pixel: depth, normal, albedo, id
+#define BIND_AOV_COUNT 13
+#define BIND_RAYS 11          // cast: struct cast_ray in; struct cast_hit out at BIND_HITS
+#define BIND_HITS 12
+#define BIND_CAST_COUNT 13
+
+// Specialization constants, one for each effect of the plan.
+#define SPEC_TEXTURES 0
+#define SPEC_EMITTERS 1
+#define SPEC_LIGHTS 2
+#define SPEC_ENVIRONMENT 3
+#define SPEC_BOUNCES 4
+#define SPEC_EFFECTS 5
+// And of how a path is run.
+#define SPEC_RESUMED 5
+#define SPEC_COUNT 6
+
+#define ACCUMULATOR_FLOATS 12
+#define AOV_WORDS 8
+#define TILE_SIDE 8           // pixels; one workgroup
+
+// Everything about a job that stays the same from dispatch to dispatch.
+struct pt_job {
+	uint width;
+	uint height;
+	uint tiles_x;              // tiles in a row of the image
+	uint depth;                // scattering events at most
+	uint seed[2];
+	uint emitter_count;
+	uint light_count;
+	float eye[3];              // metres, relative to the blob's origin
+	float emitter_share;       // probability that next-event estimation goes to the emissive triangles
+	float right[3];            // half the image plane's width at distance 1
+	float emitter_power_inv;   // 1 / W: area pdf of an emissive triangle = power_density × this
+	float up[3];               // half its height
+	float orthographic;        // 1: right and up are metres, rays are parallel
+	float forward[3];          // unit
+	float reserved0;
+	float background[3];       // W/(m² sr)
+	float reserved1;
+};
+LAYOUT_ASSERT(pt_job, 112)
+
+// Where a dispatch works.
+struct path_push {
+	uint first_tile;
+	uint tile_count;
+	uint sample_half;          // 0 or 1: which of the two sequences
+	uint sample_index;         // within it
+	uint first_event;          // 0: start the paths; else go on with those kept in BIND_PATHS
+	uint event_count;          // scattering events at most in this dispatch
+};
+
+struct pt_counters {
+	uint rays;
+	uint non_finite;           // samples with a NaN or an infinity, taken as zero
+	uint cut;                  // loops that the driver ended before their condition did
+	uint reserved;
+};
+LAYOUT_ASSERT(pt_counters, 16)
+
+struct path_state {
+	float origin[3];
+	uint event;                // scattering events so far; PATH_DONE: nothing left to do
+	float direction[3];
+	float pdf;                 // of the direction, solid angle
+	float throughput[3];
+	uint rays;
+	float radiance[3];
+	uint reserved;
+};
+LAYOUT_ASSERT(path_state, 64)
+#define PATH_DONE 0xFFFFFFFFu
+
+struct cast_ray {
+	float origin[3];
+	float t_max;
+	float direction[3];
+	uint any;                  // 1: any hit will do
+};
+LAYOUT_ASSERT(cast_ray, 32)
+
+struct cast_hit {
+	float t;
+	uint id;                   // triangle id; NONE: nothing hit. For any: 0 if something was hit
+	float u;
+	float v;
+};
+LAYOUT_ASSERT(cast_hit, 16)
+
+#endif

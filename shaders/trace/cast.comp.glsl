@@ -1,0 +1,35 @@
+// Rays from a buffer, hits into another: the traversal by itself, for tests and measurements.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "trace/traverse.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(push_constant) uniform Push {
+	uint first;
+	uint count;
+} push;
+layout(std430, set = 0, binding = BIND_RAYS) readonly buffer Rays {
+	cast_ray rays[];
+};
+layout(std430, set = 0, binding = BIND_HITS) writeonly buffer Hits {
+	cast_hit hits[];
+};
+
+void main()
+{
+	if (gl_GlobalInvocationID.x >= push.count)
+		return;
+	uint i = push.first + gl_GlobalInvocationID.x;
+	cast_ray ray = rays[i];
+	ray_hit hit;
+	if (ray.any != 0u) {
+		hit.id = trace_any(to_vec3(ray.origin), to_vec3(ray.direction), ray.t_max) ? 0u : NONE;
+		hit.t = 0.0;
+		hit.uv = vec2(0.0);
+	} else {
+		trace_closest(to_vec3(ray.origin), to_vec3(ray.direction), hit);
+	}
+	hits[i] = cast_hit(hit.t, trace_cut ? NONE - 1u : hit.id, hit.uv.x, hit.uv.y);
+}

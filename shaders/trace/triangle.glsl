@@ -1,0 +1,56 @@
+// Ray against triangle, watertight: Woop, Benthin and Wald 2013 (JCGT 2-1). The edge functions of two triangles that share
+// an edge are the same products in the same order, so rounding cannot open a gap between them; `precise` keeps compilers
+// from fusing one and not the other. A zero edge function counts as inside for both neighbours.
+#ifndef TRACE_TRIANGLE_GLSL
+#define TRACE_TRIANGLE_GLSL
+
+// A ray sheared so that it runs along +z from the origin.
+struct sheared_ray {
+	vec3 origin;
+	vec3 shear;      // x, y: shear; z: scale
+	uint axis;       // the world axis that became z
+};
+
+vec3 rotate_axes(vec3 v, uint axis)
+{
+	return axis == 0u ? v.yzx : axis == 1u ? v.zxy : v;
+}
+
+sheared_ray shear_ray(vec3 origin, vec3 direction)
+{
+	vec3 a = abs(direction);
+	sheared_ray r;
+	r.origin = origin;
+	r.axis = a.x > a.y ? (a.x > a.z ? 0u : 2u) : (a.y > a.z ? 1u : 2u);
+	vec3 d = rotate_axes(direction, r.axis);
+	r.shear = vec3(d.x, d.y, 1.0) / d.z;
+	return r;
+}
+
+// t in units of the direction's length, u and v the barycentrics of corners 1 and 2. False: missed, or behind t = 0.
+bool hit_triangle(sheared_ray r, vec3 v0, vec3 v1, vec3 v2, out float t, out vec2 uv)
+{
+	vec3 a = rotate_axes(v0 - r.origin, r.axis);
+	vec3 b = rotate_axes(v1 - r.origin, r.axis);
+	vec3 c = rotate_axes(v2 - r.origin, r.axis);
+	precise float ax = a.x - r.shear.x * a.z;
+	precise float ay = a.y - r.shear.y * a.z;
+	precise float bx = b.x - r.shear.x * b.z;
+	precise float by = b.y - r.shear.y * b.z;
+	precise float cx = c.x - r.shear.x * c.z;
+	precise float cy = c.y - r.shear.y * c.z;
+	precise float u = cx * by - cy * bx;
+	precise float v = ax * cy - ay * cx;
+	precise float w = bx * ay - by * ax;
+	precise float det = u + v + w;
+	precise float scaled = u * (r.shear.z * a.z) + v * (r.shear.z * b.z) + w * (r.shear.z * c.z);
+	float least = min(u, min(v, w));
+	float most = max(u, max(v, w));
+	bool inside = !(least < 0.0 && most > 0.0) && det != 0.0;
+	float inv = 1.0 / det;
+	t = scaled * inv;
+	uv = vec2(v, w) * inv;
+	return inside && t > 0.0;
+}
+
+#endif
