@@ -1,0 +1,194 @@
+// The blocking calls: a request each and a wait for the event that ends it.
+#include <string.h>
+#include <time.h>
+
+#include "clients/libcandil/private.h"
+
+static candil_status refuse_if_busy(const candil_client *client, struct candil_error *error)
+{
+	if (!request_any_open(client))
+		return CANDIL_STATUS_OK;
+	return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT,
+			   "submitted requests are open on this connection; take their events first or use another one");
+}
+
+// The next event of the one open request. Its ERROR becomes the result.
+static candil_status wait_event(candil_client *client, struct candil_event *event, struct candil_error *error)
+{
+	int timeout_ms = client->timeout_ms == 0 ? -1 : client->timeout_ms > INT32_MAX ? INT32_MAX : (int)client->timeout_ms;
+	while (!candil_next_event(client, event)) {
+		candil_status status = client_wait(client, timeout_ms, error);
+		if (status != CANDIL_STATUS_OK)
+			return status;
+	}
+	if (event->kind == CANDIL_EVENT_ERROR)
+		return client_fail(error, event->u.error.code, "%s", event->u.error.text);
+	return CANDIL_STATUS_OK;
+}
+
+candil_status candil_ping(candil_client *client, uint64_t *microseconds, struct candil_error *error)
+{
+	static const char payload[] = "candil";
+	struct candil_event event;
+	struct timespec from, to;
+	uint32_t id;
+	candil_status status = refuse_if_busy(client, error);
+	clock_gettime(CLOCK_MONOTONIC, &from);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_ping(client, payload, sizeof(payload), &id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = wait_event(client, &event, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
+	clock_gettime(CLOCK_MONOTONIC, &to);
+	if (event.u.pong.bytes != sizeof(payload) || memcmp(event.u.pong.payload, payload, sizeof(payload)) != 0)
+		return client_fail(error, CANDIL_STATUS_IO, "the daemon answered a ping with other bytes");
+	if (microseconds)
+		*microseconds = (uint64_t)((to.tv_sec - from.tv_sec) * 1000000 + (to.tv_nsec - from.tv_nsec) / 1000);
+	return CANDIL_STATUS_OK;
+}
+
+candil_status candil_load(candil_client *client, const struct candil_load_request *request, struct candil_scene_info *info,
+			  struct candil_error *error)
+{
+	struct candil_event event;
+	uint32_t id;
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_load(client, request, &id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = wait_event(client, &event, error);
+	if (status == CANDIL_STATUS_OK && info)
+		*info = event.u.scene;
+	return status;
+}
+
+candil_status candil_load_file(candil_client *client, const char *name, const char *file, struct candil_scene_info *info,
+			       struct candil_error *error)
+{
+	const struct candil_load_request request = {.name = name, .file = file};
+	return candil_load(client, &request, info, error);
+}
+
+candil_status candil_unload(candil_client *client, const char *name, struct candil_error *error)
+{
+	struct candil_event event;
+	uint32_t id;
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_unload(client, name, &id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = wait_event(client, &event, error);
+	return status;
+}
+
+candil_status candil_scenes(candil_client *client, struct candil_scene_list *list, struct candil_error *error)
+{
+	struct candil_event event;
+	uint32_t id;
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_scenes(client, &id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = wait_event(client, &event, error);
+	if (status == CANDIL_STATUS_OK)
+		*list = event.u.scenes;
+	return status;
+}
+
+candil_status candil_describe(candil_client *client, const char *name, struct candil_scene_info *info,
+			      struct candil_error *error)
+{
+	struct candil_event event;
+	uint32_t id;
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_describe(client, name, &id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = wait_event(client, &event, error);
+	if (status == CANDIL_STATUS_OK)
+		*info = event.u.scene;
+	return status;
+}
+
+candil_status candil_stats(candil_client *client, struct candil_stats *stats, struct candil_error *error)
+{
+	struct candil_event event;
+	uint32_t id;
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_stats(client, &id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = wait_event(client, &event, error);
+	if (status == CANDIL_STATUS_OK)
+		*stats = event.u.stats;
+	return status;
+}
+
+void candil_render_request_init(struct candil_render_request *request)
+{
+	memset(request, 0, sizeof(*request));
+	request->width = request->height = 512;
+	request->samples = 64;
+	request->format = CANDIL_FORMAT_EXR_FLOAT;
+}
+
+// Note one event of a render and tell the caller. false: the caller wants it cancelled.
+static bool render_event(candil_client *client, const struct candil_event *event, const struct candil_callbacks *callbacks,
+			 struct candil_render_result *result)
+{
+	int verdict = 0;
+	switch (event->kind) {
+	case CANDIL_EVENT_ACCEPTED:
+		result->accepted = event->u.accepted;
+		if (callbacks && callbacks->accepted)
+			verdict = callbacks->accepted(callbacks->user, &event->u.accepted);
+		break;
+	case CANDIL_EVENT_PROGRESS:
+		if (callbacks && callbacks->progress)
+			verdict = callbacks->progress(callbacks->user, &event->u.progress);
+		break;
+	case CANDIL_EVENT_IMAGE:
+		if (event->u.image.final) {
+			candil_keep_image(client, &event->u.image);
+			result->image = event->u.image;
+		} else if (callbacks && callbacks->image) {
+			verdict = callbacks->image(callbacks->user, &event->u.image);
+		}
+		break;
+	case CANDIL_EVENT_DONE:
+		result->done = event->u.done;
+		break;
+	default:
+		break;
+	}
+	return verdict == 0;
+}
+
+candil_status candil_render(candil_client *client, const struct candil_render_request *request,
+			    const struct candil_callbacks *callbacks, struct candil_render_result *result,
+			    struct candil_error *error)
+{
+	struct candil_event event = {0};
+	bool cancelled = false;
+	uint32_t id;
+	memset(result, 0, sizeof(*result));
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_render(client, request, &id, error);
+	while (status == CANDIL_STATUS_OK && !event.ends_request) {
+		status = wait_event(client, &event, error);
+		if (status == CANDIL_STATUS_OK && !render_event(client, &event, callbacks, result) && !cancelled) {
+			cancelled = true;
+			status = candil_cancel(client, id, error);
+		}
+	}
+	// The render was quicker than its cancel: to the caller it is cancelled all the same.
+	if (status == CANDIL_STATUS_OK && cancelled)
+		status = client_fail(error, CANDIL_STATUS_CANCELLED, "the render was cancelled by its caller");
+	if (status != CANDIL_STATUS_OK) {
+		candil_free(result->image.data);
+		result->image = (struct candil_image){0};
+	}
+	return status;
+}

@@ -1,0 +1,255 @@
+// Takes what has arrived apart, message by message, and puts images together from their chunks. Everything here comes from
+// outside: a reply that does not fit its request ends the connection, one that fits no request is passed over.
+#include <stdlib.h>
+#include <string.h>
+
+#include "clients/libcandil/private.h"
+
+// Room for any file of these dimensions: every AOV as float is 44 bytes a pixel, and a file has its headers.
+static uint64_t image_bytes_max(const struct request *request)
+{
+	return (uint64_t)request->width * request->height * 64u + (4u << 20);
+}
+
+static void protocol_error(candil_client *client, const struct header *header, const char *what)
+{
+	client_break(client, CANDIL_STATUS_IO, "the daemon broke the protocol: %s (%s, %u bytes, request %u)", what,
+		     message_type_name(header->type), header->length, header->request);
+}
+
+// Whether a request of this type may get that reply.
+static bool reply_fits(uint8_t request, uint8_t reply)
+{
+	if (reply == MESSAGE_ERROR)
+		return true;
+	switch (request) {
+	case MESSAGE_HELLO:
+		return reply == MESSAGE_HELLO_REPLY;
+	case MESSAGE_PING:
+		return reply == MESSAGE_PONG;
+	case MESSAGE_LOAD:
+	case MESSAGE_DESCRIBE:
+		return reply == MESSAGE_SCENE_INFO;
+	case MESSAGE_UNLOAD:
+	case MESSAGE_CANCEL:
+		return reply == MESSAGE_OK;
+	case MESSAGE_LIST_SCENES:
+		return reply == MESSAGE_SCENE_LIST;
+	case MESSAGE_STATS:
+		return reply == MESSAGE_STATS_REPLY;
+	case MESSAGE_RENDER:
+		return reply == MESSAGE_ACCEPTED || reply == MESSAGE_PROGRESS || reply == MESSAGE_IMAGE ||
+		       reply == MESSAGE_FRAME_CHUNK || reply == MESSAGE_DONE;
+	default:
+		return false;
+	}
+}
+
+static void image_begin(candil_client *client, struct request *request, const struct header *header, const uint8_t *body)
+{
+	struct assembly *image = &request->image;
+	candil_ImageFrame frame = candil_ImageFrame_init_zero;
+	if (!message_read_image(body, header->length, &frame))
+		protocol_error(client, header, "the message cannot be decoded");
+	else if (image->receiving || image->had_final)
+		protocol_error(client, header, "an image begins out of turn");
+	else if (frame.width != request->width || frame.height != request->height ||
+		 (int)frame.format != (int)request->format)
+		protocol_error(client, header, "an image of another size or format than was asked for");
+	else if (frame.bytes == 0 || frame.bytes > image_bytes_max(request))
+		protocol_error(client, header, "an image of an impossible length");
+	if (client->broken.code != CANDIL_STATUS_OK)
+		return;
+	image->frame = frame;
+	image->receiving = true;
+	image->filled = 0;
+}
+
+// Grow with what has arrived, not with what was announced.
+static bool image_reserve(struct assembly *image, size_t needed)
+{
+	if (needed <= image->capacity)
+		return true;
+	size_t capacity = image->capacity ? image->capacity : 64u * 1024u;
+	while (capacity < needed)
+		capacity *= 2;
+	if (capacity > image->frame.bytes)
+		capacity = (size_t)image->frame.bytes;
+	uint8_t *bigger = realloc(image->data, capacity);
+	if (!bigger)
+		return false;
+	image->data = bigger;
+	image->capacity = capacity;
+	return true;
+}
+
+// true: the image is whole and the event is filled in.
+static bool image_append(candil_client *client, struct request *request, const struct header *header, const uint8_t *body,
+			 struct candil_event *event)
+{
+	struct assembly *image = &request->image;
+	if (!image->receiving || header->length > image->frame.bytes - image->filled) {
+		protocol_error(client, header, "more image bytes than were announced");
+		return false;
+	}
+	if (!image_reserve(image, image->filled + header->length)) {
+		client_break(client, CANDIL_STATUS_MEMORY, "out of memory for an image of %llu bytes",
+			     (unsigned long long)image->frame.bytes);
+		return false;
+	}
+	if (header->length > 0)
+		memcpy(image->data + image->filled, body, header->length);
+	image->filled += header->length;
+	if (image->filled < image->frame.bytes)
+		return false;
+	event->kind = CANDIL_EVENT_IMAGE;
+	event->ends_request = false;
+	event->u.image = (struct candil_image){
+	    .data = image->data,
+	    .bytes = image->filled,
+	    .format = (enum candil_format)image->frame.format,
+	    .width = image->frame.width,
+	    .height = image->frame.height,
+	    .samples = image->frame.samples,
+	    .final = image->frame.final,
+	};
+	client->event_image = image->data;
+	image->had_final = image->frame.final;
+	image->data = NULL;
+	image->filled = image->capacity = 0;
+	image->receiving = false;
+	return true;
+}
+
+static void take_hello(candil_client *client, struct request *request, const struct header *header, const uint8_t *body)
+{
+	if (!message_read_server(body, header->length, &client->server))
+		protocol_error(client, header, "the message cannot be decoded");
+	else if (client->server.version != CANDIL_VERSION)
+		client_break(client, CANDIL_STATUS_BAD_VERSION, "the daemon speaks version %u, this library %u",
+			     client->server.version, CANDIL_VERSION);
+	else
+		client->greeted = true;
+	request_close(request);
+}
+
+// One reply to an open request. true: the event is filled in.
+static bool take_reply(candil_client *client, struct request *request, const struct header *header, const uint8_t *body,
+		       struct candil_event *event)
+{
+	event->id = header->request;
+	if (!reply_fits(request->type, header->type)) {
+		protocol_error(client, header, "a reply that does not fit its request");
+		return false;
+	}
+	if (header->type == MESSAGE_HELLO_REPLY) {
+		take_hello(client, request, header, body);
+		return false;
+	}
+	if (header->type == MESSAGE_IMAGE) {
+		image_begin(client, request, header, body);
+		return false;
+	}
+	if (header->type == MESSAGE_FRAME_CHUNK)
+		return image_append(client, request, header, body, event);
+	if (!message_read_event(header->type, body, header->length, event)) {
+		protocol_error(client, header, "the message cannot be decoded");
+		return false;
+	}
+	if (header->type == MESSAGE_DONE && !request->image.had_final) {
+		protocol_error(client, header, "a render ends without its image");
+		return false;
+	}
+	bool silent = request->silent;
+	if (request->type == MESSAGE_HELLO)
+		client_break(client, event->u.error.code, "%s", event->u.error.text);
+	if (event->ends_request)
+		request_close(request);
+	return !silent;
+}
+
+// An error for no request in particular: the daemon is about to close.
+static void take_farewell(candil_client *client, const struct header *header, const uint8_t *body,
+			  struct candil_event *event)
+{
+	if (message_read_event(MESSAGE_ERROR, body, header->length, event))
+		client_break(client, event->u.error.code, "%s", event->u.error.text);
+	else
+		protocol_error(client, header, "the message cannot be decoded");
+}
+
+static bool known_reply(uint8_t type)
+{
+	return type == MESSAGE_ERROR || (type >= MESSAGE_HELLO_REPLY && type <= MESSAGE_STATS_REPLY);
+}
+
+// Take one whole message off the buffer. false: none is there.
+static bool take_message(candil_client *client, struct header *header, const uint8_t **body)
+{
+	size_t there = client->in_end - client->in_start;
+	if (there < CANDIL_HEADER_BYTES)
+		return false;
+	const uint8_t *at = client->in + client->in_start;
+	enum status status = header_decode(at, header);
+	if (status != STATUS_OK) {
+		client_break(client, (candil_status)status, "what answers does not speak candil's protocol (%s)",
+			     status_name(status));
+		return false;
+	}
+	if (there < CANDIL_HEADER_BYTES + (size_t)header->length)
+		return false;
+	client->in_start += CANDIL_HEADER_BYTES + (size_t)header->length;
+	*body = at + CANDIL_HEADER_BYTES;
+	return true;
+}
+
+// The connection is over: every open request ends with the reason.
+static bool next_failure(candil_client *client, struct candil_event *event)
+{
+	for (size_t i = 0; i < 2u * OPEN_REQUESTS; i++) {
+		struct request *request = &client->requests[i];
+		bool silent = request->silent;
+		if (request->id == 0)
+			continue;
+		event->kind = CANDIL_EVENT_ERROR;
+		event->id = request->id;
+		event->ends_request = true;
+		event->u.error = client->broken;
+		request_close(request);
+		if (!silent)
+			return true;
+	}
+	return false;
+}
+
+bool candil_next_event(candil_client *client, struct candil_event *event)
+{
+	free(client->event_image);
+	client->event_image = NULL;
+	memset(event, 0, sizeof(*event));
+	struct header header;
+	const uint8_t *body;
+	while (client->broken.code == CANDIL_STATUS_OK && take_message(client, &header, &body)) {
+		struct request *request = request_find(client, header.request);
+		if (request && known_reply(header.type)) {
+			if (take_reply(client, request, &header, body, event))
+				return true;
+		} else if (header.type == MESSAGE_ERROR && header.request == 0) {
+			take_farewell(client, &header, body, event);
+		}
+	}
+	if (client->eof)
+		client_break(client, CANDIL_STATUS_IO, "the daemon closed the connection");
+	return client->broken.code != CANDIL_STATUS_OK && next_failure(client, event);
+}
+
+void candil_keep_image(candil_client *client, const struct candil_image *image)
+{
+	if (client->event_image == image->data)
+		client->event_image = NULL;
+}
+
+void candil_free(const void *data)
+{
+	free((void *)(uintptr_t)data);
+}

@@ -1,0 +1,327 @@
+// Between the generated messages and the plain structures of candil.h.
+#include <math.h>
+#include <pb_decode.h>
+#include <string.h>
+
+#include "clients/libcandil/private.h"
+
+#define TEXT(to, from) text_copy((to), sizeof(to), (from))
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
+// ---- requests -------------------------------------------------------------------------------------------------------
+
+static candil_status take_string(const char *what, const char *in, char *out, size_t capacity, struct candil_error *error)
+{
+	if (!in || !*in)
+		return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT, "%s is missing", what);
+	if (strlen(in) >= capacity)
+		return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT, "%s is longer than %zu bytes", what, capacity - 1);
+	strcpy(out, in);
+	return CANDIL_STATUS_OK;
+}
+
+static candil_Vec3 vec3_write(const struct candil_vec3 *v)
+{
+	return (candil_Vec3){v->x, v->y, v->z};
+}
+
+candil_status message_write_name(const char *name, char *out, size_t capacity, struct candil_error *error)
+{
+	return take_string("the scene's name", name, out, capacity, error);
+}
+
+candil_status message_write_load(const struct candil_load_request *request, candil_Load *load, struct candil_error *error)
+{
+	if (!request->server_path == !request->file)
+		return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT,
+				   "a load names either a path of the daemon's or a file");
+	load->up = (candil_UpAxis)request->up;
+	load->metres_per_unit = request->metres_per_unit;
+	candil_status status = message_write_name(request->name, load->name, sizeof(load->name), error);
+	if (status == CANDIL_STATUS_OK && request->server_path)
+		status = take_string("the scene's path", request->server_path, load->path, sizeof(load->path), error);
+	return status;
+}
+
+static candil_status write_camera(const struct candil_render_request *request, candil_Render *render,
+				  struct candil_error *error)
+{
+	candil_Camera *camera = &render->camera;
+	if (request->camera_name) {
+		render->has_camera = true;
+		return take_string("the camera's name", request->camera_name, camera->name, sizeof(camera->name), error);
+	}
+	if (request->has_camera) {
+		render->has_camera = camera->has_eye = camera->has_target = camera->has_up = true;
+		camera->eye = vec3_write(&request->eye);
+		camera->target = vec3_write(&request->target);
+		camera->up = vec3_write(&request->up);
+		camera->vfov_degrees = request->vfov_degrees;
+	}
+	return CANDIL_STATUS_OK;
+}
+
+static candil_status write_options(const struct candil_render_request *request, candil_Render *render,
+				   struct candil_error *error)
+{
+	if (request->option_count > COUNT(render->options))
+		return client_fail(error, CANDIL_STATUS_LIMIT, "a render takes at most %zu options", COUNT(render->options));
+	candil_status status = CANDIL_STATUS_OK;
+	for (size_t i = 0; i < request->option_count && status == CANDIL_STATUS_OK; i++) {
+		candil_Option *to = &render->options[render->options_count++];
+		status = take_string("an option's name", request->options[i].name, to->name, sizeof(to->name), error);
+		if (status == CANDIL_STATUS_OK)
+			status =
+			    take_string("an option's value", request->options[i].value, to->value, sizeof(to->value), error);
+	}
+	return status;
+}
+
+candil_status message_write_render(const struct candil_render_request *request, candil_Render *render,
+				   struct candil_error *error)
+{
+	render->technique = (candil_Technique)request->technique;
+	render->width = request->width;
+	render->height = request->height;
+	render->samples = request->samples;
+	render->first_sample = request->first_sample;
+	render->seed = request->seed;
+	render->effects_on = request->effects_on;
+	render->effects_off = request->effects_off;
+	render->aovs = request->aovs;
+	render->format = (candil_Format)request->format;
+	render->exposure_ev = request->exposure_ev;
+	render->view = (candil_View)request->view;
+	render->progressive = request->progressive;
+	render->has_background = request->has_background;
+	if (request->has_background)
+		render->background = vec3_write(&request->background);
+	render->progress_ms = request->progress_ms;
+	candil_status status = message_write_name(request->scene, render->scene, sizeof(render->scene), error);
+	if (status == CANDIL_STATUS_OK)
+		status = write_camera(request, render, error);
+	if (status == CANDIL_STATUS_OK)
+		status = write_options(request, render, error);
+	return status;
+}
+
+// ---- replies --------------------------------------------------------------------------------------------------------
+
+static struct candil_vec3 vec3_read(bool has, const candil_Vec3 *v)
+{
+	return has ? (struct candil_vec3){v->x, v->y, v->z} : (struct candil_vec3){0, 0, 0};
+}
+
+static void read_camera(const candil_CameraInfo *from, struct candil_camera_info *to)
+{
+	TEXT(to->name, from->name);
+	to->eye = vec3_read(from->has_eye, &from->eye);
+	to->target = vec3_read(from->has_target, &from->target);
+	to->up = vec3_read(from->has_up, &from->up);
+	to->vfov_degrees = from->vfov_degrees;
+}
+
+static void read_scene_lists(const candil_SceneInfo *from, struct candil_scene_info *to)
+{
+	_Static_assert(COUNT(to->cameras) == COUNT(from->cameras) && COUNT(to->warnings) == COUNT(from->warnings) &&
+			   COUNT(to->ignored) == COUNT(from->ignored) && COUNT(to->facts) == COUNT(from->facts),
+		       "candil.h and candil.options differ");
+	to->camera_count = from->camera_count;
+	to->camera_list_count = from->cameras_count;
+	for (size_t i = 0; i < from->cameras_count; i++)
+		read_camera(&from->cameras[i], &to->cameras[i]);
+	to->warning_count = from->warnings_count;
+	for (size_t i = 0; i < from->warnings_count; i++)
+		TEXT(to->warnings[i], from->warnings[i]);
+	to->warnings_more = from->warnings_more;
+	to->ignored_count = from->ignored_count;
+	for (size_t i = 0; i < from->ignored_count; i++)
+		TEXT(to->ignored[i], from->ignored[i]);
+	to->fact_count = from->facts_count;
+	for (size_t i = 0; i < from->facts_count; i++)
+		TEXT(to->facts[i], from->facts[i]);
+}
+
+static void read_scene(const candil_SceneInfo *from, struct candil_scene_info *to)
+{
+	TEXT(to->name, from->name);
+	TEXT(to->file, from->file);
+	TEXT(to->hash, from->hash);
+	TEXT(to->light_units, from->light_units);
+	to->blob_bytes = from->blob_bytes;
+	to->triangles = from->triangles;
+	to->materials = from->materials;
+	to->textures = from->textures;
+	to->emissive_triangles = from->emissive_triangles;
+	to->punctual_lights = from->punctual_lights;
+	to->bounds_min = vec3_read(from->has_bounds_min, &from->bounds_min);
+	to->bounds_max = vec3_read(from->has_bounds_max, &from->bounds_max);
+	to->origin = vec3_read(from->has_origin, &from->origin);
+	to->bvh_nodes = from->bvh_nodes;
+	to->bvh_depth = from->bvh_depth;
+	to->dropped_degenerate = from->dropped_degenerate;
+	to->dropped_non_finite = from->dropped_non_finite;
+	to->dropped_out_of_range = from->dropped_out_of_range;
+	to->missing_textures = from->missing_textures;
+	to->load_us = from->load_us;
+	read_scene_lists(from, to);
+}
+
+static void read_list(const candil_SceneList *from, struct candil_scene_list *to)
+{
+	_Static_assert(COUNT(to->scenes) == COUNT(from->scenes), "candil.h and candil.options differ");
+	to->count = from->scenes_count;
+	for (size_t i = 0; i < from->scenes_count; i++) {
+		TEXT(to->scenes[i].name, from->scenes[i].name);
+		to->scenes[i].triangles = from->scenes[i].triangles;
+		to->scenes[i].blob_bytes = from->scenes[i].blob_bytes;
+		to->scenes[i].loading = from->scenes[i].loading;
+		to->scenes[i].jobs = from->scenes[i].jobs;
+	}
+}
+
+static void read_accepted(const candil_Accepted *from, struct candil_accepted *to)
+{
+	_Static_assert(COUNT(to->plan) == COUNT(from->plan), "candil.h and candil.options differ");
+	to->technique = (enum candil_technique)from->technique;
+	to->plan_count = from->plan_count;
+	for (size_t i = 0; i < from->plan_count; i++) {
+		to->plan[i].effect = (enum candil_effect)from->plan[i].effect;
+		to->plan[i].state = (enum candil_effect_state)from->plan[i].state;
+		TEXT(to->plan[i].why, from->plan[i].why);
+	}
+	TEXT(to->device, from->device);
+	to->job_bytes = from->job_bytes;
+	to->samples = from->samples;
+	to->depth = from->depth;
+}
+
+static void read_progress(const candil_Progress *from, struct candil_progress *to)
+{
+	to->samples_done = from->samples_done;
+	to->samples = from->samples;
+	// fmin and fmax drop a NaN.
+	to->fraction = fmin(fmax(from->fraction, 0.0), 1.0);
+	to->device_us = from->device_us;
+	to->elapsed_us = from->elapsed_us;
+}
+
+static void read_done(const candil_Done *from, struct candil_done *to)
+{
+	_Static_assert(COUNT(to->stages) == COUNT(from->stages), "candil.h and candil.options differ");
+	to->samples = from->samples;
+	to->stage_count = from->stages_count;
+	for (size_t i = 0; i < from->stages_count; i++) {
+		TEXT(to->stages[i].name, from->stages[i].name);
+		to->stages[i].us = from->stages[i].us;
+	}
+	to->elapsed_us = from->elapsed_us;
+	to->estimated_relmse = isfinite(from->estimated_relmse) ? from->estimated_relmse : -1.0;
+	to->non_finite_samples = from->non_finite_samples;
+	to->rays = from->rays;
+	to->slices = from->slices;
+	to->retries = from->retries;
+	TEXT(to->device, from->device);
+	TEXT(to->reason, from->reason);
+}
+
+static void read_stats(const candil_StatsReply *from, struct candil_stats *to)
+{
+	to->uptime_us = from->uptime_us;
+	to->connections = from->connections;
+	to->jobs = from->jobs;
+	to->jobs_done = from->jobs_done;
+	to->jobs_failed = from->jobs_failed;
+	to->jobs_cancelled = from->jobs_cancelled;
+	to->slices = from->slices;
+	to->worker_starts = from->worker_starts;
+	to->loader_starts = from->loader_starts;
+	to->loader_failures = from->loader_failures;
+	to->scenes = from->scenes;
+	to->scene_bytes = from->scene_bytes;
+	to->buffered_bytes = from->buffered_bytes;
+	to->worker_pid = from->worker_pid;
+	to->loader_pid = from->loader_pid;
+	TEXT(to->device, from->device);
+	to->device_bytes = from->device_bytes;
+	to->validation_errors = from->validation_errors;
+	to->slice_ms = from->slice_ms;
+}
+
+static void read_error(const candil_Error *from, struct candil_error *to)
+{
+	// A failure must never look like success.
+	to->code = from->code != 0 && from->code <= INT32_MAX ? (candil_status)from->code : CANDIL_STATUS_INTERNAL;
+	TEXT(to->text, from->message[0] ? from->message : "the daemon gave no reason");
+}
+
+static bool decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message)
+{
+	pb_istream_t stream = pb_istream_from_buffer(body, bytes);
+	return pb_decode(&stream, fields, message);
+}
+
+bool message_read_image(const uint8_t *body, size_t bytes, candil_ImageFrame *frame)
+{
+	return decode(body, bytes, candil_ImageFrame_fields, frame);
+}
+
+bool message_read_server(const uint8_t *body, size_t bytes, struct candil_server *server)
+{
+	candil_HelloReply reply = candil_HelloReply_init_zero;
+	if (!decode(body, bytes, candil_HelloReply_fields, &reply))
+		return false;
+	server->version = reply.version;
+	TEXT(server->name, reply.server);
+	server->max_message_bytes = reply.max_message_bytes;
+	server->max_pixels = reply.max_pixels;
+	server->max_samples_times_pixels = reply.max_samples_times_pixels;
+	server->max_jobs_per_connection = reply.max_jobs_per_connection;
+	return true;
+}
+
+// Every reply that becomes an event by itself: its generated type, its event, and the end of a request or not.
+bool message_read_event(uint8_t type, const uint8_t *body, size_t bytes, struct candil_event *event)
+{
+	union {
+		candil_Ping ping;
+		candil_SceneInfo scene;
+		candil_SceneList list;
+		candil_Accepted accepted;
+		candil_Progress progress;
+		candil_Done done;
+		candil_StatsReply stats;
+		candil_Error error;
+	} m;
+	memset(&m, 0, sizeof(m));
+	event->ends_request = type != MESSAGE_ACCEPTED && type != MESSAGE_PROGRESS;
+#define READ(upper, kind_name, member, fields, convert) \
+	case MESSAGE_##upper: \
+		event->kind = CANDIL_EVENT_##kind_name; \
+		if (!decode(body, bytes, fields, &m.member)) \
+			return false; \
+		convert; \
+		return true;
+	switch (type) {
+		READ(SCENE_INFO, SCENE, scene, candil_SceneInfo_fields, read_scene(&m.scene, &event->u.scene))
+		READ(SCENE_LIST, SCENES, list, candil_SceneList_fields, read_list(&m.list, &event->u.scenes))
+		READ(ACCEPTED, ACCEPTED, accepted, candil_Accepted_fields, read_accepted(&m.accepted, &event->u.accepted))
+		READ(PROGRESS, PROGRESS, progress, candil_Progress_fields, read_progress(&m.progress, &event->u.progress))
+		READ(DONE, DONE, done, candil_Done_fields, read_done(&m.done, &event->u.done))
+		READ(STATS_REPLY, STATS, stats, candil_StatsReply_fields, read_stats(&m.stats, &event->u.stats))
+		READ(ERROR, ERROR, error, candil_Error_fields, read_error(&m.error, &event->u.error))
+	case MESSAGE_OK:
+		event->kind = CANDIL_EVENT_OK;
+		return true;
+	case MESSAGE_PONG:
+		event->kind = CANDIL_EVENT_PONG;
+		if (!decode(body, bytes, candil_Ping_fields, &m.ping))
+			return false;
+		event->u.pong.bytes = m.ping.payload.size;
+		memcpy(event->u.pong.payload, m.ping.payload.bytes, m.ping.payload.size);
+		return true;
+	default:
+		return false;
+	}
+#undef READ
+}

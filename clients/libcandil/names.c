@@ -1,0 +1,82 @@
+#include "clients/libcandil/private.h"
+
+#define SAME_STATUS(name, number, wire) \
+	_Static_assert((int)CANDIL_STATUS_##name == (number), "candil_status differs from protocol/status.h");
+CANDIL_STATUS_LIST(SAME_STATUS)
+#undef SAME_STATUS
+
+#define SAME(ours, theirs) _Static_assert((int)(ours) == (int)(theirs), #ours " differs from candil.proto")
+SAME(CANDIL_UP_DEFAULT, candil_UpAxis_UP_DEFAULT);
+SAME(CANDIL_UP_Y, candil_UpAxis_UP_Y);
+SAME(CANDIL_UP_Z, candil_UpAxis_UP_Z);
+SAME(CANDIL_TECHNIQUE_AUTO, candil_Technique_TECHNIQUE_AUTO);
+SAME(CANDIL_TECHNIQUE_PT, candil_Technique_TECHNIQUE_PT);
+SAME(CANDIL_TECHNIQUE_VCT, candil_Technique_TECHNIQUE_VCT);
+SAME(CANDIL_TECHNIQUE_RADIOSITY, candil_Technique_TECHNIQUE_RADIOSITY);
+SAME(CANDIL_TECHNIQUE_DIRECT, candil_Technique_TECHNIQUE_DIRECT);
+SAME(CANDIL_TECHNIQUE_DIRECT + 1, _candil_Technique_ARRAYSIZE);
+SAME(CANDIL_EFFECT_TEXTURES, candil_Effect_EFFECT_TEXTURES);
+SAME(CANDIL_EFFECT_EMITTERS, candil_Effect_EFFECT_EMITTERS);
+SAME(CANDIL_EFFECT_LIGHTS, candil_Effect_EFFECT_LIGHTS);
+SAME(CANDIL_EFFECT_ENVIRONMENT, candil_Effect_EFFECT_ENVIRONMENT);
+SAME(CANDIL_EFFECT_BOUNCES, candil_Effect_EFFECT_BOUNCES);
+SAME(CANDIL_EFFECT_COUNT, _candil_Effect_ARRAYSIZE);
+SAME(CANDIL_EFFECT_SIMULATED, candil_EffectState_EFFECT_STATE_SIMULATED);
+SAME(CANDIL_EFFECT_ABSENT, candil_EffectState_EFFECT_STATE_ABSENT);
+SAME(CANDIL_EFFECT_SWITCHED_OFF, candil_EffectState_EFFECT_STATE_SWITCHED_OFF);
+SAME(CANDIL_EFFECT_FORCED, candil_EffectState_EFFECT_STATE_FORCED);
+SAME(CANDIL_EFFECT_UNSUPPORTED, candil_EffectState_EFFECT_STATE_UNSUPPORTED);
+SAME(CANDIL_FORMAT_EXR_HALF, candil_Format_FORMAT_EXR_HALF);
+SAME(CANDIL_FORMAT_EXR_FLOAT, candil_Format_FORMAT_EXR_FLOAT);
+SAME(CANDIL_FORMAT_PNG, candil_Format_FORMAT_PNG);
+SAME(CANDIL_VIEW_NONE, candil_View_VIEW_NONE);
+SAME(CANDIL_VIEW_REINHARD, candil_View_VIEW_REINHARD);
+SAME(CANDIL_VIEW_FILMIC, candil_View_VIEW_FILMIC);
+SAME(CANDIL_AOV_DEPTH, AOV_DEPTH);
+SAME(CANDIL_AOV_NORMAL, AOV_NORMAL);
+SAME(CANDIL_AOV_ALBEDO, AOV_ALBEDO);
+SAME(CANDIL_AOV_ID, AOV_ID);
+
+// The value's name out of a table, whatever number a daemon sent.
+#define NAME_OF(table, value) ((size_t)(value) < sizeof(table) / sizeof((table)[0]) ? (table)[(size_t)(value)] : "unknown")
+
+const char *candil_status_name(candil_status status)
+{
+	return status_name((unsigned)status);
+}
+
+const char *candil_library_version(void)
+{
+	return CANDIL_VERSION_STRING;
+}
+
+const char *candil_technique_name(enum candil_technique technique)
+{
+	static const char *const names[] = {"auto", "pt", "vct", "radiosity", "direct"};
+	return NAME_OF(names, technique);
+}
+
+const char *candil_effect_name(enum candil_effect effect)
+{
+	static const char *const names[] = {"textures", "emitters", "lights", "environment", "bounces"};
+	_Static_assert(sizeof(names) / sizeof(names[0]) == CANDIL_EFFECT_COUNT, "a name is missing");
+	return NAME_OF(names, effect);
+}
+
+const char *candil_effect_state_name(enum candil_effect_state state)
+{
+	static const char *const names[] = {"simulated", "absent", "switched-off", "forced", "unsupported"};
+	return NAME_OF(names, state);
+}
+
+const char *candil_format_name(enum candil_format format)
+{
+	static const char *const names[] = {"exr-half", "exr-float", "png"};
+	return NAME_OF(names, format);
+}
+
+const char *candil_view_name(enum candil_view view)
+{
+	static const char *const names[] = {"none", "reinhard", "filmic"};
+	return NAME_OF(names, view);
+}
