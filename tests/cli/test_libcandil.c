@@ -1,0 +1,654 @@
+// libcandil against a daemon that this program plays itself: it writes replies into the other end of a socket pair before
+// or while the library reads. Request ids count up from the hello, which is 1.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <pb_decode.h>
+#include <pb_encode.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "candil.pb.h"
+#include "clients/libcandil/candil.h"
+#include "protocol/header.h"
+#include "protocol/limits.h"
+
+struct fake {
+	int peer;
+	candil_client *client;
+};
+
+static void put(int fd, const void *bytes, size_t count)
+{
+	assert_int_equal(send(fd, bytes, count, MSG_NOSIGNAL), (ssize_t)count);
+}
+
+static size_t frame(uint8_t *out, enum message_type type, uint32_t id, const void *body, size_t bytes)
+{
+	struct header h = {CANDIL_VERSION, (uint8_t)type, 0, (uint32_t)bytes, id};
+	header_encode(&h, out);
+	if (bytes > 0)
+		memcpy(out + CANDIL_HEADER_BYTES, body, bytes);
+	return CANDIL_HEADER_BYTES + bytes;
+}
+
+static void put_raw(int fd, enum message_type type, uint32_t id, const void *body, size_t bytes)
+{
+	uint8_t out[CANDIL_HEADER_BYTES + LIMIT_MESSAGE_BYTES];
+	put(fd, out, frame(out, type, id, body, bytes));
+}
+
+static size_t encode(uint8_t *out, size_t capacity, const pb_msgdesc_t *fields, const void *message)
+{
+	pb_ostream_t stream = pb_ostream_from_buffer(out, capacity);
+	assert_true(pb_encode(&stream, fields, message));
+	return stream.bytes_written;
+}
+
+static void put_message(int fd, enum message_type type, uint32_t id, const pb_msgdesc_t *fields, const void *message)
+{
+	uint8_t body[LIMIT_MESSAGE_BYTES];
+	put_raw(fd, type, id, body, encode(body, sizeof(body), fields, message));
+}
+
+static void put_error(int fd, uint32_t id, uint32_t code, const char *text)
+{
+	candil_Error e = {.code = code};
+	snprintf(e.message, sizeof(e.message), "%s", text);
+	put_message(fd, MESSAGE_ERROR, id, candil_Error_fields, &e);
+}
+
+static void put_image(int fd, uint32_t id, uint32_t side, uint64_t bytes, bool final)
+{
+	candil_ImageFrame image = {.final = final,
+				   .format = candil_Format_FORMAT_EXR_FLOAT,
+				   .width = side,
+				   .height = side,
+				   .samples = 4,
+				   .bytes = bytes};
+	put_message(fd, MESSAGE_IMAGE, id, candil_ImageFrame_fields, &image);
+}
+
+static void put_done(int fd, uint32_t id)
+{
+	candil_Done done = {.samples = 4, .rays = 77, .estimated_relmse = 0.25, .stages_count = 1};
+	strcpy(done.stages[0].name, "trace");
+	done.stages[0].us = 1234;
+	put_message(fd, MESSAGE_DONE, id, candil_Done_fields, &done);
+}
+
+// Drop what the client sent; returns how many bytes that was.
+static size_t drain(int fd)
+{
+	uint8_t bytes[65536];
+	size_t all = 0;
+	ssize_t got;
+	while ((got = recv(fd, bytes, sizeof(bytes), MSG_DONTWAIT)) > 0)
+		all += (size_t)got;
+	return all;
+}
+
+static struct fake start(void)
+{
+	int ends[2];
+	struct fake f;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends), 0);
+	f.peer = ends[1];
+	candil_HelloReply hello = {.version = CANDIL_VERSION, .server = "fake", .max_pixels = 1000};
+	put_message(f.peer, MESSAGE_HELLO_REPLY, 1, candil_HelloReply_fields, &hello);
+	struct candil_error error;
+	assert_int_equal(candil_connect_fd(ends[0], &f.client, &error), CANDIL_STATUS_OK);
+	assert_true(drain(f.peer) > CANDIL_HEADER_BYTES);
+	return f;
+}
+
+static void stop(struct fake *f)
+{
+	candil_disconnect(f->client);
+	if (f->peer >= 0)
+		close(f->peer);
+}
+
+static uint32_t submit_render(candil_client *client, uint32_t side)
+{
+	struct candil_render_request request;
+	uint32_t id = 0;
+	candil_render_request_init(&request);
+	request.scene = "box";
+	request.width = request.height = side;
+	assert_int_equal(candil_submit_render(client, &request, &id, NULL), CANDIL_STATUS_OK);
+	return id;
+}
+
+// The next event, which must be there or arrive with what was sent already.
+static struct candil_event expect(struct fake *f, enum candil_event_kind kind, uint32_t id)
+{
+	struct candil_event event;
+	candil_process(f->client, NULL);
+	assert_true(candil_next_event(f->client, &event));
+	assert_int_equal(event.kind, kind);
+	assert_int_equal(event.id, id);
+	return event;
+}
+
+static void fill(uint8_t *bytes, size_t count, unsigned seed)
+{
+	for (size_t i = 0; i < count; i++)
+		bytes[i] = (uint8_t)(i * 31 + i / 251 + seed);
+}
+
+static void test_hello_says_what_the_daemon_is(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	assert_string_equal(candil_server(f.client)->name, "fake");
+	assert_int_equal(candil_server(f.client)->max_pixels, 1000);
+	stop(&f);
+}
+
+static void test_hello_refused(void **state)
+{
+	(void)state;
+	struct candil_error error;
+	candil_client *client;
+	int ends[2];
+	socketpair(AF_UNIX, SOCK_STREAM, 0, ends);
+	put_error(ends[1], 1, STATUS_NOT_ALLOWED, "not you");
+	assert_int_equal(candil_connect_fd(ends[0], &client, &error), CANDIL_STATUS_NOT_ALLOWED);
+	assert_null(client);
+	assert_string_equal(error.text, "not you");
+	close(ends[1]);
+
+	socketpair(AF_UNIX, SOCK_STREAM, 0, ends);
+	close(ends[1]);
+	assert_int_equal(candil_connect_fd(ends[0], &client, &error), CANDIL_STATUS_CONNECT);
+
+	socketpair(AF_UNIX, SOCK_STREAM, 0, ends);
+	put(ends[1], "HTTP/1.1 400 Bad Request\r\n\r\n", 28);
+	assert_int_equal(candil_connect_fd(ends[0], &client, &error), CANDIL_STATUS_BAD_MAGIC);
+	close(ends[1]);
+}
+
+static void test_nobody_listens(void **state)
+{
+	(void)state;
+	struct candil_error error;
+	candil_client *client;
+	assert_int_equal(candil_connect("no/such/socket", &client, &error), CANDIL_STATUS_CONNECT);
+	assert_null(client);
+	char longer[300];
+	memset(longer, 'a', sizeof(longer) - 1);
+	longer[sizeof(longer) - 1] = '\0';
+	assert_int_equal(candil_connect(longer, &client, &error), CANDIL_STATUS_BAD_ARGUMENT);
+}
+
+static void test_image_is_put_together_from_chunks(void **state)
+{
+	(void)state;
+	enum { BYTES = 150000 };
+	struct fake f = start();
+	uint8_t *bytes = malloc(BYTES);
+	fill(bytes, BYTES, 1);
+	uint32_t id = submit_render(f.client, 64);
+	candil_Accepted accepted = {.technique = candil_Technique_TECHNIQUE_PT, .plan_count = 1, .depth = 8};
+	accepted.plan[0].effect = candil_Effect_EFFECT_EMITTERS;
+	strcpy(accepted.plan[0].why, "12 emissive triangles");
+	put_message(f.peer, MESSAGE_ACCEPTED, id, candil_Accepted_fields, &accepted);
+	assert_string_equal(expect(&f, CANDIL_EVENT_ACCEPTED, id).u.accepted.plan[0].why, "12 emissive triangles");
+	put_image(f.peer, id, 64, BYTES, true);
+	struct candil_event event;
+	for (size_t at = 0; at < BYTES;) {
+		size_t part = at + 60001 < BYTES ? 60001 : BYTES - at;
+		assert_false(candil_next_event(f.client, &event));
+		put_raw(f.peer, MESSAGE_FRAME_CHUNK, id, bytes + at, part);
+		candil_process(f.client, NULL);
+		at += part;
+	}
+	event = expect(&f, CANDIL_EVENT_IMAGE, id);
+	assert_true(event.u.image.final);
+	assert_false(event.ends_request);
+	assert_int_equal(event.u.image.bytes, BYTES);
+	assert_memory_equal(event.u.image.data, bytes, BYTES);
+	put_done(f.peer, id);
+	event = expect(&f, CANDIL_EVENT_DONE, id);
+	assert_true(event.ends_request);
+	assert_int_equal(event.u.done.stages[0].us, 1234);
+	free(bytes);
+	stop(&f);
+}
+
+static void test_renders_interleave(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	uint32_t a = submit_render(f.client, 8), b = submit_render(f.client, 16);
+	assert_int_not_equal(a, b);
+	put_image(f.peer, a, 8, 4, true);
+	put_image(f.peer, b, 16, 6, false);
+	put_raw(f.peer, MESSAGE_FRAME_CHUNK, b, "bbb", 3);
+	put_raw(f.peer, MESSAGE_FRAME_CHUNK, a, "aa", 2);
+	put_raw(f.peer, MESSAGE_FRAME_CHUNK, b, "BBB", 3);
+	put_raw(f.peer, MESSAGE_FRAME_CHUNK, a, "AA", 2);
+	put_error(f.peer, b, STATUS_MEMORY, "too big");
+	put_done(f.peer, a);
+	struct candil_event event = expect(&f, CANDIL_EVENT_IMAGE, b);
+	assert_false(event.u.image.final);
+	assert_memory_equal(event.u.image.data, "bbbBBB", 6);
+	event = expect(&f, CANDIL_EVENT_IMAGE, a);
+	assert_memory_equal(event.u.image.data, "aaAA", 4);
+	candil_keep_image(f.client, &event.u.image);
+	const uint8_t *kept = event.u.image.data;
+	event = expect(&f, CANDIL_EVENT_ERROR, b);
+	assert_int_equal(event.u.error.code, CANDIL_STATUS_MEMORY);
+	assert_string_equal(event.u.error.text, "too big");
+	expect(&f, CANDIL_EVENT_DONE, a);
+	assert_memory_equal(kept, "aaAA", 4);
+	candil_free(kept);
+	assert_int_equal(candil_process(f.client, NULL), CANDIL_STATUS_OK);
+	stop(&f);
+}
+
+static void test_one_byte_at_a_time(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	uint32_t id;
+	assert_int_equal(candil_submit_describe(f.client, "box", &id, NULL), CANDIL_STATUS_OK);
+	static candil_SceneInfo info = {
+	    .name = "box", .triangles = 36, .warnings_count = 2, .has_bounds_max = true, .bounds_max = {1, 2, 3}};
+	strcpy(info.warnings[1], "tab\tbell\a, \xff and \xc3\xa9");
+	uint8_t body[LIMIT_MESSAGE_BYTES], out[CANDIL_HEADER_BYTES + LIMIT_MESSAGE_BYTES];
+	size_t bytes = frame(out, MESSAGE_SCENE_INFO, id, body, encode(body, sizeof(body), candil_SceneInfo_fields, &info));
+	struct candil_event event;
+	for (size_t i = 0; i + 1 < bytes; i++) {
+		put(f.peer, out + i, 1);
+		assert_int_equal(candil_process(f.client, NULL), CANDIL_STATUS_OK);
+		assert_false(candil_next_event(f.client, &event));
+	}
+	put(f.peer, out + bytes - 1, 1);
+	event = expect(&f, CANDIL_EVENT_SCENE, id);
+	assert_int_equal(event.u.scene.triangles, 36);
+	assert_true(event.u.scene.bounds_max.z == 3);
+	assert_string_equal(event.u.scene.warnings[1], "tab bell?, ? and \xc3\xa9");
+	stop(&f);
+}
+
+static void test_peer_gone_ends_every_request(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	uint32_t ping, render = submit_render(f.client, 8);
+	candil_submit_ping(f.client, "x", 1, &ping, NULL);
+	candil_process(f.client, NULL);
+	put_raw(f.peer, MESSAGE_PONG, ping, "\x0a\x01x", 3);
+	put_image(f.peer, render, 8, 100, true);
+	drain(f.peer);
+	close(f.peer);
+	f.peer = -1;
+	struct candil_event event = expect(&f, CANDIL_EVENT_PONG, ping);
+	assert_int_equal(event.u.pong.bytes, 1);
+	event = expect(&f, CANDIL_EVENT_ERROR, render);
+	assert_int_equal(event.u.error.code, CANDIL_STATUS_IO);
+	assert_true(event.ends_request);
+	assert_false(candil_next_event(f.client, &event));
+	assert_int_equal(candil_process(f.client, NULL), CANDIL_STATUS_IO);
+	assert_int_equal(candil_submit_ping(f.client, "x", 1, &ping, NULL), CANDIL_STATUS_IO);
+	assert_int_equal(candil_ping(f.client, NULL, NULL), CANDIL_STATUS_IO);
+	stop(&f);
+}
+
+static void test_last_words_are_heard(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	uint32_t id = submit_render(f.client, 8);
+	put_error(f.peer, 0, STATUS_SHUTTING_DOWN, "going down");
+	close(f.peer);
+	f.peer = -1;
+	struct candil_event event = expect(&f, CANDIL_EVENT_ERROR, id);
+	assert_int_equal(event.u.error.code, CANDIL_STATUS_SHUTTING_DOWN);
+	stop(&f);
+}
+
+// What a hostile daemon might say to render 2 (64x64): each ends the connection, and the request with it.
+static void hostile(void (*say)(int peer, uint32_t id))
+{
+	struct fake f = start();
+	uint32_t id = submit_render(f.client, 64);
+	candil_process(f.client, NULL);
+	say(f.peer, id);
+	struct candil_event event = expect(&f, CANDIL_EVENT_ERROR, id);
+	assert_true(event.u.error.code != CANDIL_STATUS_OK);
+	assert_true(strlen(event.u.error.text) > 10);
+	assert_int_equal(candil_process(f.client, NULL), event.u.error.code);
+	stop(&f);
+}
+
+static void say_huge_image(int peer, uint32_t id)
+{
+	put_image(peer, id, 64, UINT64_MAX, true);
+}
+static void say_empty_image(int peer, uint32_t id)
+{
+	put_image(peer, id, 64, 0, true);
+}
+static void say_other_size(int peer, uint32_t id)
+{
+	put_image(peer, id, 65, 10, true);
+}
+static void say_chunk_without_image(int peer, uint32_t id)
+{
+	put_raw(peer, MESSAGE_FRAME_CHUNK, id, "abc", 3);
+}
+static void say_chunk_too_long(int peer, uint32_t id)
+{
+	put_image(peer, id, 64, 2, true);
+	put_raw(peer, MESSAGE_FRAME_CHUNK, id, "abc", 3);
+}
+static void say_image_in_image(int peer, uint32_t id)
+{
+	put_image(peer, id, 64, 20, false);
+	put_image(peer, id, 64, 20, true);
+}
+static void say_done_without_image(int peer, uint32_t id)
+{
+	put_done(peer, id);
+}
+static void say_wrong_reply(int peer, uint32_t id)
+{
+	put_raw(peer, MESSAGE_OK, id, NULL, 0);
+}
+static void say_garbage_message(int peer, uint32_t id)
+{
+	put_raw(peer, MESSAGE_PROGRESS, id, "\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff", 11);
+}
+static void say_bad_magic(int peer, uint32_t id)
+{
+	(void)id;
+	put(peer, "JUNKJUNKJUNKJUNK", 16);
+}
+static void say_long_length(int peer, uint32_t id)
+{
+	struct header h = {CANDIL_VERSION, MESSAGE_PROGRESS, 0, UINT32_MAX, id};
+	uint8_t out[CANDIL_HEADER_BYTES];
+	header_encode(&h, out);
+	put(peer, out, sizeof(out));
+}
+
+static void test_hostile_replies(void **state)
+{
+	(void)state;
+	hostile(say_huge_image);
+	hostile(say_empty_image);
+	hostile(say_other_size);
+	hostile(say_chunk_without_image);
+	hostile(say_chunk_too_long);
+	hostile(say_image_in_image);
+	hostile(say_done_without_image);
+	hostile(say_wrong_reply);
+	hostile(say_garbage_message);
+	hostile(say_bad_magic);
+	hostile(say_long_length);
+}
+
+static void test_strange_but_harmless_replies_are_passed_over(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	uint32_t id;
+	candil_submit_unload(f.client, "box", &id, NULL);
+	put_raw(f.peer, MESSAGE_FRAME_CHUNK, 999, "abc", 3);
+	put_raw(f.peer, (enum message_type)0xC0, id, "later", 5);
+	put_done(f.peer, 4711);
+	put_raw(f.peer, MESSAGE_OK, id, NULL, 0);
+	assert_true(expect(&f, CANDIL_EVENT_OK, id).ends_request);
+	stop(&f);
+}
+
+// A valid conversation with random bytes changed: whatever happens, no crash, no leak, and an end.
+static void test_mutated_replies(void **state)
+{
+	(void)state;
+	uint32_t random = 12345;
+	for (int round = 0; round < 3000; round++) {
+		struct fake f = start();
+		uint32_t id = submit_render(f.client, 8);
+		uint8_t out[4096], body[512];
+		candil_Progress progress = {.samples_done = 1, .samples = 4, .fraction = 0.5};
+		candil_ImageFrame image = {true, 0, candil_Format_FORMAT_EXR_FLOAT, 8, 8, 4, 300};
+		candil_Done done = {.samples = 4, .stages_count = 2};
+		size_t n = frame(out, MESSAGE_PROGRESS, id, body, encode(body, 512, candil_Progress_fields, &progress));
+		image.final = true;
+		image.index = 0;
+		n += frame(out + n, MESSAGE_IMAGE, id, body, encode(body, 512, candil_ImageFrame_fields, &image));
+		fill(body, 300, 3);
+		n += frame(out + n, MESSAGE_FRAME_CHUNK, id, body, 300);
+		n += frame(out + n, MESSAGE_DONE, id, body, encode(body, 512, candil_Done_fields, &done));
+		for (int change = 0; change < 1 + round % 4; change++) {
+			random = random * 1664525u + 1013904223u;
+			out[(random >> 8) % n] = (uint8_t)(random >> 24);
+		}
+		put(f.peer, out, n);
+		close(f.peer);
+		f.peer = -1;
+		candil_process(f.client, NULL);
+		struct candil_event event;
+		bool ended = false;
+		while (candil_next_event(f.client, &event))
+			ended = ended || event.ends_request;
+		assert_true(ended);
+		stop(&f);
+	}
+}
+
+static void test_blocking_render(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	candil_Progress progress = {.samples_done = 2, .samples = 4, .fraction = 0.5};
+	put_message(f.peer, MESSAGE_PROGRESS, 2, candil_Progress_fields, &progress);
+	put_image(f.peer, 2, 512, 5, true);
+	put_raw(f.peer, MESSAGE_FRAME_CHUNK, 2, "image", 5);
+	put_done(f.peer, 2);
+	struct candil_render_request request;
+	struct candil_render_result result;
+	candil_render_request_init(&request);
+	assert_int_equal(candil_render(f.client, &request, NULL, &result, NULL), CANDIL_STATUS_BAD_ARGUMENT);
+	request.scene = "box";
+	assert_int_equal(candil_render(f.client, &request, NULL, &result, NULL), CANDIL_STATUS_OK);
+	assert_int_equal(result.image.bytes, 5);
+	assert_memory_equal(result.image.data, "image", 5);
+	assert_int_equal(result.done.rays, 77);
+	candil_free(result.image.data);
+	stop(&f);
+}
+
+static int stop_it(void *user, const struct candil_progress *progress)
+{
+	++*(int *)user;
+	return progress->fraction >= 0.5;
+}
+
+static void test_callback_cancels(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	int calls = 0;
+	candil_Progress progress = {.fraction = 0.75};
+	put_message(f.peer, MESSAGE_PROGRESS, 2, candil_Progress_fields, &progress);
+	put_raw(f.peer, MESSAGE_OK, 3, NULL, 0);
+	put_error(f.peer, 2, STATUS_CANCELLED, "cancelled by the client");
+	struct candil_render_request request;
+	struct candil_render_result result;
+	struct candil_error error;
+	struct candil_callbacks callbacks = {.progress = stop_it, .user = &calls};
+	candil_render_request_init(&request);
+	request.scene = "box";
+	assert_int_equal(candil_render(f.client, &request, &callbacks, &result, &error), CANDIL_STATUS_CANCELLED);
+	assert_int_equal(calls, 1);
+	assert_null(result.image.data);
+	stop(&f);
+}
+
+static void test_blocking_calls_refuse_beside_open_requests(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	uint32_t id = submit_render(f.client, 8);
+	assert_int_equal(candil_ping(f.client, NULL, NULL), CANDIL_STATUS_BAD_ARGUMENT);
+	assert_int_equal(candil_cancel(f.client, id + 1, NULL), CANDIL_STATUS_NO_SUCH_REQUEST);
+	assert_int_equal(candil_cancel(f.client, id, NULL), CANDIL_STATUS_OK);
+	put_error(f.peer, id, STATUS_CANCELLED, "cancelled");
+	put_raw(f.peer, MESSAGE_OK, id + 1, NULL, 0);
+	expect(&f, CANDIL_EVENT_ERROR, id);
+	put_raw(f.peer, MESSAGE_PONG, id + 2,
+		"\x0a\x07"
+		"candil\0",
+		9);
+	uint64_t us;
+	assert_int_equal(candil_ping(f.client, &us, NULL), CANDIL_STATUS_OK);
+	stop(&f);
+}
+
+static void test_silence_times_out(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	struct candil_error error;
+	candil_set_timeout(f.client, 20);
+	assert_int_equal(candil_ping(f.client, NULL, &error), CANDIL_STATUS_IO);
+	assert_non_null(strstr(error.text, "nothing"));
+	stop(&f);
+}
+
+static void test_load_carries_its_folder(void **state)
+{
+	(void)state;
+	char folder[] = "candil-test-XXXXXX", file[64];
+	assert_non_null(mkdtemp(folder));
+	snprintf(file, sizeof(file), "%s/scene.gltf", folder);
+	close(open(file, O_CREAT | O_WRONLY, 0600));
+	struct fake f = start();
+	struct candil_load_request request = {.name = "s", .file = file};
+	struct candil_error error;
+	uint32_t id, first;
+	candil_submit_ping(f.client, "before", 6, &first, NULL);
+	assert_int_equal(candil_submit_load(f.client, &request, &id, &error), CANDIL_STATUS_OK);
+	candil_process(f.client, NULL);
+	drain(f.peer);
+
+	// Again, alone, and looked at: the descriptor comes with the header's first byte.
+	assert_int_equal(candil_submit_load(f.client, &request, &id, &error), CANDIL_STATUS_OK);
+	candil_process(f.client, NULL);
+	uint8_t bytes[4096];
+	struct iovec part = {bytes, sizeof(bytes)};
+	union {
+		struct cmsghdr align;
+		char room[CMSG_SPACE(sizeof(int))];
+	} control;
+	struct msghdr message = {
+	    .msg_iov = &part, .msg_iovlen = 1, .msg_control = control.room, .msg_controllen = sizeof(control.room)};
+	ssize_t got = recvmsg(f.peer, &message, MSG_CMSG_CLOEXEC);
+	assert_true(got > (ssize_t)CANDIL_HEADER_BYTES);
+	struct header header;
+	assert_int_equal(header_decode(bytes, &header), STATUS_OK);
+	assert_int_equal(header.flags, HEADER_FLAG_FD);
+	assert_int_equal(header.type, MESSAGE_LOAD);
+	struct cmsghdr *c = CMSG_FIRSTHDR(&message);
+	assert_non_null(c);
+	int fd;
+	memcpy(&fd, CMSG_DATA(c), sizeof(fd));
+	candil_Load load = candil_Load_init_zero;
+	pb_istream_t stream = pb_istream_from_buffer(bytes + CANDIL_HEADER_BYTES, header.length);
+	assert_true(pb_decode(&stream, candil_Load_fields, &load));
+	assert_string_equal(load.path, "scene.gltf");
+	struct stat there, here;
+	assert_int_equal(fstatat(fd, load.path, &there, 0), 0);
+	assert_int_equal(stat(file, &here), 0);
+	assert_int_equal(there.st_ino, here.st_ino);
+	close(fd);
+
+	request.file = "no/such/file.gltf";
+	assert_int_equal(candil_submit_load(f.client, &request, &id, &error), CANDIL_STATUS_SCENE_FILE);
+	request.file = folder;
+	assert_int_equal(candil_submit_load(f.client, &request, &id, &error), CANDIL_STATUS_SCENE_FILE);
+	request.server_path = "both.gltf";
+	assert_int_equal(candil_submit_load(f.client, &request, &id, &error), CANDIL_STATUS_BAD_ARGUMENT);
+	stop(&f);
+	unlink(file);
+	rmdir(folder);
+}
+
+static void test_too_long_strings_are_refused_here(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	struct candil_error error;
+	char name[65];
+	uint32_t id;
+	memset(name, 'n', 64);
+	name[64] = '\0';
+	assert_int_equal(candil_submit_describe(f.client, name, &id, &error), CANDIL_STATUS_BAD_ARGUMENT);
+	name[63] = '\0';
+	assert_int_equal(candil_submit_describe(f.client, name, &id, &error), CANDIL_STATUS_OK);
+	struct candil_render_request request;
+	struct candil_option options[17] = {{"pt.depth", "12345678901234567890123456789012"}};
+	candil_render_request_init(&request);
+	request.scene = "box";
+	request.options = options;
+	request.option_count = 1;
+	assert_int_equal(candil_submit_render(f.client, &request, &id, &error), CANDIL_STATUS_BAD_ARGUMENT);
+	request.option_count = 17;
+	assert_int_equal(candil_submit_render(f.client, &request, &id, &error), CANDIL_STATUS_LIMIT);
+	stop(&f);
+}
+
+static void test_many_open_requests(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	uint32_t id, ids[64];
+	for (int i = 0; i < 64; i++)
+		assert_int_equal(candil_submit_stats(f.client, &ids[i], NULL), CANDIL_STATUS_OK);
+	assert_int_equal(candil_submit_stats(f.client, &id, NULL), CANDIL_STATUS_TOO_MANY_JOBS);
+	candil_StatsReply reply = {.jobs_done = 9};
+	put_message(f.peer, MESSAGE_STATS_REPLY, ids[40], candil_StatsReply_fields, &reply);
+	assert_int_equal(expect(&f, CANDIL_EVENT_STATS, ids[40]).u.stats.jobs_done, 9);
+	assert_int_equal(candil_submit_stats(f.client, &id, NULL), CANDIL_STATUS_OK);
+	stop(&f);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_hello_says_what_the_daemon_is),
+	    cmocka_unit_test(test_hello_refused),
+	    cmocka_unit_test(test_nobody_listens),
+	    cmocka_unit_test(test_image_is_put_together_from_chunks),
+	    cmocka_unit_test(test_renders_interleave),
+	    cmocka_unit_test(test_one_byte_at_a_time),
+	    cmocka_unit_test(test_peer_gone_ends_every_request),
+	    cmocka_unit_test(test_last_words_are_heard),
+	    cmocka_unit_test(test_hostile_replies),
+	    cmocka_unit_test(test_strange_but_harmless_replies_are_passed_over),
+	    cmocka_unit_test(test_mutated_replies),
+	    cmocka_unit_test(test_blocking_render),
+	    cmocka_unit_test(test_callback_cancels),
+	    cmocka_unit_test(test_blocking_calls_refuse_beside_open_requests),
+	    cmocka_unit_test(test_silence_times_out),
+	    cmocka_unit_test(test_load_carries_its_folder),
+	    cmocka_unit_test(test_too_long_strings_are_refused_here),
+	    cmocka_unit_test(test_many_open_requests),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
