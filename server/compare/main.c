@@ -1,0 +1,163 @@
+// candil-compare A B: how far picture A is from the reference B. `candil compare` runs it.
+#include <getopt.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "server/compare/report.h"
+
+enum exit_code { EXIT_COMPARED = 0, EXIT_COULD_NOT = 1, EXIT_USAGE = 2 };
+
+struct arguments {
+	const char *a, *b;
+	const char *error_image, *side_by_side; // NULL: not drawn
+	double mask_above;
+	bool json;
+};
+
+static const char usage[] =
+    "usage: candil-compare A B [--mask-above RADIANCE] [--error-image OUT.png] [--side-by-side OUT.png] [--json]\n"
+    "\n"
+    "Compare picture A with the reference B: RMSE, relMSE = mean((a-b)^2 / (b^2 + 0.01)), the signed mean difference,\n"
+    "the largest one, pixels that are not finite and pixels that an observer would see differ (Yee's metric). All on\n"
+    "linear RGB; a PNG is decoded first. Where one picture is a whole multiple of the other's size it is scaled down by\n"
+    "a box filter.\n"
+    "\n"
+    "  --mask-above RADIANCE   leave out pixels of which the reference, at the compared size, exceeds this in a channel\n"
+    "  --error-image OUT.png   draw the error in false colours, and print their scale\n"
+    "  --side-by-side OUT.png  draw A, B and the error beside one another\n"
+    "  --json                  print one JSON object\n"
+    "\n"
+    "Exit status: 0 compared, 1 could not compare, 2 wrong arguments.\n";
+
+static bool parse_radiance(const char *text, double *value)
+{
+	char *end;
+	*value = strtod(text, &end);
+	return end != text && *end == 0 && !isnan(*value);
+}
+
+// 0, or the exit code that ends the program plus one.
+static int parse(int argc, char **argv, struct arguments *args)
+{
+	static const struct option options[] = {
+	    {"mask-above", required_argument, NULL, 'm'},
+	    {"error-image", required_argument, NULL, 'e'},
+	    {"side-by-side", required_argument, NULL, 's'},
+	    {"json", no_argument, NULL, 'j'},
+	    {"help", no_argument, NULL, 'h'},
+	    {NULL, 0, NULL, 0},
+	};
+	*args = (struct arguments){.mask_above = (double)INFINITY};
+	int option;
+	while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
+		if (option == 'm' && !parse_radiance(optarg, &args->mask_above)) {
+			fprintf(stderr, "candil-compare: --mask-above needs a number, not \"%s\"\n", optarg);
+			return EXIT_USAGE + 1;
+		}
+		if (option == 'e')
+			args->error_image = optarg;
+		if (option == 's')
+			args->side_by_side = optarg;
+		if (option == 'j')
+			args->json = true;
+		if (option == 'h') {
+			fputs(usage, stdout);
+			return EXIT_COMPARED + 1;
+		}
+		if (option == '?')
+			return EXIT_USAGE + 1;
+	}
+	if (argc - optind != 2) {
+		fputs("candil-compare: two pictures are needed; see --help\n", stderr);
+		return EXIT_USAGE + 1;
+	}
+	args->a = argv[optind];
+	args->b = argv[optind + 1];
+	return 0;
+}
+
+static enum status output(const struct arguments *args, const struct report *report, const struct picture *a,
+			  const struct picture *b, const float *error, struct error *err)
+{
+	enum status s = STATUS_OK;
+	if (args->json)
+		s = report_print_json(report, err);
+	else
+		report_print(report);
+	if (s == STATUS_OK && args->error_image)
+		s = report_draw_error(args->error_image, a->width, a->height, error, err);
+	if (s == STATUS_OK && args->side_by_side)
+		s = report_draw_side_by_side(args->side_by_side, a, b, error, err);
+	if (s == STATUS_OK && !args->json && (args->error_image || args->side_by_side))
+		report_print_scale();
+	if (s == STATUS_OK && fflush(stdout) != 0)
+		s = error_errno(err, STATUS_IO, "cannot write the figures");
+	return s;
+}
+
+// Yee's metric on copies without the pixels that are left out: the originals are still to be drawn.
+static enum status perceptual(const struct picture *a, const struct picture *b, const float *error, uint64_t *failures,
+			      struct error *err)
+{
+	size_t values = (size_t)a->width * a->height * 3;
+	struct picture x = *a, r = *b;
+	x.rgb = malloc(values * sizeof *x.rgb);
+	r.rgb = malloc(values * sizeof *r.rgb);
+	enum status s = x.rgb && r.rgb ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory to compare");
+	if (s == STATUS_OK) {
+		for (size_t i = 0; i < values; i++) {
+			x.rgb[i] = a->rgb[i];
+			r.rgb[i] = b->rgb[i];
+		}
+		metrics_blank(&x, &r, error);
+		s = picture_perceptual(&x, &r, failures, err);
+	}
+	picture_finish(&x);
+	picture_finish(&r);
+	return s;
+}
+
+static enum status compare(const struct arguments *args, struct error *err)
+{
+	struct picture a = {0}, b = {0};
+	float *error = NULL;
+	struct report report = {.name_a = args->a, .name_b = args->b, .mask_above = args->mask_above};
+	enum status s = picture_read(args->a, &a, err);
+	if (s == STATUS_OK)
+		s = picture_read(args->b, &b, err);
+	if (s == STATUS_OK)
+		s = metrics_fit(&a, &b, err);
+	if (s != STATUS_OK)
+		goto out;
+	error = malloc((size_t)a.width * a.height * sizeof *error);
+	if (!error) {
+		s = error_set(err, STATUS_MEMORY, "no memory to compare");
+		goto out;
+	}
+	s = metrics_compare(&a, &b, args->mask_above, &report.metrics, error, err);
+	if (s == STATUS_OK)
+		s = perceptual(&a, &b, error, &report.perceptual_failures, err);
+	if (s == STATUS_OK)
+		s = output(args, &report, &a, &b, error, err);
+out:
+	free(error);
+	picture_finish(&a);
+	picture_finish(&b);
+	return s;
+}
+
+int main(int argc, char **argv)
+{
+	struct arguments args;
+	int ended = parse(argc, argv, &args);
+	if (ended)
+		return ended - 1;
+	struct error err;
+	if (compare(&args, &err) != STATUS_OK) {
+		fprintf(stderr, "candil-compare: %s\n", err.text);
+		return EXIT_COULD_NOT;
+	}
+	return EXIT_COMPARED;
+}

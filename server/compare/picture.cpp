@@ -1,0 +1,127 @@
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+#include <cstdlib>
+#include <memory>
+
+extern "C" {
+#include "protocol/limits.h"
+#include "server/compare/picture.h"
+#include "server/worker/image/view.h"
+}
+
+namespace
+{
+
+// Where R, G and B are among a file's channels.
+void find_channels(const OIIO::ImageSpec &spec, int index[3])
+{
+	const char *names[3] = {"R", "G", "B"};
+	bool found = true;
+	for (int i = 0; i < 3; i++) {
+		index[i] = spec.channelindex(names[i]);
+		found = found && index[i] >= 0;
+	}
+	if (!found)
+		for (int i = 0; i < 3; i++)
+			index[i] = spec.nchannels >= 3 ? i : 0;
+}
+
+status check_size(const char *path, const OIIO::ImageSpec &spec, error *err)
+{
+	if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
+		return error_set(err, STATUS_IO, "%s is no flat picture", path);
+	if (uint32_t(spec.width) > LIMIT_SIDE || uint32_t(spec.height) > LIMIT_SIDE ||
+	    uint64_t(spec.width) * uint64_t(spec.height) > LIMIT_PIXELS || spec.nchannels > 64)
+		return error_set(err, STATUS_LIMIT,
+				 "%s has %d x %d pixels of %d channels; the limit is %u a side, %u in all, 64 channels",
+				 path, spec.width, spec.height, spec.nchannels, LIMIT_SIDE, LIMIT_PIXELS);
+	return STATUS_OK;
+}
+
+status read(const char *path, picture *out, error *err)
+{
+	auto in = OIIO::ImageInput::open(path);
+	if (!in)
+		return error_set(err, STATUS_IO, "cannot read %s: %s", path, OIIO::geterror().c_str());
+	const OIIO::ImageSpec spec = in->spec();
+	status s = check_size(path, spec, err);
+	if (s != STATUS_OK)
+		return s;
+	int index[3];
+	find_channels(spec, index);
+	// The span of channels that holds all three, in one read: not every reader can go back for the next.
+	int first = std::min({index[0], index[1], index[2]}), end = std::max({index[0], index[1], index[2]}) + 1;
+	size_t pixels = size_t(spec.width) * size_t(spec.height), span = size_t(end - first);
+	std::unique_ptr<float[]> all(new float[pixels * span]);
+	if (!in->read_image(0, 0, first, end, OIIO::TypeDesc::FLOAT, all.get()))
+		return error_set(err, STATUS_IO, "cannot read %s: %s", path, in->geterror().c_str());
+	float *rgb = static_cast<float *>(std::malloc(pixels * 3 * sizeof(float)));
+	if (!rgb)
+		throw std::bad_alloc();
+	bool srgb = spec.get_string_attribute("oiio:ColorSpace") == "sRGB" && spec.format == OIIO::TypeDesc::UINT8;
+	for (size_t i = 0; i < pixels; i++)
+		for (int c = 0; c < 3; c++) {
+			float v = all[i * span + size_t(index[c] - first)];
+			rgb[i * 3 + size_t(c)] = srgb ? float(view_srgb_decode(double(v))) : v;
+		}
+	*out = {uint32_t(spec.width), uint32_t(spec.height), rgb};
+	return STATUS_OK;
+}
+
+status write(const char *path, uint32_t width, uint32_t height, const uint8_t *codes, error *err)
+{
+	auto out = OIIO::ImageOutput::create("picture.png");
+	if (!out)
+		return error_set(err, STATUS_ENCODE, "OpenImageIO cannot write PNG: %s", OIIO::geterror().c_str());
+	OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeDesc::UINT8);
+	spec.attribute("oiio:ColorSpace", "sRGB");
+	if (!out->open(path, spec) || !out->write_image(OIIO::TypeDesc::UINT8, codes) || !out->close())
+		return error_set(err, STATUS_IO, "cannot write %s: %s", path, out->geterror().c_str());
+	return STATUS_OK;
+}
+
+// Run `body`; no exception crosses to C.
+template <typename Body> status guarded(const char *what, error *err, Body body)
+{
+	try {
+		return body();
+	} catch (const std::bad_alloc &) {
+		return error_set(err, STATUS_MEMORY, "no memory for %s", what);
+	} catch (const std::exception &e) {
+		return error_set(err, STATUS_IO, "%s: %s", what, e.what());
+	} catch (...) {
+		return error_set(err, STATUS_INTERNAL, "%s failed", what);
+	}
+}
+
+} // namespace
+
+extern "C" enum status picture_read(const char *path, struct picture *picture, struct error *err)
+{
+	return guarded(path, err, [&] { return read(path, picture, err); });
+}
+
+extern "C" void picture_finish(struct picture *picture)
+{
+	std::free(picture->rgb);
+	picture->rgb = nullptr;
+}
+
+extern "C" enum status picture_write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *codes,
+					 struct error *err)
+{
+	return guarded(path, err, [&] { return write(path, width, height, codes, err); });
+}
+
+extern "C" enum status picture_perceptual(const struct picture *a, const struct picture *b, uint64_t *failures,
+					  struct error *err)
+{
+	return guarded("the perceptual comparison", err, [&] {
+		OIIO::ImageSpec spec(int(a->width), int(a->height), 3, OIIO::TypeDesc::FLOAT);
+		OIIO::ImageBuf first(spec, a->rgb), second(spec, b->rgb);
+		OIIO::ImageBufAlgo::CompareResults result;
+		*failures = uint64_t(OIIO::ImageBufAlgo::compare_Yee(first, second, result));
+		return STATUS_OK;
+	});
+}

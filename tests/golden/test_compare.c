@@ -1,0 +1,178 @@
+// candil-compare's figures against numbers worked out by hand.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "server/compare/heat.h"
+#include "server/compare/metrics.h"
+#include "server/worker/image/view.h"
+
+#define CLOSE(got, expected) assert_true(fabs((double)(got) - (double)(expected)) <= 1e-7 * (1 + fabs((double)(expected))))
+
+static struct picture make(uint32_t width, uint32_t height, const float *rgb)
+{
+	size_t values = (size_t)width * height * 3;
+	struct picture p = {.width = width, .height = height, .rgb = malloc(values * sizeof *p.rgb)};
+	assert_non_null(p.rgb);
+	if (rgb)
+		memcpy(p.rgb, rgb, values * sizeof *p.rgb);
+	return p;
+}
+
+static void figures_are_those_worked_out_by_hand(void **state)
+{
+	(void)state;
+	const float x[6] = {1, 2, 0, 0.5f, 0, 0.25f}, r[6] = {0, 2, 0.5f, 0.5f, 1, 0.25f};
+	struct picture a = make(2, 1, x), b = make(2, 1, r);
+	struct metrics m;
+	float error[2];
+	struct error err;
+	assert_int_equal(metrics_compare(&a, &b, (double)INFINITY, &m, error, &err), STATUS_OK);
+	// Differences: 1 0 -0.5 | 0 -1 0.
+	CLOSE(m.rmse, sqrt((1 + 0.25 + 1) / 6));
+	double first = 1 / 0.01 + 0.25 / 0.26, second = 1 / 1.01;
+	CLOSE(m.relmse, (first + second) / 6);
+	CLOSE(error[0], sqrt(first / 3));
+	CLOSE(error[1], sqrt(second / 3));
+	CLOSE(m.mean_difference, -0.5 / 6);
+	CLOSE(m.max_abs, 1);
+	CLOSE(m.mean_a, 3.75 / 6);
+	CLOSE(m.mean_b, 4.25 / 6);
+	CLOSE(m.mean_a_rgb[0], 0.75);
+	CLOSE(m.mean_b_rgb[1], 1.5);
+	assert_int_equal(m.pixels, 2);
+	assert_int_equal(m.masked + m.non_finite_a + m.non_finite_b, 0);
+	picture_finish(&a);
+	picture_finish(&b);
+}
+
+static void masked_and_broken_pixels_are_left_out(void **state)
+{
+	(void)state;
+	// Equal but for: a mask by one channel, a NaN in A, an infinity in B, and one honest difference.
+	const float x[15] = {9, 9, 9, NAN, 0, 0, 1, 1, 1, 1, 1, 1.5f, 2, 2, 2};
+	const float r[15] = {0, 3, 0, 0, 0, 0, 1, -INFINITY, 1, 1, 1, 1, 2, 2, 2};
+	struct picture a = make(5, 1, x), b = make(5, 1, r);
+	struct metrics m;
+	float error[5];
+	struct error err;
+	assert_int_equal(metrics_compare(&a, &b, 2, &m, error, &err), STATUS_OK);
+	assert_int_equal(m.pixels, 2); // a value equal to the mask's stays
+	assert_int_equal(m.masked, 1);
+	assert_int_equal(m.non_finite_a, 1);
+	assert_int_equal(m.non_finite_b, 1);
+	CLOSE(m.max_abs, 0.5);
+	CLOSE(m.rmse, sqrt(0.25 / 6));
+	assert_true(error[0] == -1 && error[1] == -2 && error[2] == -2 && error[4] == 0);
+	metrics_blank(&a, &b, error);
+	for (int i = 0; i < 9; i++)
+		assert_true(a.rgb[i] == 0 && b.rgb[i] == 0);
+	assert_true(a.rgb[9] == 1);
+	assert_int_equal(metrics_compare(&a, &b, -1, &m, error, &err), STATUS_BAD_ARGUMENT);
+	picture_finish(&a);
+	picture_finish(&b);
+}
+
+static void the_larger_is_scaled_down_exactly(void **state)
+{
+	(void)state;
+	struct picture a = make(6, 3, NULL), b = make(2, 1, NULL);
+	for (size_t i = 0; i < 18; i++)
+		for (size_t c = 0; c < 3; c++)
+			a.rgb[3 * i + c] = (float)(i * (c + 1));
+	for (size_t i = 0; i < 6; i++)
+		b.rgb[i] = 7;
+	struct error err;
+	assert_int_equal(metrics_fit(&a, &b, &err), STATUS_OK);
+	assert_int_equal(a.width, 2);
+	assert_int_equal(a.height, 1);
+	// Columns 0…2 of rows starting at 0, 6, 12: mean 7; the right box 3 more.
+	const float expected[6] = {7, 14, 21, 10, 20, 30};
+	assert_memory_equal(a.rgb, expected, sizeof expected);
+	// And the other way round: B is the larger.
+	struct picture c = make(1, 1, (const float[3]){1, 1, 1}), d = make(2, 2, NULL);
+	for (size_t i = 0; i < 12; i++)
+		d.rgb[i] = (float)i;
+	assert_int_equal(metrics_fit(&c, &d, &err), STATUS_OK);
+	const float quarter[3] = {4.5f, 5.5f, 6.5f};
+	assert_memory_equal(d.rgb, quarter, sizeof quarter);
+	picture_finish(&a);
+	picture_finish(&b);
+	picture_finish(&c);
+	picture_finish(&d);
+}
+
+static void sizes_that_do_not_fit_are_refused(void **state)
+{
+	(void)state;
+	const uint32_t sizes[][4] = {{2, 1, 3, 1}, {4, 2, 2, 2}, {4, 3, 2, 1}, {1, 4, 2, 2}, {6, 4, 4, 6}};
+	for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+		struct picture a = make(sizes[i][0], sizes[i][1], NULL), b = make(sizes[i][2], sizes[i][3], NULL);
+		struct error err;
+		assert_int_equal(metrics_fit(&a, &b, &err), STATUS_BAD_ARGUMENT);
+		picture_finish(&a);
+		picture_finish(&b);
+	}
+}
+
+static void the_perceptual_metric_sees_what_an_eye_sees(void **state)
+{
+	(void)state;
+	struct picture a = make(64, 64, NULL), b = make(64, 64, NULL);
+	for (size_t i = 0; i < 64 * 64 * 3; i++)
+		a.rgb[i] = b.rgb[i] = 0.25f;
+	struct error err;
+	uint64_t failures = 99;
+	assert_int_equal(picture_perceptual(&a, &b, &failures, &err), STATUS_OK);
+	assert_int_equal(failures, 0);
+	// Half of the picture is twice as bright.
+	for (size_t i = 0; i < 32 * 64 * 3; i++)
+		a.rgb[i] = 0.5f;
+	assert_int_equal(picture_perceptual(&a, &b, &failures, &err), STATUS_OK);
+	assert_in_range(failures, 1500, 2600);
+	picture_finish(&a);
+	picture_finish(&b);
+	a = make(1, 1, (const float[3]){1, 1, 1});
+	b = make(1, 1, (const float[3]){1, 1, 1});
+	assert_int_equal(picture_perceptual(&a, &b, &failures, &err), STATUS_OK);
+	assert_int_equal(failures, 0);
+	picture_finish(&a);
+	picture_finish(&b);
+}
+
+static void the_scale_grows_brighter_and_is_logarithmic(void **state)
+{
+	(void)state;
+	double before = -1;
+	for (int i = 0; i <= 32; i++) {
+		uint8_t c[3];
+		heat_colour(i / 32.0, c);
+		double y = 0.2126 * view_srgb_decode(c[0] / 255.0) + 0.7152 * view_srgb_decode(c[1] / 255.0) +
+			   0.0722 * view_srgb_decode(c[2] / 255.0);
+		assert_true(y > before);
+		before = y;
+	}
+	assert_true(before > 0.8);
+	CLOSE(heat_position(HEAT_LOW), 0);
+	CLOSE(heat_position(sqrt(HEAT_LOW * HEAT_HIGH)), 0.5);
+	CLOSE(heat_position(HEAT_HIGH), 1);
+	assert_true(heat_position(0) == 0 && heat_position((double)NAN) == 0 && heat_position(1e30) == 1);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(figures_are_those_worked_out_by_hand),
+	    cmocka_unit_test(masked_and_broken_pixels_are_left_out),
+	    cmocka_unit_test(the_larger_is_scaled_down_exactly),
+	    cmocka_unit_test(sizes_that_do_not_fit_are_refused),
+	    cmocka_unit_test(the_perceptual_metric_sees_what_an_eye_sees),
+	    cmocka_unit_test(the_scale_grows_brighter_and_is_logarithmic),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,130 @@
+"""candil-compare as a program: its figures against numpy's, its pictures, its exit codes."""
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+
+import images
+
+PROGRAM = pathlib.Path(os.environ["CANDIL_BUILD"]) / "libexec" / "candil" / "candil-compare"
+
+
+def run(*arguments):
+    return subprocess.run([str(PROGRAM), *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+class Compare(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        random = np.random.default_rng(7)
+        self.b = random.uniform(0, 2, (24, 32, 3)).astype(np.float32)
+        self.a = (self.b + random.normal(0, 0.1, self.b.shape)).astype(np.float32)
+
+    def path(self, name):
+        return pathlib.Path(self.folder.name) / name
+
+    def figures(self, a, b, *more):
+        images.write(self.path("a.exr"), a)
+        images.write(self.path("b.exr"), b)
+        done = run(self.path("a.exr"), self.path("b.exr"), "--json", *more)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def check(self, got, a, b):
+        a, b = a.astype(np.float64), b.astype(np.float64)
+        self.assertAlmostEqual(got["rmse"], images.rmse(a, b), delta=1e-6)
+        self.assertAlmostEqual(got["relmse"], images.relmse(a, b), delta=1e-6 * images.relmse(a, b))
+        self.assertAlmostEqual(got["mean_difference"], (a - b).mean(), delta=1e-7)
+        self.assertAlmostEqual(got["mean_difference_relative"], (a - b).mean() / b.mean(), delta=1e-7)
+        self.assertAlmostEqual(got["max_abs"], np.abs(a - b).max(), delta=1e-6)
+        self.assertAlmostEqual(got["mean_a"], a.mean(), delta=1e-7)
+        self.assertAlmostEqual(got["mean_b"], b.mean(), delta=1e-7)
+
+    def test_figures(self):
+        got = self.figures(self.a, self.b)
+        self.check(got, self.a, self.b)
+        self.assertEqual((got["width"], got["height"], got["pixels"], got["masked"]), (32, 24, 768, 0))
+        self.assertIsNone(got["mask_above"])
+
+    def test_identical(self):
+        got = self.figures(self.b, self.b)
+        self.assertEqual((got["rmse"], got["relmse"], got["max_abs"], got["perceptual_failures"]), (0, 0, 0, 0))
+
+    def test_mask(self):
+        got = self.figures(self.a, self.b, "--mask-above", "1.5")
+        keep = ~(self.b > 1.5).any(axis=2)
+        self.check(got, self.a[keep], self.b[keep])
+        self.assertEqual(got["masked"], int((~keep).sum()))
+        self.assertEqual(got["pixels"], int(keep.sum()))
+
+    def test_reference_of_a_multiple_of_the_size(self):
+        got = self.figures(self.a[:6, :8], self.b)
+        self.check(got, self.a[:6, :8], images.box_down(self.b.astype(np.float64), 4))
+        self.assertEqual((got["width"], got["height"]), (8, 6))
+
+    def test_not_finite(self):
+        self.a[0, 0, 1] = np.nan
+        self.a[5, 5, 0] = np.inf
+        got = self.figures(self.a, self.b)
+        keep = np.isfinite(self.a).all(axis=2)
+        self.check(got, self.a[keep], self.b[keep])
+        self.assertEqual((got["non_finite_a"], got["non_finite_b"], got["pixels"]), (2, 0, 766))
+
+    def test_png_is_decoded(self):
+        codes = np.zeros((4, 4, 3)) + 188 / 255
+        images.write(self.path("a.png"), codes)
+        images.write(self.path("b.exr"), np.zeros((4, 4, 3)) + 0.5)
+        done = run(self.path("a.png"), self.path("b.exr"), "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertLess(json.loads(done.stdout)["max_abs"], 0.004)
+
+    def test_pictures(self):
+        self.a[3, 4] = self.b[3, 4] = 5
+        self.a[7, 9, 0] = np.nan
+        got = self.figures(self.a, self.b, "--mask-above", "4", "--error-image", self.path("e.png"),
+                           "--side-by-side", self.path("s.png"))
+        self.assertEqual(got["masked"], 1)
+        error, side = images.rgb(self.path("e.png")), images.rgb(self.path("s.png"))
+        self.assertEqual(error.shape, (24, 32, 3))
+        self.assertEqual(side.shape, (24, 96, 3))
+        np.testing.assert_allclose(error[3, 4] * 255, [0x77] * 3, atol=0.01)
+        np.testing.assert_allclose(error[7, 9] * 255, [0, 255, 0], atol=0.01)
+        np.testing.assert_array_equal(side[:, 64:], error)
+        clipped = np.clip(self.b, 0, 1)
+        curve = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
+        np.testing.assert_allclose(side[:, 32:64], curve, atol=0.51 / 255)
+
+    def test_text(self):
+        images.write(self.path("b.exr"), self.b)
+        done = run(self.path("b.exr"), self.path("b.exr"), "--error-image", self.path("e.png"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for words in ("RMSE", "relMSE", "mean difference", "perceptual failures", "logarithmic"):
+            self.assertIn(words, done.stdout)
+
+    def test_could_not(self):
+        images.write(self.path("b.exr"), self.b)
+        images.write(self.path("odd.exr"), self.b[:7])
+        self.path("text.exr").write_text("no picture")
+        for a in ("missing.exr", "odd.exr", "text.exr"):
+            done = run(self.path(a), self.path("b.exr"))
+            self.assertEqual(done.returncode, 1, a)
+            self.assertIn("candil-compare: ", done.stderr)
+            self.assertEqual(done.stdout, "")
+        done = run(self.path("b.exr"), self.path("b.exr"), "--error-image", self.path("no/such/folder.png"))
+        self.assertEqual(done.returncode, 1)
+        done = run(self.path("b.exr"), self.path("b.exr"), "--mask-above", "-1")
+        self.assertEqual(done.returncode, 1)
+
+    def test_usage(self):
+        for arguments in ([], ["a"], ["a", "b", "c"], ["a", "b", "--mask-above", "bright"], ["a", "b", "--what"]):
+            self.assertEqual(run(*arguments).returncode, 2, arguments)
+        self.assertEqual(run("--help").returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
