@@ -24,7 +24,8 @@ void picture_finish(struct picture *picture);
 enum status picture_write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *codes, struct error *err);
 
 // Pixels that an observer would see differ (Yee's metric, the library's defaults: 100 cd/m², 45 degrees). Pictures of equal
-// size, every value finite.
+// size, every value finite. The library's version (2.4) finds differences of colour only: its test of luminance never
+// fires, not even for black against white.
 enum status picture_perceptual(const struct picture *a, const struct picture *b, uint64_t *failures, struct error *err);
 
 #ifdef __cplusplus

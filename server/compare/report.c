@@ -29,7 +29,8 @@ void report_print(const struct report *report)
 	print_mean("mean", m->mean_a, m->mean_a_rgb);
 	print_mean("mean of reference", m->mean_b, m->mean_b_rgb);
 	printf("%-22s %" PRIu64 " pixels, %" PRIu64 " in the reference\n", "not finite", m->non_finite_a, m->non_finite_b);
-	printf("%-22s %" PRIu64 " pixels (Yee)\n", "perceptual failures", report->perceptual_failures);
+	printf("%-22s %" PRIu64 " pixels (Yee's metric; of colour, not of brightness)\n", "perceptual failures",
+	       report->perceptual_failures);
 	if (isfinite(report->mask_above))
 		printf("%-22s %" PRIu64 " pixels (reference above %g)\n", "masked", m->masked, report->mask_above);
 }
