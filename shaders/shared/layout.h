@@ -8,10 +8,10 @@
 #else
 #include <stdint.h>
 typedef uint32_t uint;
-#define LAYOUT_ASSERT(type, bytes) _Static_assert(sizeof(struct type) == (bytes), #type " has the size that shaders expect")
+#define LAYOUT_ASSERT(type, bytes) _Static_assert(sizeof(struct type) == (bytes), #type " has the size that shaders expect");
 #ifdef __cplusplus
 #undef LAYOUT_ASSERT
-#define LAYOUT_ASSERT(type, bytes) static_assert(sizeof(struct type) == (bytes), #type)
+#define LAYOUT_ASSERT(type, bytes) static_assert(sizeof(struct type) == (bytes), #type);
 #endif
 #endif
 
