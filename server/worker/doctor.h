@@ -1,0 +1,10 @@
+// `candil-worker --doctor`: what devices there are, as JSON on standard output, for `candil doctor`.
+#ifndef CANDIL_WORKER_DOCTOR_H
+#define CANDIL_WORKER_DOCTOR_H
+
+struct device_options;
+
+// Exit status: 0 if a render could work, 5 if no device serves.
+int doctor(const struct device_options *options);
+
+#endif

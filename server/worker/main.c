@@ -1,0 +1,78 @@
+// candil-worker: one a device. Started by candild, which it serves at descriptor IPC_FD until that closes.
+#include <getopt.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+
+#include "server/base/ipc.h"
+#include "server/base/log.h"
+#include "server/worker/doctor.h"
+#include "server/worker/serve.h"
+#include "server/worker/vk/device.h"
+
+static const char usage[] =
+	"usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB]\n"
+	"       candil-worker --doctor [--device …]     list the devices as JSON\n"
+	"candild starts this program; it serves the descriptor that candild leaves it.\n";
+
+struct settings {
+	struct device_options device;
+	bool doctor;
+};
+
+static bool parse(int argc, char **argv, struct settings *out)
+{
+	static const struct option longs[] = {{"device", required_argument, NULL, 'd'},
+					      {"require-gpu", no_argument, NULL, 'g'},
+					      {"memory-budget", required_argument, NULL, 'm'},
+					      {"doctor", no_argument, NULL, 'D'},
+					      {NULL, 0, NULL, 0}};
+	int c;
+	while ((c = getopt_long(argc, argv, "", longs, NULL)) != -1) {
+		char *end;
+		switch (c) {
+		case 'd':
+			out->device.wanted = strcmp(optarg, "auto") != 0 ? optarg : NULL;
+			break;
+		case 'g':
+			out->device.require_gpu = true;
+			break;
+		case 'm':
+			out->device.memory_budget = strtoull(optarg, &end, 10) << 20;
+			if (*end || end == optarg)
+				return false;
+			break;
+		case 'D':
+			out->doctor = true;
+			break;
+		default:
+			return false;
+		}
+	}
+	return optind == argc;
+}
+
+int main(int argc, char **argv)
+{
+	struct settings settings = {0};
+	struct device *device = NULL;
+	struct error err = {0};
+	log_init("candil-worker", LOG_WARNING);
+	if (!parse(argc, argv, &settings)) {
+		fputs(usage, stderr);
+		return 2;
+	}
+	if (settings.doctor)
+		return doctor(&settings.device);
+	// A worker without its front has nobody to serve.
+	prctl(PR_SET_PDEATHSIG, SIGKILL);
+	signal(SIGPIPE, SIG_IGN);
+	signal(SIGINT, SIG_IGN);   // Ctrl-C in a terminal is for the front, which then closes the line
+	if (device_create(&settings.device, &device, &err) != STATUS_OK)
+		log_line(LOG_ERROR, "%s", err.text);
+	enum status s = serve(IPC_FD, device, &err);
+	device_destroy(device);
+	return s == STATUS_OK ? 0 : 1;
+}

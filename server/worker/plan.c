@@ -1,0 +1,232 @@
+#include "server/worker/plan.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/limits.h"
+
+#define PI 3.14159265358979323846
+
+struct effect_rule {
+	candil_Effect effect;
+	const char *name;
+	const char *simulated;   // why it runs
+	const char *absent;      // why it does not
+	const char *substitute;  // what is drawn instead when it is switched off
+};
+
+static const struct effect_rule rules[] = {
+	{candil_Effect_EFFECT_TEXTURES, "textures", "materials have textures", "no material has a texture",
+	 "materials show their factors alone"},
+	{candil_Effect_EFFECT_EMITTERS, "emitters", "surfaces emit light", "no surface emits light", "emissive surfaces are black"},
+	{candil_Effect_EFFECT_LIGHTS, "lights", "the scene has point, spot or directional lights",
+	 "the scene has no point, spot or directional light", "point, spot and directional lights are dark"},
+	{candil_Effect_EFFECT_ENVIRONMENT, "environment", "the background is not black", "the background is black",
+	 "the background is black"},
+	{candil_Effect_EFFECT_BOUNCES, "bounces", "light scatters more than once",
+	 "light cannot scatter twice: pt.depth is below 2, nothing reflects or nothing shines", "direct light alone"},
+};
+
+const char *effect_name(candil_Effect effect)
+{
+	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+		if (rules[i].effect == effect)
+			return rules[i].name;
+	return "unknown";
+}
+
+static bool shines(const struct plan *p)
+{
+	return plan_has(p, candil_Effect_EFFECT_EMITTERS) || plan_has(p, candil_Effect_EFFECT_LIGHTS) ||
+	       plan_has(p, candil_Effect_EFFECT_ENVIRONMENT);
+}
+
+// Whether the scene and the request's own values call for an effect. Bounces come last: they need light to bounce.
+static bool called_for(candil_Effect effect, const struct plan *p, uint32_t facts)
+{
+	switch (effect) {
+	case candil_Effect_EFFECT_TEXTURES:
+		return facts & FACT_TEXTURES;
+	case candil_Effect_EFFECT_EMITTERS:
+		return facts & FACT_EMITTERS;
+	case candil_Effect_EFFECT_LIGHTS:
+		return facts & (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS);
+	case candil_Effect_EFFECT_ENVIRONMENT:
+		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0;
+	case candil_Effect_EFFECT_BOUNCES:
+		return p->depth > 1 && facts & FACT_REFLECTS && shines(p);
+	}
+	return false;
+}
+
+static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
+{
+	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
+		const struct effect_rule *rule = &rules[i];
+		const uint32_t bit = 1u << rule->effect;
+		const bool called = called_for(rule->effect, p, facts);
+		candil_EffectReport *report = &p->reports[p->report_count++];
+		*report = (candil_EffectReport)candil_EffectReport_init_zero;
+		report->effect = rule->effect;
+		const char *why;
+		if (r->effects_off & bit) {
+			report->state = candil_EffectState_EFFECT_STATE_SWITCHED_OFF;
+			why = called ? rule->substitute : rule->absent;
+		} else if (called) {
+			report->state = candil_EffectState_EFFECT_STATE_SIMULATED;
+			why = rule->simulated;
+		} else if (r->effects_on & bit) {
+			report->state = candil_EffectState_EFFECT_STATE_FORCED;
+			why = rule->absent;
+		} else {
+			report->state = candil_EffectState_EFFECT_STATE_ABSENT;
+			why = rule->absent;
+		}
+		snprintf(report->why, sizeof report->why, "%s", why);
+		if (report->state == candil_EffectState_EFFECT_STATE_SIMULATED ||
+		    report->state == candil_EffectState_EFFECT_STATE_FORCED)
+			p->effects |= bit;
+	}
+}
+
+struct option_rule {
+	const char *name;
+	uint32_t least, most;
+	size_t offset;   // of the uint32_t in struct plan
+};
+
+static const struct option_rule options[] = {
+	{"pt.depth", 0, LIMIT_DEPTH, offsetof(struct plan, depth)},
+	{"pt.segment", 1, LIMIT_DEPTH + 1, offsetof(struct plan, segment)},
+};
+
+static enum status plan_option(const candil_Option *o, struct plan *p, struct error *err)
+{
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+		if (strcmp(options[i].name, o->name) != 0)
+			continue;
+		char *end;
+		unsigned long v = strtoul(o->value, &end, 10);
+		if (o->value[0] < '0' || o->value[0] > '9' || *end || v < options[i].least || v > options[i].most)
+			return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a whole number from %u to %u, not '%s'",
+					 o->name, options[i].least, options[i].most, o->value);
+		const uint32_t value = (uint32_t)v;
+		memcpy((char *)p + options[i].offset, &value, sizeof value);
+		return STATUS_OK;
+	}
+	return error_set(err, STATUS_BAD_ARGUMENT, "there is no option '%s': known are pt.depth and pt.segment", o->name);
+}
+
+// ---- camera -----------------------------------------------------------------------------------------------------------
+
+static double dot3(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross3(const double a[3], const double b[3], double out[3])
+{
+	out[0] = a[1] * b[2] - a[2] * b[1];
+	out[1] = a[2] * b[0] - a[0] * b[2];
+	out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static bool normalize3(double v[3])
+{
+	double l = sqrt(dot3(v, v));
+	if (!(l > 0) || !isfinite(l))
+		return false;
+	for (int i = 0; i < 3; i++)
+		v[i] /= l;
+	return true;
+}
+
+// Image plane from a view direction and any vector that is not along it.
+static enum status aim(struct plan *p, const double up[3], double half_height, struct error *err)
+{
+	struct plan_camera *c = &p->camera;
+	double right[3], straight_up[3];
+	if (!normalize3(c->forward))
+		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's eye and target are the same point: move one");
+	cross3(c->forward, up, right);
+	if (!normalize3(right))
+		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's up direction is along its view: choose another");
+	cross3(right, c->forward, straight_up);
+	const double half_width = half_height * p->width / p->height;
+	for (int i = 0; i < 3; i++) {
+		c->right[i] = right[i] * half_width;
+		c->up[i] = straight_up[i] * half_height;
+	}
+	return STATUS_OK;
+}
+
+static enum status camera_of_scene(const struct blob_camera *from, struct plan *p, struct error *err)
+{
+	memcpy(p->camera.eye, from->eye, sizeof p->camera.eye);
+	memcpy(p->camera.forward, from->forward, sizeof p->camera.forward);
+	p->camera.orthographic = from->vfov_degrees == 0;
+	double half = p->camera.orthographic ? from->half_height : tan(from->vfov_degrees * PI / 360);
+	return aim(p, from->up, half, err);
+}
+
+static enum status plan_camera(const candil_Render *r, const struct blob_header *scene, struct plan *p, struct error *err)
+{
+	const struct blob_camera *cameras = blob_section(scene, BLOB_CAMERAS);
+	const uint32_t count = blob_count(scene, BLOB_CAMERAS);
+	const candil_Camera *c = &r->camera;
+	if (r->has_camera && c->name[0]) {
+		for (uint32_t i = 0; i < count; i++)
+			if (!strcmp(cameras[i].name, c->name))
+				return camera_of_scene(&cameras[i], p, err);
+		return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no camera '%s': `candil describe` lists them", c->name);
+	}
+	if (!r->has_camera || !c->has_eye) {
+		if (count == 0)
+			return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no camera: give one with the request");
+		return camera_of_scene(&cameras[0], p, err);
+	}
+	const double eye[3] = {c->eye.x, c->eye.y, c->eye.z};
+	const double target[3] = {c->target.x, c->target.y, c->target.z};
+	const double y_up[3] = {0, 1, 0};
+	const double up[3] = {c->up.x, c->up.y, c->up.z};
+	if (!(c->vfov_degrees > 0 && c->vfov_degrees < 180))
+		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's vertical field of view must be between 0 and 180 degrees");
+	for (int i = 0; i < 3; i++) {
+		p->camera.eye[i] = eye[i];
+		p->camera.forward[i] = target[i] - eye[i];
+	}
+	return aim(p, c->has_up ? up : y_up, tan(c->vfov_degrees * PI / 360), err);
+}
+
+enum status plan_make(const candil_Render *r, const struct blob_header *scene, struct plan *p, struct error *err)
+{
+	memset(p, 0, sizeof *p);
+	p->technique = candil_Technique_TECHNIQUE_PT;
+	p->width = r->width;
+	p->height = r->height;
+	p->samples = r->samples ? r->samples : PLAN_SAMPLES_DEFAULT;
+	p->first_sample = r->first_sample;
+	p->seed = r->seed;
+	p->depth = PLAN_DEPTH_DEFAULT;
+	p->aovs = r->aovs;
+	p->format = r->format;
+	p->view = r->view;
+	p->exposure_ev = r->exposure_ev;
+	if (r->has_background) {
+		p->background[0] = (float)r->background.x;
+		p->background[1] = (float)r->background.y;
+		p->background[2] = (float)r->background.z;
+	}
+	for (pb_size_t i = 0; i < r->options_count; i++) {
+		enum status s = plan_option(&r->options[i], p, err);
+		if (s != STATUS_OK)
+			return s;
+	}
+	enum status s = plan_camera(r, scene, p, err);
+	if (s != STATUS_OK)
+		return s;
+	plan_effects(r, scene->facts, p);
+	return STATUS_OK;
+}

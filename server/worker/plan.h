@@ -1,0 +1,51 @@
+// What a job will do, decided once and here. A pass runs if the technique can and the request says on, or says nothing and
+// the scene calls for it. Everything after reads the plan and asks nothing again.
+#ifndef CANDIL_WORKER_PLAN_H
+#define CANDIL_WORKER_PLAN_H
+
+#include "candil.pb.h"
+#include "server/base/error.h"
+#include "server/scene/blob.h"
+
+#define PLAN_DEPTH_DEFAULT 8u
+#define PLAN_SAMPLES_DEFAULT 64u
+
+struct plan_camera {
+	double eye[3];        // metres, world space
+	double forward[3];    // unit
+	double right[3];      // half the image plane's width: at distance 1, or in metres if orthographic
+	double up[3];         // half its height, likewise
+	bool orthographic;
+};
+
+struct plan {
+	candil_Technique technique;
+	uint32_t width, height;
+	uint32_t samples;            // of this job
+	uint32_t first_sample;
+	uint64_t seed;
+	uint32_t depth;              // scattering events at most
+	uint32_t segment;            // pt: events in one dispatch at most; 0: as the device bears
+	uint32_t effects;            // bits 1 << candil_Effect: what runs
+	uint32_t aovs;               // AOV_*
+	struct plan_camera camera;
+	float background[3];         // W/(m² sr)
+	candil_Format format;
+	candil_View view;
+	double exposure_ev;
+	candil_EffectReport reports[LIMIT_EFFECTS];
+	uint32_t report_count;
+};
+
+// Plan a request over a scene. STATUS_BAD_ARGUMENT for an option or a camera that does not exist or cannot be.
+enum status plan_make(const candil_Render *request, const struct blob_header *scene, struct plan *plan, struct error *err);
+
+static inline bool plan_has(const struct plan *plan, candil_Effect effect)
+{
+	return plan->effects >> effect & 1u;
+}
+
+// "textures", …
+const char *effect_name(candil_Effect effect);
+
+#endif

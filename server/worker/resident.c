@@ -1,0 +1,127 @@
+#include "server/worker/resident.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "server/base/memfd.h"
+
+static const enum blob_section section_of[BIND_SCENE_COUNT] = {
+	[BIND_NODES] = BLOB_NODES,         [BIND_LEAF_TRIANGLES] = BLOB_LEAF_TRIANGLES,
+	[BIND_TRIANGLES] = BLOB_TRIANGLES, [BIND_VERTICES] = BLOB_VERTICES,
+	[BIND_MATERIALS] = BLOB_MATERIALS, [BIND_TEXTURES] = BLOB_TEXTURES,
+	[BIND_TEXELS] = BLOB_TEXELS,       [BIND_EMITTERS] = BLOB_EMITTERS,
+	[BIND_LIGHTS] = BLOB_LIGHTS,       [BIND_SRGB_TABLE] = BLOB_SECTIONS,
+};
+
+enum status resident_add(struct resident_scenes *scenes, uint64_t id, int fd, struct error *err)
+{
+	struct resident_scene *s = calloc(1, sizeof *s);
+	if (!s) {
+		close(fd);
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	}
+	s->id = id;
+	s->fd = fd;
+	s->next = scenes->first;
+	scenes->first = s;
+	return STATUS_OK;
+}
+
+static void destroy(struct resident_scenes *scenes, struct resident_scene *scene)
+{
+	struct resident_scene **at = &scenes->first;
+	while (*at != scene)
+		at = &(*at)->next;
+	*at = scene->next;
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		buffer_finish(&scene->buffers[i], scenes->device);
+	if (scene->blob)
+		munmap((void *)(uintptr_t)scene->blob, scene->bytes);
+	close(scene->fd);
+	free(scene);
+}
+
+static struct resident_scene *find(const struct resident_scenes *scenes, uint64_t id)
+{
+	struct resident_scene *s = scenes->first;
+	while (s && s->id != id)
+		s = s->next;
+	return s;
+}
+
+void resident_forget(struct resident_scenes *scenes, uint64_t id)
+{
+	struct resident_scene *s = find(scenes, id);
+	if (!s)
+		return;
+	s->forgotten = true;
+	if (s->jobs == 0)
+		destroy(scenes, s);
+}
+
+enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, struct resident_scene **scene, struct error *err)
+{
+	struct resident_scene *s = find(scenes, id);
+	if (!s)
+		return error_set(err, STATUS_INTERNAL, "the worker does not know this scene");
+	if (!s->blob) {
+		const void *map;
+		size_t bytes;
+		enum status r = memfd_map_sealed(s->fd, &map, &bytes, err);
+		if (r != STATUS_OK)
+			return r;
+		r = blob_check(map, bytes, err);
+		if (r != STATUS_OK) {
+			munmap((void *)(uintptr_t)map, bytes);
+			return r;
+		}
+		s->blob = map;
+		s->bytes = bytes;
+	}
+	s->jobs++;
+	*scene = s;
+	return STATUS_OK;
+}
+
+void resident_release(struct resident_scenes *scenes, struct resident_scene *scene)
+{
+	if (--scene->jobs == 0 && scene->forgotten)
+		destroy(scenes, scene);
+}
+
+static enum status upload_srgb_table(struct buffer *buffer, struct device *device, struct error *err)
+{
+	float table[256];
+	for (int i = 0; i < 256; i++) {
+		// IEC 61966-2-1.
+		double c = i / 255.0;
+		table[i] = (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+	}
+	return buffer_init_with(buffer, device, table, sizeof table, err);
+}
+
+enum status resident_upload(struct resident_scene *s, struct device *device, uint32_t bindings, struct error *err)
+{
+	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++) {
+		if (!(bindings & 1u << i) || s->buffers[i].handle)
+			continue;
+		enum status r;
+		if (i == BIND_SRGB_TABLE) {
+			r = upload_srgb_table(&s->buffers[i], device, err);
+		} else {
+			uint64_t bytes = (uint64_t)blob_count(s->blob, section_of[i]) * blob_stride(section_of[i]);
+			r = buffer_init_with(&s->buffers[i], device, blob_section(s->blob, section_of[i]), bytes, err);
+		}
+		if (r != STATUS_OK)
+			return r;
+	}
+	return STATUS_OK;
+}
+
+void resident_finish(struct resident_scenes *scenes)
+{
+	while (scenes->first)
+		destroy(scenes, scenes->first);
+}

@@ -1,0 +1,41 @@
+// Scenes in the worker: each a sealed blob that the front handed over, mapped and checked at its first use, and those of
+// its sections that some plan needed, in device memory. Device's thread only.
+#ifndef CANDIL_WORKER_RESIDENT_H
+#define CANDIL_WORKER_RESIDENT_H
+
+#include "server/scene/blob.h"
+#include "server/worker/vk/buffer.h"
+#include "shaders/shared/bindings.h"
+
+struct resident_scene {
+	struct resident_scene *next;
+	uint64_t id;
+	int fd;                                   // of the blob
+	const struct blob_header *blob;           // NULL until the first use
+	size_t bytes;
+	struct buffer buffers[BIND_SCENE_COUNT];  // by binding; zeroed: not on the device
+	uint32_t jobs;                            // that use it
+	bool forgotten;                           // goes with its last job
+};
+
+struct resident_scenes {
+	struct device *device;
+	struct resident_scene *first;
+};
+
+// Keep a scene under `id`. Takes fd.
+enum status resident_add(struct resident_scenes *scenes, uint64_t id, int fd, struct error *err);
+
+// Let it go: now, or when its last job ends. Unknown ids are ignored.
+void resident_forget(struct resident_scenes *scenes, uint64_t id);
+
+// Find a scene for a job, mapped and checked. Each success is paired with resident_release.
+enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, struct resident_scene **scene, struct error *err);
+void resident_release(struct resident_scenes *scenes, struct resident_scene *scene);
+
+// Bring these bindings (bits 1 << BIND_…) onto the device, those that are not there yet. Sections without elements stay off.
+enum status resident_upload(struct resident_scene *scene, struct device *device, uint32_t bindings, struct error *err);
+
+void resident_finish(struct resident_scenes *scenes);
+
+#endif

@@ -1,0 +1,277 @@
+// One blocking socket, one message at a time. The encoder's thread writes to the same socket: a datagram is sent whole, so
+// the two never mix. A job is begun, stepped and read here in the order in which the front asks.
+#include "server/worker/serve.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "server/base/clock.h"
+#include "server/base/ipc.h"
+#include "server/base/log.h"
+#include "server/worker/image/encoder.h"
+#include "server/worker/plan.h"
+#include "server/worker/resident.h"
+#include "server/worker/technique/pt.h"
+#include "server/worker/vk/device.h"
+
+struct job {
+	struct job *next;
+	uint32_t id;
+	struct plan plan;
+	struct resident_scene *scene;
+	const struct technique *technique;
+	struct technique_job *work;
+};
+
+struct server {
+	int socket;
+	struct device *device;
+	struct error no_device;
+	struct resident_scenes scenes;
+	struct encoder *encoder;
+	struct job *jobs;
+};
+
+static struct job **find_job(struct server *s, uint32_t id)
+{
+	struct job **at = &s->jobs;
+	while (*at && (*at)->id != id)
+		at = &(*at)->next;
+	return at;
+}
+
+static void job_destroy(struct server *s, struct job *job)
+{
+	if (!job)
+		return;
+	if (job->work)
+		job->technique->end(job->work);
+	if (job->scene)
+		resident_release(&s->scenes, job->scene);
+	free(job);
+}
+
+static void on_scene(struct server *s, const struct ipc_scene *m, int fd)
+{
+	struct error err;
+	if (fd >= 0 && resident_add(&s->scenes, m->scene, fd, &err) != STATUS_OK)
+		log_line(LOG_ERROR, "scene %llu: %s", (unsigned long long)m->scene, err.text);
+}
+
+static void fill_accepted(const struct server *s, const struct job *job, candil_Accepted *out)
+{
+	out->technique = job->plan.technique;
+	out->plan_count = (pb_size_t)job->plan.report_count;
+	memcpy(out->plan, job->plan.reports, job->plan.report_count * sizeof *out->plan);
+	snprintf(out->device, sizeof out->device, "%s", s->device->info.name);
+	out->job_bytes = pt_job_bytes(s->device, &job->plan);
+	out->samples = job->plan.samples;
+	out->depth = job->plan.depth;
+}
+
+static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
+{
+	if (!s->device) {
+		*err = s->no_device;
+		return err->code;
+	}
+	enum status r = resident_acquire(&s->scenes, m->scene, &job->scene, err);
+	if (r != STATUS_OK)
+		return r;
+	r = plan_make(&m->render, job->scene->blob, &job->plan, err);
+	if (r != STATUS_OK)
+		return r;
+	// Only the path tracer answers so far; the front refuses the other techniques by name.
+	job->technique = &technique_pt;
+	const uint64_t bytes = pt_job_bytes(s->device, &job->plan);
+	if (bytes > s->device->budget)
+		return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget is %llu MiB: render smaller",
+				 (unsigned long long)(bytes >> 20), (unsigned long long)(s->device->budget >> 20));
+	return job->technique->begin(s->device, job->scene, &job->plan, &job->work, err);
+}
+
+static enum status on_begin(struct server *s, const struct ipc_begin *m)
+{
+	struct ipc_begun answer = {.head = {.op = IPC_BEGUN, .job = m->head.job}};
+	struct job *job = calloc(1, sizeof *job);
+	if (!job) {
+		error_set(&answer.error, STATUS_MEMORY, "out of memory");
+	} else {
+		job->id = m->head.job;
+		if (begin(s, m, job, &answer.error) == STATUS_OK) {
+			fill_accepted(s, job, &answer.accepted);
+			job->next = s->jobs;
+			s->jobs = job;
+		} else {
+			job_destroy(s, job);
+		}
+	}
+	return ipc_send(s->socket, &answer, sizeof answer, -1, NULL);
+}
+
+static enum status on_step(struct server *s, const struct ipc_step *m)
+{
+	struct ipc_stepped answer = {.head = {.op = IPC_STEPPED, .job = m->head.job}};
+	struct job *job = *find_job(s, m->head.job);
+	struct step_result result = {0};
+	const uint64_t start = clock_us();
+	if (!job)
+		error_set(&answer.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
+	else if (job->technique->step(job->work, m->budget_us, &result, &answer.error) == STATUS_OK)
+		answer.error.code = STATUS_OK;
+	answer.samples_done = result.samples_done;
+	answer.finished = result.finished;
+	answer.fraction = result.fraction;
+	answer.device_us = clock_us() - start;
+	if (s->device) {
+		answer.device_bytes = s->device->bytes;
+		answer.validation_errors = atomic_load(&s->device->validation_errors);
+	}
+	return ipc_send(s->socket, &answer, sizeof answer, -1, NULL);
+}
+
+static void add_metadata(const struct server *s, const struct job *job, struct frame *f)
+{
+	const struct plan *p = &job->plan;
+	char effects[160] = "";
+	for (uint32_t i = 0; i < p->report_count; i++)
+		if (plan_has(p, p->reports[i].effect))
+			snprintf(effects + strlen(effects), sizeof effects - strlen(effects), "%s%s", effects[0] ? "," : "",
+				 effect_name(p->reports[i].effect));
+	frame_add_metadata(f, "technique", "%s", job->technique->name);
+	frame_add_metadata(f, "effects", "%s", effects[0] ? effects : "none");
+	frame_add_metadata(f, "samples", "%u", f->samples);
+	frame_add_metadata(f, "first_sample", "%u", p->first_sample);
+	frame_add_metadata(f, "seed", "%llu", (unsigned long long)p->seed);
+	frame_add_metadata(f, "depth", "%u", p->depth);
+	frame_add_metadata(f, "estimated_relmse", "%.6g", f->estimated_relmse);
+	frame_add_metadata(f, "non_finite_samples", "%llu", (unsigned long long)f->non_finite_samples);
+	frame_add_metadata(f, "device", "%s", s->device->info.name);
+	frame_add_metadata(f, "scene_hash", "%016llx%016llx", (unsigned long long)job->scene->blob->hash[1],
+			   (unsigned long long)job->scene->blob->hash[0]);
+	for (uint32_t i = 0; i < f->stage_count; i++) {
+		char key[40];
+		snprintf(key, sizeof key, "%s_us", f->stages[i].name);
+		frame_add_metadata(f, key, "%llu", (unsigned long long)f->stages[i].us);
+	}
+}
+
+static enum status on_read(struct server *s, const struct ipc_read *m)
+{
+	struct ipc_image failure = {.head = {.op = IPC_IMAGE, .job = m->head.job}};
+	struct job *job = *find_job(s, m->head.job);
+	struct frame *frame;
+	enum status r = job ? job->technique->read(job->work, &frame, &failure.error)
+			    : error_set(&failure.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
+	if (r != STATUS_OK)
+		return ipc_send(s->socket, &failure, sizeof failure, -1, NULL);
+	add_metadata(s, job, frame);
+	const struct encoder_task task = {.job = job->id,
+					  .final = m->final != 0,
+					  .frame = frame,
+					  .format = (enum codec_format)job->plan.format,
+					  .view = (enum codec_view)job->plan.view,
+					  .exposure_ev = job->plan.exposure_ev};
+	encoder_submit(s->encoder, &task);
+	return STATUS_OK;
+}
+
+static void on_end(struct server *s, const struct ipc_job *m)
+{
+	struct job **at = find_job(s, m->head.job);
+	struct job *job = *at;
+	if (job)
+		*at = job->next;
+	job_destroy(s, job);
+}
+
+static size_t expected_bytes(uint32_t op)
+{
+	switch (op) {
+	case IPC_SCENE:
+	case IPC_FORGET:
+		return sizeof(struct ipc_scene);
+	case IPC_BEGIN:
+		return sizeof(struct ipc_begin);
+	case IPC_STEP:
+		return sizeof(struct ipc_step);
+	case IPC_READ:
+		return sizeof(struct ipc_read);
+	case IPC_END:
+		return sizeof(struct ipc_job);
+	default:
+		return 0;
+	}
+}
+
+static enum status handle(struct server *s, const void *message, size_t bytes, int fd)
+{
+	const struct ipc_head *head = message;
+	if (bytes < sizeof *head || bytes != expected_bytes(head->op)) {
+		if (fd >= 0)
+			close(fd);
+		log_line(LOG_ERROR, "the front sent a message of %zu bytes that is none", bytes);
+		return STATUS_INTERNAL;
+	}
+	if (head->op == IPC_SCENE) {
+		on_scene(s, message, fd);
+		return STATUS_OK;
+	}
+	if (fd >= 0)
+		close(fd);
+	switch (head->op) {
+	case IPC_FORGET:
+		resident_forget(&s->scenes, ((const struct ipc_scene *)message)->scene);
+		return STATUS_OK;
+	case IPC_BEGIN:
+		return on_begin(s, message);
+	case IPC_STEP:
+		return on_step(s, message);
+	case IPC_READ:
+		return on_read(s, message);
+	default:
+		on_end(s, message);
+		return STATUS_OK;
+	}
+}
+
+enum status serve(int socket, struct device *device, const struct error *why)
+{
+	struct server s = {.socket = socket, .device = device, .scenes = {.device = device}};
+	struct ipc_ready ready = {.head = {.op = IPC_READY}};
+	struct error err;
+	enum status r = STATUS_INTERNAL;
+	_Alignas(16) static char message[IPC_MAX_BYTES];
+	snprintf(ready.build, sizeof ready.build, "%s", ipc_build());
+	if (device) {
+		snprintf(ready.device, sizeof ready.device, "%s", device->info.name);
+		ready.software = device->info.software;
+	} else {
+		s.no_device = *why;
+		ready.error = *why;
+	}
+	if (encoder_create(socket, ready.device, &s.encoder, &err) != STATUS_OK) {
+		log_line(LOG_ERROR, "%s", err.text);
+		return STATUS_INTERNAL;
+	}
+	r = ipc_send(socket, &ready, sizeof ready, -1, &err);
+	while (r == STATUS_OK) {
+		size_t bytes;
+		int fd;
+		r = ipc_receive(socket, message, sizeof message, &bytes, &fd, &err);
+		if (r != STATUS_OK || bytes == 0)
+			break;
+		r = handle(&s, message, bytes, fd);
+	}
+	encoder_destroy(s.encoder);
+	while (s.jobs) {
+		struct job *job = s.jobs;
+		s.jobs = job->next;
+		job_destroy(&s, job);
+	}
+	if (device)
+		resident_finish(&s.scenes);
+	return r;
+}
