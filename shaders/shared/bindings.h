@@ -19,7 +19,9 @@
 // The job.
 #define BIND_JOB 10           // struct pt_job
 #define BIND_COUNTERS 11      // struct pt_counters
+#ifndef BIND_ACCUMULATOR
 #define BIND_ACCUMULATOR 12   // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
+#endif
 #define BIND_PATHS 13         // path: struct path_state, one an invocation, for paths longer than a dispatch
 #define BIND_PATH_COUNT 14
 #define BIND_AOV 12           // aov: 8 words a pixel: depth, normal, albedo, id

@@ -1,0 +1,228 @@
+// The device's traversal against Embree's, as an independent judge: the same rays, RTC_SCENE_FLAG_ROBUST, scenes given on the
+// command line after the loader. At most one ray in 100,000 may hit another triangle, and then at the same distance: a tie.
+#include <embree3/rtcore.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/worker/resident.h"
+#include "server/worker/vk/command.h"
+#include "server/worker/vk/pipeline.h"
+#include "shaders/cast_comp.h"
+#include "tests/support/load_scene.h"
+
+#define RAYS (1u << 20)
+#define RAYS_PER_DISPATCH (1u << 16)
+
+static const struct shader cast_shader = {.name = "cast",
+					  .code = shader_cast_comp,
+					  .bytes = sizeof shader_cast_comp,
+					  .bindings = BIND_CAST_COUNT,
+					  .push_bytes = 8};
+
+static uint64_t random_state = 1;
+
+static double random_unit(void)
+{
+	// PCG-XSH-RR's step (O'Neill 2014): good enough to aim rays.
+	random_state = random_state * 6364136223846793005ull + 1442695040888963407ull;
+	uint32_t x = (uint32_t)(((random_state >> 18) ^ random_state) >> 27);
+	uint32_t rot = (uint32_t)(random_state >> 59);
+	return ((x >> rot) | (x << (-rot & 31))) / 4294967296.0;
+}
+
+static void random_direction(float d[3])
+{
+	double z = 2 * random_unit() - 1, phi = 6.283185307179586 * random_unit(), r = sqrt(1 - z * z);
+	d[0] = (float)(r * cos(phi));
+	d[1] = (float)(r * sin(phi));
+	d[2] = (float)z;
+}
+
+// A third from around the scene towards it, a third from triangles' surfaces, a third along axes through vertices and edges,
+// where ties and exact grazes are.
+static void make_ray(const struct blob_header *b, uint32_t i, struct cast_ray *r)
+{
+	const struct triangle *triangles = blob_section(b, BLOB_TRIANGLES);
+	const struct vertex *vertices = blob_section(b, BLOB_VERTICES);
+	const uint32_t count = blob_count(b, BLOB_TRIANGLES);
+	const struct triangle *t = &triangles[(uint32_t)(random_unit() * count)];
+	double w1 = random_unit(), w2 = random_unit() * (1 - w1);
+	float on[3], extent = 0;
+	for (int c = 0; c < 3; c++) {
+		const float *v[3] = {vertices[t->vertex[0]].position, vertices[t->vertex[1]].position, vertices[t->vertex[2]].position};
+		on[c] = i % 3 == 2 ? v[0][c] : (float)(v[0][c] * (1 - w1 - w2) + v[1][c] * w1 + v[2][c] * w2);
+		extent = fmaxf(extent, b->bounds_max[c] - b->bounds_min[c]);
+	}
+	random_direction(r->direction);
+	if (i % 3 == 2)
+		for (int c = 0; c < 3; c++)
+			r->direction[c] = (uint32_t)c == i / 3 % 3 ? (i & 1 ? 1.0f : -1.0f) : 0.0f;
+	for (int c = 0; c < 3; c++)
+		r->origin[c] = i % 3 == 1 ? on[c] + 1e-3f * extent * r->direction[c] : on[c] - 2 * extent * r->direction[c];
+	r->t_max = INFINITY;
+	r->any = 0;
+}
+
+static RTCScene judge_make(RTCDevice device, const struct blob_header *b)
+{
+	const struct triangle *triangles = blob_section(b, BLOB_TRIANGLES);
+	const struct vertex *vertices = blob_section(b, BLOB_VERTICES);
+	RTCScene scene = rtcNewScene(device);
+	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+	RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+	float *v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, blob_count(b, BLOB_VERTICES));
+	unsigned *ix = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, blob_count(b, BLOB_TRIANGLES));
+	for (uint32_t i = 0; i < blob_count(b, BLOB_VERTICES); i++)
+		memcpy(v + 3 * i, vertices[i].position, 12);
+	for (uint32_t i = 0; i < blob_count(b, BLOB_TRIANGLES); i++)
+		memcpy(ix + 3 * i, triangles[i].vertex, 12);
+	rtcCommitGeometry(g);
+	rtcAttachGeometry(scene, g);
+	rtcReleaseGeometry(g);
+	rtcCommitScene(scene);
+	return scene;
+}
+
+static struct RTCRayHit judge_hit(RTCScene scene, const struct cast_ray *r)
+{
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	struct RTCRayHit h = {.ray = {.org_x = r->origin[0],
+				      .org_y = r->origin[1],
+				      .org_z = r->origin[2],
+				      .dir_x = r->direction[0],
+				      .dir_y = r->direction[1],
+				      .dir_z = r->direction[2],
+				      .tfar = INFINITY,
+				      .mask = ~0u}};
+	h.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+	rtcIntersect1(scene, &context, &h);
+	return h;
+}
+
+static enum status cast_all(struct device *d, struct resident_scene *scene, const struct cast_ray *rays, struct cast_hit *hits,
+			    struct error *err)
+{
+	struct pipeline *pipeline;
+	struct binding_set set = {0};
+	struct buffer in = {0}, out = {0};
+	const uint32_t bits = 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES;
+	enum status s = resident_upload(scene, d, bits, err);
+	if (s == STATUS_OK)
+		s = pipeline_get(d, &cast_shader, NULL, 0, &pipeline, err);
+	if (s == STATUS_OK)
+		s = buffer_init_with(&in, d, rays, RAYS * sizeof *rays, err);
+	if (s == STATUS_OK)
+		s = buffer_init(&out, d, RAYS * sizeof *hits, BUFFER_DEVICE, err);
+	if (s != STATUS_OK)
+		goto out;
+	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
+	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
+		buffers[i] = &scene->buffers[i];
+	buffers[BIND_RAYS] = &in;
+	buffers[BIND_HITS] = &out;
+	s = binding_set_init(&set, d, pipeline, buffers, &in, err);
+	for (uint32_t first = 0; first < RAYS && s == STATUS_OK; first += RAYS_PER_DISPATCH) {
+		const uint32_t push[2] = {first, RAYS_PER_DISPATCH};
+		s = command_begin(d, err);
+		if (s != STATUS_OK)
+			break;
+		vkCmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
+		vkCmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set.set, 0, NULL);
+		vkCmdPushConstants(d->commands, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, push);
+		vkCmdDispatch(d->commands, RAYS_PER_DISPATCH / 64, 1, 1);
+		command_barrier(d);
+		s = command_finish(d, err);
+	}
+	if (s == STATUS_OK)
+		s = buffer_read(&out, d, 0, RAYS * sizeof *hits, hits, err);
+out:
+	binding_set_finish(&set, d);
+	buffer_finish(&in, d);
+	buffer_finish(&out, d);
+	return s;
+}
+
+struct tally {
+	uint32_t hits, other_triangle, unexplained, any_differs;
+};
+
+static void compare(RTCScene judge, const struct cast_ray *rays, const struct cast_hit *hits, const struct cast_hit *any,
+		    struct tally *t)
+{
+	for (uint32_t i = 0; i < RAYS; i++) {
+		struct RTCRayHit h = judge_hit(judge, &rays[i]);
+		bool judged = h.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+		bool found = hits[i].id != NONE;
+		t->hits += found;
+		t->any_differs += found != (any[i].id != NONE);
+		if (judged == found && (!found || h.hit.primID == hits[i].id))
+			continue;
+		bool same_place = judged && found && fabsf(h.ray.tfar - hits[i].t) <= 1e-5f * fabsf(h.ray.tfar);
+		// A ray along a shared edge or in a triangle's plane may be seen by one and not the other: then both neighbours
+		// are ties at best, but a hit that only one side sees is counted as unexplained.
+		t->other_triangle++;
+		t->unexplained += !same_place;
+		if (!same_place)
+			printf("  ray %u: device %d t %.9g, embree %d t %.9g\n", i, (int)hits[i].id, (double)hits[i].t,
+			       judged ? (int)h.hit.primID : -1, (double)h.ray.tfar);
+	}
+}
+
+static bool test_scene(struct device *device, RTCDevice embree, const char *loader, const char *file)
+{
+	struct loaded_scene scene;
+	struct error err = {0};
+	if (load_scene(loader, file, &scene, &err) != STATUS_OK) {
+		printf("FAIL %s: %s\n", file, err.text);
+		return false;
+	}
+	struct resident_scene resident = {.blob = scene.blob, .bytes = scene.bytes, .fd = scene.fd};
+	struct cast_ray *rays = malloc(RAYS * sizeof *rays);
+	struct cast_hit *hits = malloc(RAYS * sizeof *hits), *any = malloc(RAYS * sizeof *any);
+	struct tally t = {0};
+	for (uint32_t i = 0; i < RAYS; i++)
+		make_ray(scene.blob, i, &rays[i]);
+	enum status s = cast_all(device, &resident, rays, hits, &err);
+	for (uint32_t i = 0; i < RAYS; i++)
+		rays[i].any = 1;
+	if (s == STATUS_OK)
+		s = cast_all(device, &resident, rays, any, &err);
+	RTCScene judge = judge_make(embree, scene.blob);
+	if (s == STATUS_OK)
+		compare(judge, rays, hits, any, &t);
+	const uint32_t allowed = RAYS / 100000;
+	bool good = s == STATUS_OK && t.hits > RAYS / 3 && t.other_triangle <= allowed && t.unexplained == 0 && t.any_differs == 0;
+	printf("%s %s: %u triangles, %u of %u rays hit, %u hit another triangle than Embree's (%u allowed), %u of them unexplained, "
+	       "%u any-hits differ %s\n",
+	       good ? "ok" : "FAIL", file, blob_count(scene.blob, BLOB_TRIANGLES), t.hits, RAYS, t.other_triangle, allowed,
+	       t.unexplained, t.any_differs, s == STATUS_OK ? "" : err.text);
+	rtcReleaseScene(judge);
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		buffer_finish(&resident.buffers[i], device);
+	loaded_scene_finish(&scene);
+	free(rays);
+	free(hits);
+	free(any);
+	return good;
+}
+
+int main(int argc, char **argv)
+{
+	struct device *device;
+	struct error err;
+	bool good = argc > 2;
+	const struct device_options options = {0};
+	if (device_create(&options, &device, &err) != STATUS_OK) {
+		printf("skipped: %s\n", err.text);
+		return 77;
+	}
+	RTCDevice embree = rtcNewDevice(NULL);
+	for (int i = 2; i < argc; i++)
+		good = test_scene(device, embree, argv[1], argv[i]) && good;
+	rtcReleaseDevice(embree);
+	device_destroy(device);
+	return good ? 0 : 1;
+}
