@@ -1,0 +1,265 @@
+#include "server/loader/build_blob.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "server/base/checked.h"
+#include "server/base/memfd.h"
+#include "server/loader/bvh.h"
+#include "server/loader/geometry.h"
+#include "server/loader/lights.h"
+#include "server/scene/facts.h"
+
+// Everything that goes into a blob, section by section, before it is laid out.
+struct parts {
+	struct geometry geometry;
+	struct bvh bvh;
+	struct leaf_triangle *leaves;
+	struct emitter *emitters;
+	struct punctual_light *lights;
+	uint32_t emitter_count, light_count;
+	float emitter_power, light_power;
+};
+
+static void parts_finish(struct parts *p)
+{
+	geometry_finish(&p->geometry);
+	bvh_finish(&p->bvh);
+	free(p->leaves);
+	free(p->emitters);
+	free(p->lights);
+}
+
+static enum status make_leaves(struct parts *p, struct error *err)
+{
+	const struct geometry *g = &p->geometry;
+	p->leaves = calloc((size_t)g->triangle_count + 1, sizeof *p->leaves);
+	if (!p->leaves)
+		return error_set(err, STATUS_MEMORY, "no memory for %u leaf triangles", g->triangle_count);
+	for (uint32_t i = 0; i < g->triangle_count; i++) {
+		struct leaf_triangle *l = &p->leaves[i];
+		l->id = p->bvh.order[i];
+		const struct triangle *t = &g->triangles[l->id];
+		l->material = t->material;
+		memcpy(l->v0, g->vertices[t->vertex[0]].position, sizeof l->v0);
+		memcpy(l->v1, g->vertices[t->vertex[1]].position, sizeof l->v1);
+		memcpy(l->v2, g->vertices[t->vertex[2]].position, sizeof l->v2);
+	}
+	return STATUS_OK;
+}
+
+static double bounding_radius(const struct geometry *g)
+{
+	double sum = 0;
+	for (int i = 0; i < 3; i++)
+		sum += ((double)g->max[i] - g->min[i]) * ((double)g->max[i] - g->min[i]);
+	return sum > 0 ? 0.5 * sqrt(sum) : 1.0;
+}
+
+static enum status make_lights(struct import *im, struct parts *p, struct error *err)
+{
+	const struct geometry *g = &p->geometry;
+	lights_weigh_materials(im);
+	enum status status = lights_collect_emitters(im->materials, g->vertices, g->triangles, g->triangle_count,
+						     &p->emitters, &p->emitter_count, &p->emitter_power, err);
+	if (status == STATUS_OK)
+		status = lights_collect_punctual(im, g->origin, bounding_radius(g), &p->lights, &p->light_count,
+						 &p->light_power, err);
+	return status;
+}
+
+struct source {
+	const void *data;
+	size_t count;
+};
+
+static void list_sources(const struct import *im, const struct parts *p, struct source out[BLOB_SECTIONS])
+{
+	const struct geometry *g = &p->geometry;
+	out[BLOB_NODES] = (struct source){p->bvh.nodes, p->bvh.node_count};
+	out[BLOB_LEAF_TRIANGLES] = (struct source){p->leaves, g->triangle_count};
+	out[BLOB_TRIANGLES] = (struct source){g->triangles, g->triangle_count};
+	out[BLOB_VERTICES] = (struct source){g->vertices, g->vertex_count};
+	out[BLOB_MATERIALS] = (struct source){im->materials, im->material_count};
+	out[BLOB_TEXTURES] = (struct source){im->textures, im->texture_count};
+	out[BLOB_TEXELS] = (struct source){im->texels, im->texel_count};
+	out[BLOB_EMITTERS] = (struct source){p->emitters, p->emitter_count};
+	out[BLOB_LIGHTS] = (struct source){p->lights, p->light_count};
+	out[BLOB_CAMERAS] = (struct source){im->cameras, im->camera_count};
+	out[BLOB_MATERIAL_NAMES] = (struct source){im->names, im->material_count};
+}
+
+static size_t aligned(size_t bytes)
+{
+	return (bytes + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
+}
+
+static enum status lay_out(struct blob_header *h, const struct source sources[BLOB_SECTIONS], struct error *err)
+{
+	size_t end = aligned(sizeof *h);
+	for (unsigned s = 0; s < BLOB_SECTIONS; s++) {
+		size_t bytes;
+		h->sections[s].offset = end;
+		h->sections[s].count = sources[s].count;
+		if (!checked_mul(sources[s].count, blob_stride((enum blob_section)s), &bytes) ||
+		    !checked_add(end, bytes + BLOB_ALIGN, &bytes) || bytes > LIMIT_BLOB_BYTES)
+			return error_set(err, STATUS_SCENE_LIMIT, "the scene takes more than %llu bytes; simplify it",
+					 (unsigned long long)LIMIT_BLOB_BYTES);
+		end = aligned(bytes - BLOB_ALIGN);
+	}
+	h->total_bytes = end;
+	return STATUS_OK;
+}
+
+static void fill_header(struct blob_header *h, const struct parts *p)
+{
+	h->magic = BLOB_MAGIC;
+	h->format = BLOB_FORMAT;
+	h->header_bytes = sizeof *h;
+	h->bvh_depth = p->bvh.depth;
+	h->emitter_power = p->emitter_power;
+	h->light_power = p->light_power;
+	memcpy(h->origin, p->geometry.origin, sizeof h->origin);
+	memcpy(h->bounds_min, p->geometry.min, sizeof h->bounds_min);
+	memcpy(h->bounds_max, p->geometry.max, sizeof h->bounds_max);
+}
+
+static candil_Vec3 vec3(const double v[3])
+{
+	return (candil_Vec3){.x = v[0], .y = v[1], .z = v[2]};
+}
+
+static void describe_cameras(candil_SceneInfo *info, const struct blob_header *h)
+{
+	const struct blob_camera *cameras = blob_section(h, BLOB_CAMERAS);
+	const uint32_t room = sizeof info->cameras / sizeof info->cameras[0];
+	info->camera_count = blob_count(h, BLOB_CAMERAS);
+	for (uint32_t i = 0; i < info->camera_count && i < room; i++) {
+		candil_CameraInfo *out = &info->cameras[info->cameras_count++];
+		double target[3];
+		for (int c = 0; c < 3; c++)
+			target[c] = cameras[i].eye[c] + cameras[i].forward[c];
+		memcpy(out->name, cameras[i].name, sizeof out->name);
+		out->has_eye = out->has_target = out->has_up = true;
+		out->eye = vec3(cameras[i].eye);
+		out->target = vec3(target);
+		out->up = vec3(cameras[i].up);
+		out->vfov_degrees = cameras[i].vfov_degrees;
+	}
+}
+
+static void describe(candil_SceneInfo *info, const struct blob_header *h)
+{
+	double min[3], max[3];
+	for (int i = 0; i < 3; i++) {
+		min[i] = h->origin[i] + h->bounds_min[i];
+		max[i] = h->origin[i] + h->bounds_max[i];
+	}
+	snprintf(info->hash, sizeof info->hash, "%016llx%016llx", (unsigned long long)h->hash[1],
+		 (unsigned long long)h->hash[0]);
+	info->blob_bytes = h->total_bytes;
+	info->triangles = blob_count(h, BLOB_TRIANGLES);
+	info->materials = blob_count(h, BLOB_MATERIALS);
+	info->textures = blob_count(h, BLOB_TEXTURES);
+	info->emissive_triangles = blob_count(h, BLOB_EMITTERS);
+	info->punctual_lights = blob_count(h, BLOB_LIGHTS);
+	info->has_bounds_min = info->has_bounds_max = info->has_origin = true;
+	info->bounds_min = vec3(min);
+	info->bounds_max = vec3(max);
+	info->origin = vec3(h->origin);
+	info->bvh_nodes = blob_count(h, BLOB_NODES);
+	info->bvh_depth = h->bvh_depth;
+	for (uint32_t bit = 0; bit < 32; bit++)
+		if (h->facts & 1u << bit)
+			snprintf(info->facts[info->facts_count++], sizeof info->facts[0], "%s",
+				 fact_name((enum fact)(1u << bit)));
+	describe_cameras(info, h);
+}
+
+static void warn_all(struct import *im, const struct blob_header *h)
+{
+	const candil_SceneInfo *info = im->info;
+	if (info->dropped_degenerate)
+		import_warn(im, "%u triangles without an area were left out", info->dropped_degenerate);
+	if (info->dropped_non_finite)
+		import_warn(im, "%u triangles with a position that is not finite were left out", info->dropped_non_finite);
+	if (info->dropped_out_of_range)
+		import_warn(im, "%u triangles that name a vertex out of range were left out", info->dropped_out_of_range);
+	if (blob_count(h, BLOB_TRIANGLES) == 0)
+		import_warn(im, "the scene has no triangle");
+	if (im->source_extent > 0 && im->source_reach / im->source_extent > 1e4)
+		import_warn(im,
+			    "vertices lie up to %.3g units from the file's zero but span only %.3g: floats place them to "
+			    "%.2g units; "
+			    "move them to zero and put the offset into a node",
+			    im->source_reach, im->source_extent, ldexp(im->source_reach, -24));
+}
+
+static enum status write_blob(struct blob_header *h, const struct source sources[BLOB_SECTIONS], struct import *im, int *fd,
+			      struct error *err)
+{
+	void *map;
+	if (memfd_create_mapped("candil-scene", h->total_bytes, fd, &map, err) != STATUS_OK)
+		return err->code;
+	memcpy(map, h, sizeof *h);
+	for (unsigned s = 0; s < BLOB_SECTIONS; s++)
+		if (sources[s].count > 0)
+			memcpy((char *)map + h->sections[s].offset, sources[s].data,
+			       sources[s].count * blob_stride((enum blob_section)s));
+	struct blob_header *out = map;
+	out->facts = facts_collect(out);
+	const XXH128_hash_t hash = XXH3_128bits(map, h->total_bytes);
+	out->hash[0] = hash.low64;
+	out->hash[1] = hash.high64;
+	enum status status = blob_check(map, h->total_bytes, err);
+	describe(im->info, out);
+	warn_all(im, out);
+	const enum status sealed = memfd_seal(*fd, map, h->total_bytes, status == STATUS_OK ? err : NULL);
+	if (status == STATUS_OK)
+		status = sealed;
+	if (status != STATUS_OK) {
+		close(*fd);
+		*fd = -1;
+	}
+	return status;
+}
+
+static enum status make_parts(struct import *im, struct parts *p, struct error *err)
+{
+	if (im->material_count == 0) {
+		const struct material white = {.albedo = {1, 1, 1}, .albedo_texture = NONE, .emission_texture = NONE};
+		if (import_add_material(im, &white, "default", err) != STATUS_OK)
+			return err->code;
+	}
+	enum status status = geometry_build(im, &p->geometry, err);
+	if (status == STATUS_OK)
+		status = make_lights(im, p, err);
+	if (status == STATUS_OK)
+		status = bvh_build(p->geometry.vertices, p->geometry.triangles, p->geometry.triangle_count, &p->bvh, err);
+	return status == STATUS_OK ? make_leaves(p, err) : status;
+}
+
+enum status build_blob(struct import *im, int *fd, struct error *err)
+{
+	struct parts parts = {0};
+	struct source sources[BLOB_SECTIONS];
+	struct blob_header header;
+
+	*fd = -1;
+	memset(&header, 0, sizeof header); // padding too: it is hashed
+	enum status status = make_parts(im, &parts, err);
+	if (status == STATUS_OK) {
+		list_sources(im, &parts, sources);
+		fill_header(&header, &parts);
+		status = lay_out(&header, sources, err);
+	}
+	if (status == STATUS_OK)
+		status = write_blob(&header, sources, im, fd, err);
+	parts_finish(&parts);
+	return status;
+}

@@ -1,0 +1,12 @@
+// A SceneInfo as JSON, for people and tests.
+#ifndef CANDIL_LOADER_DESCRIBE_H
+#define CANDIL_LOADER_DESCRIBE_H
+
+#include <stdbool.h>
+
+#include "candil.pb.h"
+
+// Write it to standard output. False if that fails.
+bool describe_print(const candil_SceneInfo *info);
+
+#endif

@@ -1,0 +1,163 @@
+#include "server/loader/geometry.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ORIGIN_EXTENTS 16.0
+
+// Twice a triangle's area, in m², below which a float can no longer hold its normal's square.
+#define SMALLEST_CROSS 1e-18
+
+static bool sound(const double p[3])
+{
+	for (int i = 0; i < 3; i++)
+		if (!(fabs(p[i]) <= LIMIT_COORDINATE)) // false for NaN too
+			return false;
+	return true;
+}
+
+// Drop what is not finite, in place, and find the bounds of the rest.
+static void drop_non_finite(struct import *im, double min[3], double max[3])
+{
+	size_t kept = 0;
+	for (size_t i = 0; i < im->triangle_count; i++) {
+		const struct triangle t = im->triangles[i];
+		const double *p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = im->vertices[t.vertex[k]].position;
+		if (!sound(p[0]) || !sound(p[1]) || !sound(p[2])) {
+			im->info->dropped_non_finite++;
+			continue;
+		}
+		for (int k = 0; k < 9; k++) {
+			min[k % 3] = fmin(min[k % 3], p[k / 3][k % 3]);
+			max[k % 3] = fmax(max[k % 3], p[k / 3][k % 3]);
+		}
+		im->triangles[kept++] = t;
+	}
+	im->triangle_count = kept;
+}
+
+static void choose_origin(const double min[3], const double max[3], double origin[3])
+{
+	double extent = 0, reach = 0;
+	for (int i = 0; i < 3; i++) {
+		extent = fmax(extent, max[i] - min[i]);
+		reach = fmax(reach, fabs(0.5 * (min[i] + max[i])));
+	}
+	memset(origin, 0, 3 * sizeof *origin);
+	if (!(extent > 0) || !(reach > ORIGIN_EXTENTS * extent))
+		return;
+	// Coarser where the middle would otherwise not fit a float's 24 bits.
+	double grid = exp2(floor(log2(extent)));
+	while (reach / grid > 8388608.0)
+		grid *= 2;
+	for (int i = 0; i < 3; i++)
+		origin[i] = grid * round(0.5 * (min[i] + max[i]) / grid);
+}
+
+static void round_vertex(const struct import_vertex *from, const double origin[3], struct vertex *to)
+{
+	double length = 0;
+	for (int i = 0; i < 3; i++) {
+		to->position[i] = (float)(from->position[i] - origin[i]);
+		length += (double)from->normal[i] * from->normal[i];
+	}
+	length = sqrt(length);
+	const bool usable = length > 1e-20 && isfinite(length);
+	for (int i = 0; i < 3; i++)
+		to->normal[i] = usable ? (float)(from->normal[i] / length) : 0.0f;
+	for (int i = 0; i < 2; i++)
+		to->uv[i] = isfinite(from->uv[i]) ? from->uv[i] : 0.0f;
+}
+
+static bool has_area(const struct vertex *vertices, const struct triangle *t)
+{
+	const float *a = vertices[t->vertex[0]].position, *b = vertices[t->vertex[1]].position,
+		    *c = vertices[t->vertex[2]].position;
+	double u[3], v[3];
+	for (int i = 0; i < 3; i++) {
+		u[i] = (double)b[i] - (double)a[i];
+		v[i] = (double)c[i] - (double)a[i];
+	}
+	const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+	return fmax(fabs(x), fmax(fabs(y), fabs(z))) >= SMALLEST_CROSS;
+}
+
+// Round the vertices that some triangle uses, numbered in the order of the file. `place` maps old numbers to new.
+static void round_vertices(struct import *im, struct geometry *g, uint32_t *place)
+{
+	memset(place, 0xFF, im->vertex_count * sizeof *place);
+	for (size_t i = 0; i < im->triangle_count; i++)
+		for (int k = 0; k < 3; k++)
+			place[im->triangles[i].vertex[k]] = 0;
+	for (size_t i = 0; i < im->vertex_count; i++) {
+		if (place[i] == NONE)
+			continue;
+		place[i] = g->vertex_count;
+		round_vertex(&im->vertices[i], g->origin, &g->vertices[g->vertex_count++]);
+	}
+}
+
+static void keep_triangles_with_area(struct import *im, struct geometry *g, const uint32_t *place)
+{
+	for (size_t i = 0; i < im->triangle_count; i++) {
+		struct triangle t = im->triangles[i];
+		for (int k = 0; k < 3; k++)
+			t.vertex[k] = place[t.vertex[k]];
+		if (has_area(g->vertices, &t))
+			g->triangles[g->triangle_count++] = t;
+		else
+			im->info->dropped_degenerate++;
+	}
+}
+
+static void find_bounds(struct geometry *g)
+{
+	for (uint32_t i = 0; i < g->triangle_count; i++)
+		for (int k = 0; k < 9; k++) {
+			const float v = g->vertices[g->triangles[i].vertex[k / 3]].position[k % 3];
+			g->min[k % 3] = i == 0 && k < 3 ? v : fminf(g->min[k % 3], v);
+			g->max[k % 3] = i == 0 && k < 3 ? v : fmaxf(g->max[k % 3], v);
+		}
+}
+
+enum status geometry_build(struct import *im, struct geometry *g, struct error *err)
+{
+	double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
+	enum status status = STATUS_OK;
+
+	*g = (struct geometry){0};
+	drop_non_finite(im, min, max);
+	if (im->triangle_count > 0)
+		choose_origin(min, max, g->origin);
+	uint32_t *place = malloc((im->vertex_count + 1) * sizeof *place);
+	g->vertices = malloc((im->vertex_count + 1) * sizeof *g->vertices);
+	g->triangles = malloc((im->triangle_count + 1) * sizeof *g->triangles);
+	if (!place || !g->vertices || !g->triangles) {
+		status = error_set(err, STATUS_MEMORY, "no memory for %zu vertices", im->vertex_count);
+		goto out;
+	}
+	round_vertices(im, g, place);
+	keep_triangles_with_area(im, g, place);
+	find_bounds(g);
+out:
+	free(place);
+	free(im->vertices);
+	free(im->triangles);
+	im->vertices = NULL;
+	im->triangles = NULL;
+	im->vertex_count = im->vertex_room = im->triangle_count = im->triangle_room = 0;
+	if (status != STATUS_OK)
+		geometry_finish(g);
+	return status;
+}
+
+void geometry_finish(struct geometry *g)
+{
+	free(g->vertices);
+	free(g->triangles);
+	*g = (struct geometry){0};
+}

@@ -1,0 +1,278 @@
+#include "server/loader/gltf_parts.h"
+
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+
+extern "C" {
+#include "server/loader/gltf_json.h"
+}
+
+namespace
+{
+
+// What tinygltf's callbacks reach: the opener, and how many buffers in files are still to come. Images are left alone here;
+// those that a material uses are read later.
+struct side_files {
+	struct files *files;
+	struct gltf_externals externals = {};
+	size_t next = 0;
+	struct error failure = {};
+
+	~side_files()
+	{
+		free(externals.lengths);
+	}
+};
+
+bool file_exists(const std::string &, void *user)
+{
+	const side_files *side = static_cast<side_files *>(user);
+	return side->next < side->externals.count;
+}
+
+std::string expand_path(const std::string &path, void *)
+{
+	return path;
+}
+
+bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::string &name, void *user)
+{
+	side_files *side = static_cast<side_files *>(user);
+	struct file_bytes bytes;
+	if (side->next >= side->externals.count ||
+	    files_read(side->files, name.c_str(), &bytes, &side->failure) != STATUS_OK)
+		return false;
+	const uint64_t length = side->externals.lengths[side->next++];
+	const bool long_enough = bytes.size >= length;
+	if (long_enough)
+		out->assign(bytes.data, bytes.data + length); // a file may be longer than the buffer in it
+	else
+		error_set(&side->failure, STATUS_SCENE_INVALID,
+			  "buffer '%.80s' has %zu bytes, the glTF file says %llu; export again", name.c_str(), bytes.size,
+			  (unsigned long long)length);
+	file_bytes_finish(&bytes);
+	return long_enough;
+}
+
+bool write_nothing(std::string *, const std::string &, const std::vector<unsigned char> &, void *)
+{
+	return false;
+}
+
+// Keep an embedded image as it is. One in a buffer view is fetched later, after the view was checked: here the pointer may
+// be out of range.
+bool keep_image(tinygltf::Image *image, const int, std::string *, std::string *, int, int, const unsigned char *bytes,
+		int size, void *)
+{
+	image->as_is = true;
+	if (image->bufferView < 0 && size > 0)
+		image->image.assign(bytes, bytes + size);
+	return true;
+}
+
+enum status parse(gltf_reader *reader, const struct file_bytes *bytes, struct error *err)
+{
+	struct gltf_text text;
+	side_files side;
+	side.files = reader->import->files;
+	if (gltf_find_json(bytes, &text, err) != STATUS_OK || gltf_check_json(&text, &side.externals, err) != STATUS_OK)
+		return err->code;
+
+	tinygltf::TinyGLTF parser;
+	parser.SetImageLoader(keep_image, nullptr);
+	parser.SetFsCallbacks({file_exists, expand_path, read_buffer, write_nothing, &side});
+	std::string why, warnings;
+	const unsigned size = (unsigned)bytes->size; // ≤ LIMIT_SCENE_FILE_BYTES
+	const bool good = text.binary ? parser.LoadBinaryFromMemory(&reader->model, &why, &warnings, bytes->data, size, "")
+				      : parser.LoadASCIIFromString(&reader->model, &why, &warnings,
+								   reinterpret_cast<const char *>(bytes->data), size, "");
+	if (good)
+		return STATUS_OK;
+	if (side.failure.code != STATUS_OK) {
+		*err = side.failure;
+		return err->code;
+	}
+	char reason[160];
+	import_clean_text(reason, sizeof reason, why.substr(0, why.find('\n')).c_str());
+	return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: %s; export it again", reason);
+}
+
+// world = parent · local
+transform compose(const transform &parent, const transform &local)
+{
+	transform world;
+	for (int column = 0; column < 4; column++)
+		for (int row = 0; row < 3; row++) {
+			double sum = column == 3 ? parent.c[3][row] : 0.0;
+			for (int k = 0; k < 3; k++)
+				sum += parent.c[k][row] * local.c[column][k];
+			world.c[column][row] = sum;
+		}
+	return world;
+}
+
+void rotate_columns(transform *t, const std::vector<double> &q)
+{
+	const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+	if (!(length > 0) || !std::isfinite(length))
+		return;
+	const double x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
+	const double r[3][3] = {
+	    {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+	    {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+	    {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
+	};
+	for (int column = 0; column < 3; column++)
+		for (int row = 0; row < 3; row++)
+			t->c[column][row] = r[column][row];
+}
+
+transform local_transform(const tinygltf::Node &node)
+{
+	transform t = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+	if (node.matrix.size() == 16) {
+		for (int column = 0; column < 4; column++)
+			for (int row = 0; row < 3; row++)
+				t.c[column][row] = node.matrix[(size_t)(column * 4 + row)];
+		return t;
+	}
+	if (node.rotation.size() == 4)
+		rotate_columns(&t, node.rotation);
+	if (node.scale.size() == 3)
+		for (int column = 0; column < 3; column++)
+			for (int row = 0; row < 3; row++)
+				t.c[column][row] *= node.scale[(size_t)column];
+	if (node.translation.size() == 3)
+		for (int row = 0; row < 3; row++)
+			t.c[3][row] = node.translation[(size_t)row];
+	return t;
+}
+
+struct visit {
+	int node;
+	unsigned depth;
+	transform parent;
+};
+
+enum status add_node(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err)
+{
+	const tinygltf::Model &model = reader->model;
+	if (node.mesh >= (int)model.meshes.size() || node.camera >= (int)model.cameras.size())
+		return error_set(err, STATUS_SCENE_INVALID, "node '%.60s' names a mesh or camera that is not there",
+				 node.name.c_str());
+	if (node.skin >= 0)
+		import_ignore(reader->import, "skins");
+	enum status status = STATUS_OK;
+	if (node.mesh >= 0)
+		status = gltf_add_mesh(reader, model.meshes[(size_t)node.mesh], world, err);
+	if (status == STATUS_OK && node.camera >= 0)
+		status = gltf_add_camera(reader, node, world, err);
+	if (status == STATUS_OK)
+		status = gltf_add_light(reader, node, world, err);
+	return status;
+}
+
+// Push nodes so that the first is visited first. A node has one parent in glTF: one that is met twice is a cycle or would
+// be expanded over and over, so it is refused.
+enum status push_nodes(const gltf_reader *reader, const std::vector<int> &nodes, const transform &parent, unsigned depth,
+		       std::vector<bool> *seen, std::vector<visit> *stack, struct error *err)
+{
+	if (depth > LIMIT_NODE_DEPTH)
+		return error_set(err, STATUS_SCENE_LIMIT, "the node hierarchy is deeper than %u; flatten it",
+				 LIMIT_NODE_DEPTH);
+	for (size_t i = nodes.size(); i-- > 0;) {
+		const int n = nodes[i];
+		if (n < 0 || n >= (int)reader->model.nodes.size())
+			return error_set(err, STATUS_SCENE_INVALID, "the hierarchy names node %d, which is not there", n);
+		if ((*seen)[(size_t)n])
+			return error_set(err, STATUS_SCENE_INVALID,
+					 "node %d is reached twice: the hierarchy has a cycle or a shared node", n);
+		(*seen)[(size_t)n] = true;
+		stack->push_back({n, depth, parent});
+	}
+	return STATUS_OK;
+}
+
+enum status walk_nodes(gltf_reader *reader, const std::vector<int> &roots, struct error *err)
+{
+	const transform identity = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+	const std::vector<tinygltf::Node> &nodes = reader->model.nodes;
+	std::vector<bool> seen(nodes.size());
+	std::vector<visit> stack;
+
+	enum status status = push_nodes(reader, roots, identity, 1, &seen, &stack, err);
+	while (status == STATUS_OK && !stack.empty()) {
+		const visit v = stack.back();
+		stack.pop_back();
+		const tinygltf::Node &node = nodes[(size_t)v.node];
+		const transform world = compose(v.parent, local_transform(node));
+		status = add_node(reader, node, world, err);
+		if (status == STATUS_OK)
+			status = push_nodes(reader, node.children, world, v.depth + 1, &seen, &stack, err);
+	}
+	return status;
+}
+
+enum status pick_scene(const tinygltf::Model &model, const tinygltf::Scene **scene, struct error *err)
+{
+	const int index = model.defaultScene >= 0 ? model.defaultScene : 0;
+	if (model.scenes.empty())
+		return error_set(err, STATUS_SCENE_INVALID, "the glTF file has no scene; export it with one");
+	if (index >= (int)model.scenes.size())
+		return error_set(err, STATUS_SCENE_INVALID, "the glTF file's scene %d is not there; export it again", index);
+	*scene = &model.scenes[(size_t)index];
+	return STATUS_OK;
+}
+
+void list_ignored(gltf_reader *reader)
+{
+	static const char *const read[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
+					   "KHR_mesh_quantization"};
+	for (const std::string &name : reader->model.extensionsUsed) {
+		bool known = false;
+		for (const char *r : read)
+			known = known || name == r;
+		if (!known)
+			import_ignore(reader->import, name.c_str());
+	}
+	if (!reader->model.animations.empty())
+		import_ignore(reader->import, "animations");
+	if (reader->model.scenes.size() > 1)
+		import_ignore(reader->import, "scenes other than the default one");
+}
+
+enum status import_all(struct import *import, const struct file_bytes *bytes, struct error *err)
+{
+	auto reader = std::make_unique<gltf_reader>();
+	const tinygltf::Scene *scene = nullptr;
+	reader->import = import;
+	if (parse(reader.get(), bytes, err) != STATUS_OK)
+		return err->code;
+	if (reader->model.nodes.size() > LIMIT_NODES)
+		return error_set(err, STATUS_SCENE_LIMIT, "the scene has %zu nodes; it may have %u",
+				 reader->model.nodes.size(), LIMIT_NODES);
+	enum status status = pick_scene(reader->model, &scene, err);
+	if (status == STATUS_OK)
+		status = gltf_add_materials(reader.get(), err);
+	if (status == STATUS_OK)
+		status = walk_nodes(reader.get(), scene->nodes, err);
+	if (status == STATUS_OK)
+		list_ignored(reader.get());
+	return status;
+}
+
+} // namespace
+
+extern "C" enum status gltf_import(struct import *import, const struct file_bytes *bytes, struct error *err)
+{
+	try {
+		return import_all(import, bytes, err);
+	} catch (const std::bad_alloc &) {
+		return error_set(err, STATUS_MEMORY, "no memory to read the glTF file");
+	} catch (const std::exception &e) {
+		return error_set(err, STATUS_SCENE_INVALID, "the glTF file cannot be read: %.120s", e.what());
+	}
+}

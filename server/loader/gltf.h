@@ -1,0 +1,19 @@
+// glTF 2.0 and GLB into an import, through tinygltf behind our own checks. One thread.
+#ifndef CANDIL_LOADER_GLTF_H
+#define CANDIL_LOADER_GLTF_H
+
+#include "server/loader/import.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// `bytes` is the whole file, JSON or GLB. STATUS_SCENE_INVALID: it breaks the format; STATUS_SCENE_UNSUPPORTED: it requires
+// an extension that is not known here; STATUS_SCENE_FILE, STATUS_SCENE_PATH: a buffer cannot be read; STATUS_SCENE_LIMIT.
+enum status gltf_import(struct import *import, const struct file_bytes *bytes, struct error *err);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

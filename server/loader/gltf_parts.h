@@ -1,0 +1,39 @@
+// The parts of the glTF importer, C++ among themselves. All functions return the status that err carries.
+#ifndef CANDIL_LOADER_GLTF_PARTS_H
+#define CANDIL_LOADER_GLTF_PARTS_H
+
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+#include <vector>
+
+extern "C" {
+#include "server/loader/gltf.h"
+}
+
+// A node's transform to world space: columns, in double all the way down the hierarchy.
+struct transform {
+	double c[4][3]; // images of the axes, then of the origin
+};
+
+struct gltf_reader {
+	struct import *import;
+	tinygltf::Model model;
+	uint32_t default_material = NONE; // made when the first primitive without a material comes
+};
+
+// Positions, UVs, indices of a mesh, into world space. gltf_mesh.cpp
+enum status gltf_add_mesh(gltf_reader *reader, const tinygltf::Mesh &mesh, const transform &world, struct error *err);
+
+// All of the file's materials, in its order, with the images that they use. gltf_material.cpp
+enum status gltf_add_materials(gltf_reader *reader, struct error *err);
+
+// The material of primitives that name none. gltf_material.cpp
+enum status gltf_default_material(gltf_reader *reader, uint32_t *material, struct error *err);
+
+// A node's camera and light. gltf_light.cpp
+enum status gltf_add_camera(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err);
+enum status gltf_add_light(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err);
+
+#endif

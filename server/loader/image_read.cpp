@@ -1,0 +1,140 @@
+extern "C" {
+#include "server/loader/image_read.h"
+}
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <strings.h>
+#include <vector>
+
+namespace
+{
+
+bool starts_with(const uint8_t *bytes, size_t size, const char *magic, size_t length)
+{
+	return size >= length && std::memcmp(bytes, magic, length) == 0;
+}
+
+bool ends_with(const std::string &text, const char *ending)
+{
+	const size_t length = std::strlen(ending);
+	return text.size() >= length && strcasecmp(text.c_str() + text.size() - length, ending) == 0;
+}
+
+// The name that makes OpenImageIO choose its reader; null for what is not read here.
+const char *format_of(const uint8_t *bytes, size_t size, const char *name, bool any_format)
+{
+	if (starts_with(bytes, size, "\x89PNG\r\n\x1a\n", 8))
+		return "image.png";
+	if (starts_with(bytes, size, "\xff\xd8\xff", 3))
+		return "image.jpg";
+	if (!any_format)
+		return nullptr;
+	if (starts_with(bytes, size, "BM", 2))
+		return "image.bmp";
+	if (starts_with(bytes, size, "II*\0", 4) || starts_with(bytes, size, "MM\0*", 4))
+		return "image.tif";
+	return ends_with(name, ".tga") ? "image.tga" : nullptr;
+}
+
+} // namespace
+
+struct image_reader {
+	OIIO::Filesystem::IOMemReader memory;
+	std::unique_ptr<OIIO::ImageInput> input;
+
+	image_reader(const uint8_t *bytes, size_t size) : memory(const_cast<uint8_t *>(bytes), size)
+	{
+	}
+};
+
+static enum status open_input(image_reader *reader, const char *format, uint32_t *width, uint32_t *height, struct error *err)
+{
+	OIIO::ImageSpec config;
+	config.attribute("oiio:UnassociatedAlpha", 1);
+	OIIO::Filesystem::IOProxy *proxy = &reader->memory;
+	config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy); // a config without it would hide the proxy
+	reader->input = OIIO::ImageInput::open(format, &config, &reader->memory);
+	if (!reader->input) {
+		std::string why = OIIO::geterror();
+		return error_set(err, STATUS_SCENE_INVALID, "the image cannot be read (%.120s)", why.c_str());
+	}
+	const OIIO::ImageSpec &spec = reader->input->spec();
+	if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.nchannels > 64)
+		return error_set(err, STATUS_SCENE_INVALID, "the image has no pixels");
+	if (spec.width > (int)LIMIT_TEXTURE_SIDE || spec.height > (int)LIMIT_TEXTURE_SIDE)
+		return error_set(err, STATUS_SCENE_LIMIT, "the image has %d x %d pixels; a side may have %u", spec.width,
+				 spec.height, LIMIT_TEXTURE_SIDE);
+	*width = (uint32_t)spec.width;
+	*height = (uint32_t)spec.height;
+	return STATUS_OK;
+}
+
+extern "C" enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool any_format,
+				  struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
+{
+	*reader = nullptr;
+	*width = *height = 0;
+	try {
+		const char *format = format_of(bytes, size, name, any_format);
+		if (!format)
+			return error_set(err, STATUS_SCENE_UNSUPPORTED, "it is no %s file",
+					 any_format ? "png, jpeg, tga, bmp or tiff" : "png or jpeg");
+		OIIO::attribute("threads", 1);
+		auto made = std::make_unique<image_reader>(bytes, size);
+		enum status status = open_input(made.get(), format, width, height, err);
+		if (status == STATUS_OK)
+			*reader = made.release();
+		else
+			*width = *height = 0;
+		return status;
+	} catch (const std::exception &e) {
+		*width = *height = 0;
+		return error_set(err, STATUS_SCENE_INVALID, "the image cannot be read (%.120s)", e.what());
+	}
+}
+
+// One row of `channels` bytes a pixel to texels.
+static void pack_row(const uint8_t *row, int width, int channels, uint32_t *texels)
+{
+	for (int x = 0; x < width; x++) {
+		const uint8_t *p = row + (size_t)x * (size_t)channels;
+		const uint32_t r = p[0];
+		const uint32_t g = channels >= 3 ? p[1] : r;
+		const uint32_t b = channels >= 3 ? p[2] : r;
+		const uint32_t a = channels == 2 ? p[1] : channels >= 4 ? p[3] : 255;
+		texels[x] = r | g << 8 | b << 16 | a << 24;
+	}
+}
+
+extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texels, struct error *err)
+{
+	try {
+		const OIIO::ImageSpec spec = reader->input->spec();
+		const int channels = std::min(spec.nchannels, 4);
+		const size_t row_bytes = (size_t)spec.width * (size_t)channels;
+		std::vector<uint8_t> pixels(row_bytes * (size_t)spec.height);
+		if (!reader->input->read_image(0, 0, 0, channels, OIIO::TypeDesc::UINT8, pixels.data())) {
+			std::string why = reader->input->geterror();
+			return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", why.c_str());
+		}
+		for (int y = 0; y < spec.height; y++)
+			pack_row(&pixels[row_bytes * (size_t)y], spec.width, channels,
+				 texels + (size_t)y * (size_t)spec.width);
+		return STATUS_OK;
+	} catch (const std::exception &e) {
+		return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", e.what());
+	}
+}
+
+extern "C" void image_close(struct image_reader *reader)
+{
+	delete reader;
+}

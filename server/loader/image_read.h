@@ -1,0 +1,32 @@
+// Encoded images to RGBA8 texels, through OpenImageIO. The size is known, and checked, before a pixel is read. One thread.
+#ifndef CANDIL_LOADER_IMAGE_READ_H
+#define CANDIL_LOADER_IMAGE_READ_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "server/base/error.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct image_reader;
+
+// Recognise an image by its first bytes (png, jpeg; with `any_format` also bmp, tiff, and tga by `name`'s ending) and read
+// its size, 1 … LIMIT_TEXTURE_SIDE each way. `bytes` must outlive the reader. Any failure: *reader is NULL and err says why.
+enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool any_format, struct image_reader **reader,
+		       uint32_t *width, uint32_t *height, struct error *err);
+
+// width · height texels, rows from the top, red in the low byte. 16-bit and float channels become 8 bits, grey becomes RGB,
+// a missing alpha 255; colours are not multiplied by alpha.
+enum status image_pixels(struct image_reader *reader, uint32_t *texels, struct error *err);
+
+void image_close(struct image_reader *reader);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,290 @@
+#include "server/loader/import.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/base/checked.h"
+#include "server/loader/image_read.h"
+
+void import_init(struct import *im, struct files *files, candil_SceneInfo *info)
+{
+	*im = (struct import){.files = files, .info = info, .unit = 1.0};
+}
+
+void import_finish(struct import *im)
+{
+	for (size_t i = 0; i < im->image_count; i++)
+		free(im->images[i].key);
+	free(im->vertices);
+	free(im->triangles);
+	free(im->materials);
+	free(im->names);
+	free(im->textures);
+	free(im->texels);
+	free(im->lights);
+	free(im->cameras);
+	free(im->images);
+	*im = (struct import){0};
+}
+
+// Make room for `more` elements behind `count`. Returns the array, moved or not, or NULL with err set.
+static void *grown(void *items, size_t count, size_t more, size_t *room, size_t stride, size_t limit, const char *what,
+		   struct error *err)
+{
+	size_t bytes;
+	if (more > limit || count > limit - more) {
+		error_set(err, STATUS_SCENE_LIMIT, "the scene has more than %zu %s; split it or simplify it", limit, what);
+		return NULL;
+	}
+	if (count + more <= *room)
+		return items;
+	size_t wanted = *room + *room / 2 + 16;
+	if (wanted < count + more)
+		wanted = count + more;
+	void *bigger = checked_mul(wanted, stride, &bytes) ? realloc(items, bytes) : NULL;
+	if (!bigger) {
+		error_set(err, STATUS_MEMORY, "no memory for %zu %s", wanted, what);
+		return NULL;
+	}
+	*room = wanted;
+	return bigger;
+}
+
+enum status import_add_vertex(struct import *im, const struct import_vertex *vertex, struct error *err)
+{
+	void *items =
+	    grown(im->vertices, im->vertex_count, 1, &im->vertex_room, sizeof *vertex, LIMIT_VERTICES, "vertices", err);
+	if (!items)
+		return err->code;
+	im->vertices = items;
+	im->vertices[im->vertex_count++] = *vertex;
+	return STATUS_OK;
+}
+
+enum status import_add_triangle(struct import *im, const struct triangle *triangle, struct error *err)
+{
+	void *items = grown(im->triangles, im->triangle_count, 1, &im->triangle_room, sizeof *triangle, LIMIT_TRIANGLES,
+			    "triangles", err);
+	if (!items)
+		return err->code;
+	im->triangles = items;
+	im->triangles[im->triangle_count++] = *triangle;
+	return STATUS_OK;
+}
+
+enum status import_add_material(struct import *im, const struct material *material, const char *name, struct error *err)
+{
+	void *items = grown(im->materials, im->material_count, 1, &im->material_room, sizeof *material, LIMIT_MATERIALS,
+			    "materials", err);
+	if (!items)
+		return err->code;
+	im->materials = items;
+	items =
+	    grown(im->names, im->material_count, 1, &im->name_room, sizeof *im->names, LIMIT_MATERIALS, "materials", err);
+	if (!items)
+		return err->code;
+	im->names = items;
+	memset(&im->names[im->material_count], 0, sizeof *im->names);
+	import_clean_text(im->names[im->material_count].text, sizeof im->names->text, name);
+	im->materials[im->material_count++] = *material;
+	return STATUS_OK;
+}
+
+enum status import_add_light(struct import *im, const struct import_light *light, struct error *err)
+{
+	void *items =
+	    grown(im->lights, im->light_count, 1, &im->light_room, sizeof *light, LIMIT_PUNCTUAL_LIGHTS, "lights", err);
+	if (!items)
+		return err->code;
+	im->lights = items;
+	im->lights[im->light_count++] = *light;
+	return STATUS_OK;
+}
+
+enum status import_add_camera(struct import *im, const struct blob_camera *camera, struct error *err)
+{
+	void *items =
+	    grown(im->cameras, im->camera_count, 1, &im->camera_room, sizeof *camera, LIMIT_CAMERAS, "cameras", err);
+	if (!items)
+		return err->code;
+	im->cameras = items;
+	im->cameras[im->camera_count++] = *camera;
+	return STATUS_OK;
+}
+
+static struct import_image *image_find(const struct import *im, const char *key)
+{
+	for (size_t i = 0; i < im->image_count; i++)
+		if (strcmp(im->images[i].key, key) == 0)
+			return &im->images[i];
+	return NULL;
+}
+
+bool import_knows_image(const struct import *im, const char *key)
+{
+	return image_find(im, key) != NULL;
+}
+
+static enum status image_add(struct import *im, const char *key, const struct import_image *image, struct error *err)
+{
+	void *items = grown(im->images, im->image_count, 1, &im->image_room, sizeof *image, LIMIT_TEXTURES, "images", err);
+	if (!items)
+		return err->code;
+	im->images = items;
+	im->images[im->image_count] = *image;
+	im->images[im->image_count].key = strdup(key);
+	if (!im->images[im->image_count].key)
+		return error_set(err, STATUS_MEMORY, "no memory for an image's name");
+	im->image_count++;
+	return STATUS_OK;
+}
+
+enum status import_missing_image(struct import *im, const char *key, const char *why, struct error *err)
+{
+	const struct import_image none = {0};
+	im->info->missing_textures++;
+	import_warn(im, "texture '%.60s' is taken as white: %.150s", key, why);
+	return image_add(im, key, &none, err);
+}
+
+static enum status image_decode(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
+				struct error *err)
+{
+	struct import_image image = {.offset = (uint32_t)im->texel_count};
+	struct error why;
+	struct image_reader *reader = NULL;
+	size_t count = 0;
+
+	if (image_open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why) != STATUS_OK)
+		return import_missing_image(im, key, why.text, err);
+	count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
+	void *items =
+	    grown(im->texels, im->texel_count, count, &im->texel_room, sizeof *im->texels, LIMIT_TEXELS, "texels", err);
+	if (!items) {
+		image_close(reader);
+		return err->code;
+	}
+	im->texels = items;
+	enum status status = image_pixels(reader, im->texels + im->texel_count, &why);
+	image_close(reader);
+	if (status != STATUS_OK)
+		return import_missing_image(im, key, why.text, err);
+	im->texel_count += count;
+	return image_add(im, key, &image, err);
+}
+
+enum status import_texture(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
+			   uint32_t flags, uint32_t *texture, struct error *err)
+{
+	*texture = NONE;
+	if (!image_find(im, key)) {
+		enum status status = image_decode(im, key, bytes, size, any_format, err);
+		if (status != STATUS_OK)
+			return status;
+	}
+	const struct import_image *image = image_find(im, key);
+	if (image->width == 0)
+		return STATUS_OK;
+	const struct texture_info info = {image->offset, image->width, image->height, flags};
+	for (size_t i = 0; i < im->texture_count; i++) {
+		if (memcmp(&im->textures[i], &info, sizeof info) == 0) {
+			*texture = (uint32_t)i;
+			return STATUS_OK;
+		}
+	}
+	void *items =
+	    grown(im->textures, im->texture_count, 1, &im->texture_room, sizeof info, LIMIT_TEXTURES, "textures", err);
+	if (!items)
+		return err->code;
+	im->textures = items;
+	im->textures[im->texture_count] = info;
+	*texture = (uint32_t)im->texture_count++;
+	return STATUS_OK;
+}
+
+void import_warn(struct import *im, const char *format, ...)
+{
+	char text[sizeof im->info->warnings[0] * 2];
+	va_list args;
+	va_start(args, format);
+	vsnprintf(text, sizeof text, format, args);
+	va_end(args);
+	if (im->info->warnings_count == LIMIT_WARNINGS) {
+		im->info->warnings_more++;
+		return;
+	}
+	import_clean_text(im->info->warnings[im->info->warnings_count++], sizeof im->info->warnings[0], text);
+}
+
+void import_ignore(struct import *im, const char *feature)
+{
+	char text[sizeof im->info->ignored[0]];
+	const pb_size_t room = sizeof im->info->ignored / sizeof im->info->ignored[0];
+	import_clean_text(text, sizeof text, feature);
+	for (pb_size_t i = 0; i < im->info->ignored_count; i++)
+		if (strcmp(im->info->ignored[i], text) == 0)
+			return;
+	if (im->info->ignored_count < room)
+		memcpy(im->info->ignored[im->info->ignored_count++], text, sizeof text);
+}
+
+void import_note_source(struct import *im, const double min[3], const double max[3])
+{
+	double reach = 0, extent = 0;
+	for (int i = 0; i < 3; i++) {
+		reach = fmax(reach, fmax(fabs(min[i]), fabs(max[i])));
+		extent = fmax(extent, max[i] - min[i]);
+	}
+	if (!isfinite(reach) || !(extent > 0))
+		return;
+	if (im->source_extent == 0 || reach / extent > im->source_reach / im->source_extent) {
+		im->source_reach = reach;
+		im->source_extent = extent;
+	}
+}
+
+bool import_fit(float *value, double given, double limit)
+{
+	*value = given > 0 ? (float)fmin(given, limit) : 0.0f;
+	return given >= 0 && given <= limit;
+}
+
+// Bytes of the well-formed UTF-8 sequence of a printable character at `s`, or 0.
+static size_t sequence_length(const unsigned char *s)
+{
+	if (s[0] >= 0x20 && s[0] < 0x7F)
+		return 1;
+	size_t length = s[0] >= 0xC2 && s[0] <= 0xDF   ? 2
+			: s[0] >= 0xE0 && s[0] <= 0xEF ? 3
+			: s[0] >= 0xF0 && s[0] <= 0xF4 ? 4
+						       : 0;
+	for (size_t i = 1; i < length; i++)
+		if ((s[i] & 0xC0) != 0x80)
+			return 0;
+	if ((s[0] == 0xC2 && s[1] < 0xA0) || (s[0] == 0xE0 && s[1] < 0xA0) || (s[0] == 0xED && s[1] >= 0xA0) ||
+	    (s[0] == 0xF0 && s[1] < 0x90) || (s[0] == 0xF4 && s[1] >= 0x90))
+		return 0;
+	return length;
+}
+
+void import_clean_text(char *out, size_t room, const char *text)
+{
+	const unsigned char *s = (const unsigned char *)text;
+	size_t used = 0;
+	while (*s) {
+		const size_t length = sequence_length(s);
+		const size_t step = length > 0 ? length : 1;
+		if (used + step >= room)
+			break;
+		if (length > 0)
+			memcpy(out + used, s, length);
+		else
+			out[used] = '?';
+		used += step;
+		s += step;
+	}
+	memset(out + used, 0, room - used);
+}

@@ -1,0 +1,97 @@
+// What an importer finds in a file, before it becomes a blob: growable arrays in world space, every element checked against
+// its limit when it is added. glTF and OBJ importers fill it; build_blob.c reads it. One thread.
+#ifndef CANDIL_LOADER_IMPORT_H
+#define CANDIL_LOADER_IMPORT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "candil.pb.h"
+#include "server/base/error.h"
+#include "server/loader/files.h"
+#include "server/scene/blob.h"
+
+// A corner in world space. Positions stay double until the blob's origin is known. They may be anything here, NaN included;
+// the builder drops the triangles that use such.
+struct import_vertex {
+	double position[3];
+	float normal[3]; // any length; zero or not finite: the triangle's own
+	float uv[2];
+};
+
+struct import_light {
+	struct punctual_light light; // all but position and table
+	double position[3];
+};
+
+// One decoded image: where its texels are. Images are known by a key so that each is decoded once.
+struct import_image {
+	char *key;
+	uint32_t offset;
+	uint32_t width; // 0: it could not be read
+	uint32_t height;
+};
+
+struct import {
+	struct files *files;
+	candil_SceneInfo *info; // counts, warnings and ignored features go here
+	double unit; // metres per unit, OBJ only
+	bool z_up; // OBJ only
+
+	struct import_vertex *vertices;
+	struct triangle *triangles;
+	struct material *materials; // power_density is the builder's
+	struct blob_name *names; // one a material
+	struct texture_info *textures;
+	uint32_t *texels;
+	struct import_light *lights;
+	struct blob_camera *cameras;
+	struct import_image *images;
+	size_t vertex_count, vertex_room;
+	size_t triangle_count, triangle_room;
+	size_t material_count, material_room, name_room;
+	size_t texture_count, texture_room;
+	size_t texel_count, texel_room;
+	size_t light_count, light_room;
+	size_t camera_count, camera_room;
+	size_t image_count, image_room;
+
+	double source_reach; // of the vertices least precise in the file: largest |coordinate| …
+	double source_extent; // … and how far they span; 0: nothing noted
+};
+
+void import_init(struct import *import, struct files *files, candil_SceneInfo *info);
+void import_finish(struct import *import);
+
+// Each adds one element; STATUS_SCENE_LIMIT past the limit of its kind, STATUS_MEMORY. *index may be NULL.
+enum status import_add_vertex(struct import *import, const struct import_vertex *vertex, struct error *err);
+enum status import_add_triangle(struct import *import, const struct triangle *triangle, struct error *err);
+enum status import_add_material(struct import *import, const struct material *material, const char *name, struct error *err);
+enum status import_add_light(struct import *import, const struct import_light *light, struct error *err);
+enum status import_add_camera(struct import *import, const struct blob_camera *camera, struct error *err);
+
+// A texture over an image already decoded under `key`, or over encoded bytes decoded now (png, jpeg, and with `any_format`
+// tga, bmp, tiff too). *texture becomes its index, or NONE with a warning and a count where the image cannot be read;
+// only a limit or memory fails. bytes NULL: the file is missing, `why` says so.
+enum status import_texture(struct import *import, const char *key, const uint8_t *bytes, size_t size, bool any_format,
+			   uint32_t flags, uint32_t *texture, struct error *err);
+bool import_knows_image(const struct import *import, const char *key);
+enum status import_missing_image(struct import *import, const char *key, const char *why, struct error *err);
+
+// A sentence for `describe`. The 33rd and later are only counted.
+void import_warn(struct import *import, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// A feature of the file that the renderer leaves out, by name, once.
+void import_ignore(struct import *import, const char *feature);
+
+// Note the bounds of positions as the file itself writes them, before any transform: far from zero they are coarse.
+void import_note_source(struct import *import, const double min[3], const double max[3]);
+
+// A colour component made fit: NaN and negatives become 0, values above `limit` become it. True if it was fit already.
+bool import_fit(float *value, double given, double limit);
+
+// Copy a name from a file, cut to `room`, with anything that is not printable UTF-8 replaced by '?'.
+void import_clean_text(char *out, size_t room, const char *text);
+
+#endif

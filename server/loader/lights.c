@@ -1,0 +1,191 @@
+#include "server/loader/lights.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "server/loader/alias.h"
+
+static const double pi = 3.14159265358979323846;
+
+static double luminance(const double c[3])
+{
+	return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
+// The sum of all weights must stay a float, and a weight that is no normal double has lost its digits.
+static bool is_weight(double w)
+{
+	return w >= DBL_MIN && isfinite(w);
+}
+
+static double linear(uint32_t byte)
+{
+	const double v = byte / 255.0;
+	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+static void mean_colour(const struct import *im, uint32_t texture, double mean[3])
+{
+	const struct texture_info *t = &im->textures[texture];
+	const size_t count = (size_t)t->width * t->height;
+	double table[256], sum[3] = {0, 0, 0};
+
+	for (uint32_t i = 0; i < 256; i++)
+		table[i] = t->flags & TEXTURE_SRGB ? linear(i) : i / 255.0;
+	for (size_t i = 0; i < count; i++) {
+		const uint32_t texel = im->texels[t->offset + i];
+		for (int c = 0; c < 3; c++)
+			sum[c] += table[texel >> (8 * c) & 255u];
+	}
+	for (int c = 0; c < 3; c++)
+		mean[c] = sum[c] / (double)count;
+}
+
+void lights_weigh_materials(struct import *im)
+{
+	for (size_t i = 0; i < im->material_count; i++) {
+		struct material *m = &im->materials[i];
+		double colour[3] = {1, 1, 1};
+		if (m->emission_texture != NONE)
+			mean_colour(im, m->emission_texture, colour);
+		for (int c = 0; c < 3; c++)
+			colour[c] *= m->emission[c];
+		m->power_density = (float)(pi * luminance(colour) * (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
+	}
+}
+
+static double area_of(const struct vertex *vertices, const struct triangle *t)
+{
+	const float *a = vertices[t->vertex[0]].position, *b = vertices[t->vertex[1]].position,
+		    *c = vertices[t->vertex[2]].position;
+	double u[3], v[3];
+	for (int i = 0; i < 3; i++) {
+		u[i] = (double)b[i] - (double)a[i];
+		v[i] = (double)c[i] - (double)a[i];
+	}
+	const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+	return 0.5 * sqrt(x * x + y * y + z * z);
+}
+
+// Weights and triangle ids of what emits. Returns how many.
+static uint32_t list_emitters(const struct material *materials, const struct vertex *vertices,
+			      const struct triangle *triangles, uint32_t count, double *weights, struct emitter *out)
+{
+	uint32_t found = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const double density = materials[triangles[i].material].power_density;
+		const double weight = density > 0 ? density * area_of(vertices, &triangles[i]) : 0;
+		if (!is_weight(weight))
+			continue;
+		weights[found] = weight;
+		out[found++].triangle = i;
+	}
+	return found;
+}
+
+enum status lights_collect_emitters(const struct material *materials, const struct vertex *vertices,
+				    const struct triangle *triangles, uint32_t count, struct emitter **out,
+				    uint32_t *emitter_count, float *power, struct error *err)
+{
+	double sum = 0;
+	uint32_t emissive = 0;
+	enum status status = STATUS_MEMORY;
+
+	*out = NULL;
+	*emitter_count = 0;
+	*power = 0;
+	for (uint32_t i = 0; i < count; i++)
+		emissive += materials[triangles[i].material].power_density > 0;
+	if (emissive == 0)
+		return STATUS_OK;
+	double *weights = calloc(emissive, sizeof *weights);
+	struct alias_row *rows = malloc(emissive * sizeof *rows);
+	*out = calloc(emissive, sizeof **out);
+	if (!weights || !rows || !*out) {
+		error_set(err, STATUS_MEMORY, "no memory for %u emissive triangles", emissive);
+		goto out;
+	}
+	const uint32_t found = list_emitters(materials, vertices, triangles, count, weights, *out);
+	status = alias_build(weights, found, rows, &sum, err);
+	for (uint32_t i = 0; i < found && status == STATUS_OK; i++) {
+		(*out)[i].keep = rows[i].keep;
+		(*out)[i].alias = rows[i].alias;
+		(*out)[i].pmf = rows[i].pmf;
+	}
+	*emitter_count = found;
+	*power = (float)fmin(sum, FLT_MAX);
+out:
+	free(rows);
+	free(weights);
+	if (status != STATUS_OK) {
+		free(*out);
+		*out = NULL;
+	}
+	return status;
+}
+
+static double light_weight(const struct punctual_light *l, double radius)
+{
+	const double colour[3] = {l->intensity[0], l->intensity[1], l->intensity[2]};
+	const double value = luminance(colour);
+	if (l->kind == LIGHT_DIRECTIONAL)
+		return value * pi * radius * radius;
+	if (l->kind == LIGHT_SPOT)
+		return value * 2.0 * pi * (1.0 - 0.5 * ((double)l->cos_inner + (double)l->cos_outer));
+	return value * 4.0 * pi;
+}
+
+static uint32_t list_punctual(const struct import *im, const double origin[3], double radius, double *weights,
+			      struct punctual_light *out)
+{
+	uint32_t found = 0;
+	for (size_t i = 0; i < im->light_count; i++) {
+		const double weight = light_weight(&im->lights[i].light, radius);
+		if (!is_weight(weight))
+			continue;
+		weights[found] = weight;
+		out[found] = im->lights[i].light;
+		for (int c = 0; c < 3; c++)
+			out[found].position[c] = (float)(im->lights[i].position[c] - origin[c]);
+		found++;
+	}
+	return found;
+}
+
+enum status lights_collect_punctual(const struct import *im, const double origin[3], double radius,
+				    struct punctual_light **out, uint32_t *light_count, float *power, struct error *err)
+{
+	double sum = 0;
+	enum status status = STATUS_MEMORY;
+
+	*out = NULL;
+	*light_count = 0;
+	*power = 0;
+	if (im->light_count == 0)
+		return STATUS_OK;
+	double *weights = calloc(im->light_count, sizeof *weights);
+	struct alias_row *rows = malloc(im->light_count * sizeof *rows);
+	*out = calloc(im->light_count, sizeof **out);
+	if (!weights || !rows || !*out) {
+		error_set(err, STATUS_MEMORY, "no memory for %zu lights", im->light_count);
+		goto out;
+	}
+	const uint32_t found = list_punctual(im, origin, radius, weights, *out);
+	status = alias_build(weights, found, rows, &sum, err);
+	for (uint32_t i = 0; i < found && status == STATUS_OK; i++) {
+		(*out)[i].keep = rows[i].keep;
+		(*out)[i].alias = rows[i].alias;
+		(*out)[i].pmf = rows[i].pmf;
+	}
+	*light_count = found;
+	*power = (float)fmin(sum, FLT_MAX);
+out:
+	free(rows);
+	free(weights);
+	if (status != STATUS_OK) {
+		free(*out);
+		*out = NULL;
+	}
+	return status;
+}

@@ -1,0 +1,162 @@
+#include "server/loader/mtl_notes.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+// Statements whose mere presence means something that is left out.
+static const char *const left_out[] = {
+    "map_Ks", "map_Ns", "map_d", "map_bump", "bump", "disp",   "decal",  "refl", "norm",  "map_Ka",
+    "Tf",     "Pr",     "Pm",    "Ps",       "Pc",   "map_Pr", "map_Pm", "Ps",   "aniso",
+};
+
+// One line: its keyword and the first three numbers behind it.
+struct line {
+	char keyword[16];
+	const char *rest;
+	size_t rest_bytes;
+	double numbers[3];
+	int number_count;
+};
+
+static bool is_blank(char c)
+{
+	return c == ' ' || c == '\t' || c == '\r';
+}
+
+static void read_numbers(struct line *line)
+{
+	char text[96];
+	const size_t bytes = line->rest_bytes < sizeof text - 1 ? line->rest_bytes : sizeof text - 1;
+	memcpy(text, line->rest, bytes);
+	text[bytes] = 0;
+	char *at = text;
+	for (line->number_count = 0; line->number_count < 3; line->number_count++) {
+		char *end;
+		line->numbers[line->number_count] = strtod(at, &end);
+		if (end == at)
+			return;
+		at = end;
+	}
+}
+
+static struct line split_line(const char *text, size_t bytes)
+{
+	struct line line = {0};
+	size_t at = 0, used = 0;
+	while (at < bytes && is_blank(text[at]))
+		at++;
+	while (at < bytes && !is_blank(text[at])) {
+		if (used + 1 < sizeof line.keyword)
+			line.keyword[used++] = text[at];
+		at++;
+	}
+	while (at < bytes && is_blank(text[at]))
+		at++;
+	while (bytes > at && is_blank(text[bytes - 1]))
+		bytes--;
+	line.rest = text + at;
+	line.rest_bytes = bytes - at;
+	read_numbers(&line);
+	return line;
+}
+
+static enum status note_add(struct mtl_notes *notes, const struct line *line, struct error *err)
+{
+	if (notes->count >= LIMIT_MATERIALS)
+		return error_set(err, STATUS_SCENE_LIMIT, "the MTL files define more than %u materials", LIMIT_MATERIALS);
+	if (notes->count == notes->room) {
+		const size_t room = notes->room * 2 + 16;
+		struct mtl_note *bigger = realloc(notes->notes, room * sizeof *bigger);
+		if (!bigger)
+			return error_set(err, STATUS_MEMORY, "no memory for %zu materials", room);
+		notes->notes = bigger;
+		notes->room = room;
+	}
+	char *name = strndup(line->rest, line->rest_bytes);
+	if (!name)
+		return error_set(err, STATUS_MEMORY, "no memory for a material's name");
+	notes->notes[notes->count++] = (struct mtl_note){.name = name};
+	return STATUS_OK;
+}
+
+static bool any_number(const struct line *line, double other_than)
+{
+	for (int i = 0; i < line->number_count; i++)
+		if (line->numbers[i] != other_than)
+			return true;
+	return false;
+}
+
+static bool is_map(const char *keyword)
+{
+	return strcasecmp(keyword, "map_Kd") == 0 || strcasecmp(keyword, "map_Ke") == 0;
+}
+
+// -o, -s and -t move, scale and turn a map.
+static bool has_map_option(const struct line *line)
+{
+	for (size_t i = 0; i + 2 < line->rest_bytes; i++)
+		if (line->rest[i] == '-' && (i == 0 || is_blank(line->rest[i - 1])) && is_blank(line->rest[i + 2]) &&
+		    strchr("ost", line->rest[i + 1]))
+			return true;
+	return false;
+}
+
+static void note_ignored(struct import *import, const struct line *line)
+{
+	const char *k = line->keyword;
+	if (strcasecmp(k, "Ks") == 0 && any_number(line, 0))
+		import_ignore(import, "Ks");
+	else if (strcasecmp(k, "Ns") == 0 && any_number(line, 0))
+		import_ignore(import, "Ns");
+	else if (strcasecmp(k, "Ni") == 0 && any_number(line, 1))
+		import_ignore(import, "Ni");
+	else if (strcmp(k, "d") == 0 && any_number(line, 1))
+		import_ignore(import, "d");
+	else if (strcasecmp(k, "Tr") == 0 && any_number(line, 0))
+		import_ignore(import, "Tr");
+	else if (strcasecmp(k, "illum") == 0 && line->number_count > 0 && line->numbers[0] > 1)
+		import_ignore(import, "illum > 1");
+	else if (is_map(k) && has_map_option(line))
+		import_ignore(import, "map options -o -s -t");
+	for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++)
+		if (strcasecmp(k, left_out[i]) == 0)
+			import_ignore(import, left_out[i]);
+}
+
+enum status mtl_notes_scan(struct mtl_notes *notes, struct import *import, const struct file_bytes *bytes, struct error *err)
+{
+	const char *at = (const char *)bytes->data, *end = at + bytes->size;
+	while (at < end) {
+		const char *stop = memchr(at, '\n', (size_t)(end - at));
+		if (!stop)
+			stop = end;
+		const struct line line = split_line(at, (size_t)(stop - at));
+		if (strcasecmp(line.keyword, "newmtl") == 0) {
+			if (note_add(notes, &line, err) != STATUS_OK)
+				return err->code;
+		} else if (strcasecmp(line.keyword, "Kd") == 0 && notes->count > 0) {
+			notes->notes[notes->count - 1].has_diffuse = true;
+		}
+		note_ignored(import, &line);
+		at = stop + 1;
+	}
+	return STATUS_OK;
+}
+
+const struct mtl_note *mtl_notes_find(const struct mtl_notes *notes, const char *name)
+{
+	for (size_t i = notes->count; i-- > 0;)
+		if (strcmp(notes->notes[i].name, name) == 0)
+			return &notes->notes[i];
+	return NULL;
+}
+
+void mtl_notes_finish(struct mtl_notes *notes)
+{
+	for (size_t i = 0; i < notes->count; i++)
+		free(notes->notes[i].name);
+	free(notes->notes);
+	*notes = (struct mtl_notes){0};
+}

@@ -1,0 +1,29 @@
+// What an MTL file says that assimp's materials no longer tell: which materials it defines, whether each gives a Kd, and
+// which statements the renderer leaves out.
+#ifndef CANDIL_LOADER_MTL_NOTES_H
+#define CANDIL_LOADER_MTL_NOTES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "server/loader/import.h"
+
+struct mtl_note {
+	char *name;
+	bool has_diffuse; // Kd
+};
+
+struct mtl_notes {
+	struct mtl_note *notes;
+	size_t count, room;
+};
+
+// Scan one MTL file's text (NUL behind `size` bytes) and add what it defines; features left out go to import_ignore.
+enum status mtl_notes_scan(struct mtl_notes *notes, struct import *import, const struct file_bytes *bytes,
+			   struct error *err);
+
+const struct mtl_note *mtl_notes_find(const struct mtl_notes *notes, const char *name);
+
+void mtl_notes_finish(struct mtl_notes *notes);
+
+#endif

@@ -1,0 +1,203 @@
+#include "server/loader/obj.h"
+
+#include <assimp/cimport.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+
+#include "server/loader/obj_files.h"
+
+#define DEFAULT_ALBEDO 0.8f // of a surface whose material says nothing
+
+static enum status check_text(const struct file_bytes *bytes, struct error *err)
+{
+	const uint8_t *b = bytes->data;
+	if (bytes->size >= 2 && ((b[0] == 0xFE && b[1] == 0xFF) || (b[0] == 0xFF && b[1] == 0xFE)))
+		return error_set(err, STATUS_SCENE_INVALID, "the OBJ file is UTF-16 text; save it as UTF-8");
+	if (memchr(b, 0, bytes->size))
+		return error_set(err, STATUS_SCENE_INVALID, "the OBJ file holds zero bytes, so it is no OBJ text");
+	for (size_t i = 0; i < bytes->size; i++)
+		if (!isspace(b[i]))
+			return STATUS_OK;
+	return error_set(err, STATUS_SCENE_INVALID, "the OBJ file is empty");
+}
+
+static bool colour_of(const struct aiMaterial *m, const char *key, float out[3], double limit)
+{
+	struct aiColor4D c = {0, 0, 0, 1};
+	bool fit = true;
+	aiGetMaterialColor(m, key, 0, 0, &c);
+	fit &= import_fit(&out[0], c.r, limit);
+	fit &= import_fit(&out[1], c.g, limit);
+	fit &= import_fit(&out[2], c.b, limit);
+	return fit;
+}
+
+static enum status map_of(struct import *im, const struct aiMaterial *m, enum aiTextureType type, uint32_t *texture,
+			  struct error *err)
+{
+	struct aiString path;
+	enum aiTextureMapMode mode[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+	struct file_bytes file = {0};
+	struct error why;
+
+	*texture = NONE;
+	if (aiGetMaterialTexture(m, type, 0, &path, NULL, NULL, NULL, NULL, mode, NULL) != aiReturn_SUCCESS ||
+	    path.length == 0)
+		return STATUS_OK;
+	for (char *c = path.data; *c; c++)
+		if (*c == '\\')
+			*c = '/';
+	if (!import_knows_image(im, path.data) && files_read(im->files, path.data, &file, &why) != STATUS_OK &&
+	    import_missing_image(im, path.data, why.text, err) != STATUS_OK)
+		return err->code;
+	const uint32_t wrap = mode[0] == aiTextureMapMode_Clamp ? WRAP_CLAMP : WRAP_REPEAT;
+	const uint32_t flags = TEXTURE_SRGB | wrap << TEXTURE_WRAP_S_SHIFT | wrap << TEXTURE_WRAP_T_SHIFT;
+	enum status status = import_texture(im, path.data, file.data, file.size, true, flags, texture, err);
+	file_bytes_finish(&file);
+	return status;
+}
+
+static enum status add_material(struct obj_files *files, const struct aiMaterial *m, struct error *err)
+{
+	struct import *im = files->import;
+	struct material out = {.albedo_texture = NONE, .emission_texture = NONE};
+	struct aiString name = {0};
+	aiGetMaterialString(m, AI_MATKEY_NAME, &name);
+	const struct mtl_note *note = mtl_notes_find(&files->notes, name.data);
+
+	bool fit = colour_of(m, "$clr.diffuse", out.albedo, 1.0);
+	fit &= colour_of(m, "$clr.emissive", out.emission, LIMIT_RADIANCE);
+	if (map_of(im, m, aiTextureType_DIFFUSE, &out.albedo_texture, err) != STATUS_OK ||
+	    map_of(im, m, aiTextureType_EMISSIVE, &out.emission_texture, err) != STATUS_OK)
+		return err->code;
+	if (!note || !note->has_diffuse)
+		for (int c = 0; c < 3; c++)
+			out.albedo[c] = out.albedo_texture == NONE ? DEFAULT_ALBEDO : 1.0f;
+	if (!fit)
+		import_warn(im, "material '%.60s' has a colour out of range, which was clamped", name.data);
+	return import_add_material(im, &out, name.data, err);
+}
+
+// Materials that some face uses but no MTL defines: assimp makes them up without a word.
+static void warn_undefined(struct obj_files *files, const struct aiScene *scene)
+{
+	for (unsigned i = 0; i < scene->mNumMaterials; i++) {
+		struct aiString name = {0};
+		bool used = false;
+		aiGetMaterialString(scene->mMaterials[i], AI_MATKEY_NAME, &name);
+		for (unsigned k = 0; k < scene->mNumMeshes && !used; k++)
+			used = scene->mMeshes[k]->mMaterialIndex == i;
+		if (used && !mtl_notes_find(&files->notes, name.data))
+			import_warn(files->import, "material '%.60s' is not defined by an MTL file and is taken as grey",
+				    name.data);
+	}
+}
+
+static void place(const struct import *im, const struct aiVector3D *v, double scale, double out[3])
+{
+	out[0] = v->x * scale;
+	out[1] = (im->z_up ? v->z : v->y) * scale;
+	out[2] = (im->z_up ? -(double)v->y : v->z) * scale;
+}
+
+static enum status add_vertices(struct import *im, const struct aiMesh *mesh, struct error *err)
+{
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		struct import_vertex v = {0};
+		double normal[3];
+		place(im, &mesh->mVertices[i], im->unit, v.position);
+		if (mesh->mNormals) {
+			place(im, &mesh->mNormals[i], 1.0, normal);
+			for (int c = 0; c < 3; c++)
+				v.normal[c] = (float)normal[c];
+		}
+		if (mesh->mTextureCoords[0]) {
+			v.uv[0] = mesh->mTextureCoords[0][i].x;
+			v.uv[1] = 1.0f - mesh->mTextureCoords[0][i].y; // our row 0 is the top
+		}
+		if (import_add_vertex(im, &v, err) != STATUS_OK)
+			return err->code;
+	}
+	return STATUS_OK;
+}
+
+static void note_bounds(struct import *im, const struct aiMesh *mesh)
+{
+	double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
+	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+		const double p[3] = {mesh->mVertices[i].x, mesh->mVertices[i].y, mesh->mVertices[i].z};
+		for (int c = 0; c < 3 && isfinite(p[0] + p[1] + p[2]); c++) {
+			min[c] = fmin(min[c], p[c]);
+			max[c] = fmax(max[c], p[c]);
+		}
+	}
+	import_note_source(im, min, max);
+}
+
+static enum status add_mesh(struct import *im, const struct aiMesh *mesh, struct error *err)
+{
+	const size_t first = im->vertex_count;
+	note_bounds(im, mesh);
+	if (add_vertices(im, mesh, err) != STATUS_OK)
+		return err->code;
+	for (unsigned i = 0; i < mesh->mNumFaces; i++) {
+		const struct aiFace *face = &mesh->mFaces[i];
+		if (face->mNumIndices != 3) {
+			import_ignore(im, face->mNumIndices == 1 ? "points" : "lines");
+			continue;
+		}
+		struct triangle t = {.material = mesh->mMaterialIndex};
+		bool inside = true;
+		for (int k = 0; k < 3; k++) {
+			inside = inside && face->mIndices[k] < mesh->mNumVertices;
+			t.vertex[k] = (uint32_t)first + face->mIndices[k];
+		}
+		if (!inside)
+			im->info->dropped_out_of_range++;
+		else if (import_add_triangle(im, &t, err) != STATUS_OK)
+			return err->code;
+	}
+	return STATUS_OK;
+}
+
+static enum status add_scene(struct obj_files *files, const struct aiScene *scene, struct error *err)
+{
+	for (unsigned i = 0; i < scene->mNumMaterials; i++)
+		if (add_material(files, scene->mMaterials[i], err) != STATUS_OK)
+			return err->code;
+	warn_undefined(files, scene);
+	// The OBJ importer puts no transform on its nodes, and each mesh into one of them.
+	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+		if (scene->mMeshes[i]->mMaterialIndex >= scene->mNumMaterials)
+			return error_set(err, STATUS_SCENE_INVALID, "the OBJ file uses a material that is not there");
+		if (add_mesh(files->import, scene->mMeshes[i], err) != STATUS_OK)
+			return err->code;
+	}
+	return STATUS_OK;
+}
+
+enum status obj_import(struct import *im, const char *name, const struct file_bytes *bytes, struct error *err)
+{
+	struct obj_files files;
+	if (check_text(bytes, err) != STATUS_OK)
+		return err->code;
+	obj_files_init(&files, im, name, bytes);
+	const struct aiScene *scene = aiImportFileEx(name, aiProcess_Triangulate, &files.io);
+	enum status status = STATUS_OK;
+	if (files.failure.code != STATUS_OK) {
+		*err = files.failure;
+		status = err->code;
+	} else if (!scene) {
+		char why[128];
+		import_clean_text(why, sizeof why, aiGetErrorString());
+		status = error_set(err, STATUS_SCENE_INVALID, "the OBJ file is invalid: %s; export it again", why);
+	} else {
+		status = add_scene(&files, scene, err);
+	}
+	aiReleaseImport(scene);
+	obj_files_finish(&files);
+	return status;
+}
