@@ -1,0 +1,172 @@
+#include "server/front/child.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/pidfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "server/base/ipc.h"
+
+// Descriptors are moved above those that the child expects before they are put there, so that none overwrites another.
+#define SAFE_FD 16
+
+extern char **environ;
+
+void child_init(struct child *child)
+{
+	*child = (struct child){.pid = 0, .pidfd = -1, .socket = -1};
+}
+
+static int spawn(pid_t *pid, char *const argv[], int socket, int folder)
+{
+	posix_spawn_file_actions_t files;
+	posix_spawnattr_t attributes;
+	sigset_t none, pipe;
+	sigemptyset(&none);
+	sigemptyset(&pipe);
+	sigaddset(&pipe, SIGPIPE);
+	posix_spawn_file_actions_init(&files);
+	posix_spawnattr_init(&attributes);
+	int first_closed = IPC_FD + 1;
+	int failed = posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+	failed |= posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+	failed |= posix_spawn_file_actions_adddup2(&files, socket, IPC_FD);
+	if (folder >= 0) {
+		failed |= posix_spawn_file_actions_adddup2(&files, folder, IPC_SCENE_DIR_FD);
+		first_closed = IPC_SCENE_DIR_FD + 1;
+	}
+	failed |= posix_spawn_file_actions_addclosefrom_np(&files, first_closed);
+	failed |=
+	    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+	failed |= posix_spawnattr_setsigmask(&attributes, &none);
+	failed |= posix_spawnattr_setsigdefault(&attributes, &pipe);
+	failed |= posix_spawnattr_setpgroup(&attributes, 0);
+	if (!failed)
+		failed = posix_spawn(pid, argv[0], &files, &attributes, argv, environ);
+	posix_spawnattr_destroy(&attributes);
+	posix_spawn_file_actions_destroy(&files);
+	return failed;
+}
+
+// A close-on-exec copy above SAFE_FD; -1 stays -1.
+static int lift(int fd)
+{
+	return fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, SAFE_FD);
+}
+
+enum status child_start(struct child *child, char *const argv[], int folder, struct error *err)
+{
+	int pair[2] = {-1, -1}, theirs = -1, theirs_folder = -1;
+	enum status status = STATUS_INTERNAL;
+	child_init(child);
+	if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) {
+		error_errno(err, status, "cannot create a socket pair for %s", argv[0]);
+		return status;
+	}
+	theirs = lift(pair[1]);
+	theirs_folder = lift(folder);
+	if (theirs < 0 || (folder >= 0 && theirs_folder < 0) || fcntl(pair[0], F_SETFL, O_NONBLOCK) != 0) {
+		error_errno(err, status, "cannot prepare the descriptors of %s", argv[0]);
+		goto out;
+	}
+	errno = spawn(&child->pid, argv, theirs, theirs_folder);
+	if (errno) {
+		child->pid = 0;
+		error_errno(err, status, "cannot start %s", argv[0]);
+		goto out;
+	}
+	// It cannot be mistaken for another process: until we collect it, its number is not given away.
+	child->pidfd = pidfd_open(child->pid, 0);
+	if (child->pidfd < 0) {
+		error_errno(err, status, "cannot watch %s", argv[0]);
+		kill(child->pid, SIGKILL);
+		waitpid(child->pid, NULL, 0);
+		child->pid = 0;
+		goto out;
+	}
+	fcntl(child->pidfd, F_SETFD, FD_CLOEXEC);
+	child->socket = pair[0];
+	pair[0] = -1;
+	status = STATUS_OK;
+out:
+	for (int i = 0; i < 2; i++)
+		if (pair[i] >= 0)
+			close(pair[i]);
+	if (theirs >= 0)
+		close(theirs);
+	if (theirs_folder >= 0)
+		close(theirs_folder);
+	return status;
+}
+
+void child_kill(const struct child *child)
+{
+	if (child->pid > 0)
+		kill(child->pid, SIGKILL);
+}
+
+static void drop(struct loop *loop, int *fd)
+{
+	if (*fd < 0)
+		return;
+	loop_forget(loop, *fd);
+	close(*fd);
+	*fd = -1;
+}
+
+void child_reap(struct child *child, struct loop *loop, char *how, size_t capacity)
+{
+	siginfo_t info = {0};
+	snprintf(how, capacity, "ended");
+	if (child->pid > 0 && waitid(P_PIDFD, (id_t)child->pidfd, &info, WEXITED | WNOHANG) == 0) {
+		if (info.si_code == CLD_EXITED)
+			snprintf(how, capacity, "exited with status %d", info.si_status);
+		else
+			snprintf(how, capacity, "killed by signal %d", info.si_status);
+	}
+	drop(loop, &child->socket);
+	drop(loop, &child->pidfd);
+	child->pid = 0;
+}
+
+struct abandoned {
+	struct child child;
+	struct loop *loop;
+};
+
+static void collect(void *owner, uint32_t events)
+{
+	struct abandoned *gone = owner;
+	char how[64];
+	(void)events;
+	child_reap(&gone->child, gone->loop, how, sizeof how);
+	free(gone);
+}
+
+void child_abandon(struct child *child, struct loop *loop)
+{
+	if (child->pid <= 0)
+		return;
+	child_kill(child);
+	drop(loop, &child->socket);
+	loop_forget(loop, child->pidfd);
+	struct abandoned *gone = calloc(1, sizeof *gone);
+	if (gone) {
+		*gone = (struct abandoned){.child = *child, .loop = loop};
+		if (loop_watch(loop, child->pidfd, EPOLLIN, collect, gone, NULL) != STATUS_OK) {
+			close(child->pidfd);
+			free(gone);
+		}
+	} else {
+		close(child->pidfd);
+	}
+	child_init(child);
+}

@@ -1,0 +1,269 @@
+#include "server/front/dispatch.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/front/reply.h"
+#include "server/front/request.h"
+#include "server/front/state.h"
+
+struct message {
+	struct service *service;
+	struct session *session;
+	const struct header *header;
+	const uint8_t *body;
+};
+
+// Each answers, or fails with what is to be answered.
+typedef enum status handler(const struct message *m, struct error *err);
+
+static enum status on_hello(const struct message *m, struct error *err)
+{
+	candil_Hello hello;
+	if (m->session->state != SESSION_GREETING)
+		return error_set(err, STATUS_BAD_MESSAGE, "hello has been said");
+	enum status status = request_hello(m->body, m->header->length, &hello, err);
+	if (status != STATUS_OK)
+		return status;
+	if (hello.version_min > CANDIL_VERSION || hello.version_max < CANDIL_VERSION)
+		return error_set(err, STATUS_BAD_VERSION, "this daemon speaks version %u: use a client that does",
+				 CANDIL_VERSION);
+	session_open(m->session);
+	log_line(LOG_DEBUG, "connection %llu: hello from \"%s\"", (unsigned long long)m->session->id, hello.client);
+	candil_HelloReply reply = {.version = CANDIL_VERSION,
+				   .server = "candild " CANDIL_VERSION_STRING,
+				   .max_message_bytes = LIMIT_MESSAGE_BYTES,
+				   .max_pixels = LIMIT_PIXELS,
+				   .max_samples_times_pixels = LIMIT_SAMPLES_TIMES_PIXELS,
+				   .max_jobs_per_connection = LIMIT_JOBS_PER_CONNECTION};
+	reply_message(m->session, MESSAGE_HELLO_REPLY, m->header->request, candil_HelloReply_fields, &reply);
+	return STATUS_OK;
+}
+
+static enum status on_ping(const struct message *m, struct error *err)
+{
+	candil_Ping ping;
+	enum status status = request_ping(m->body, m->header->length, &ping, err);
+	if (status == STATUS_OK)
+		reply_message(m->session, MESSAGE_PONG, m->header->request, candil_Ping_fields, &ping);
+	return status;
+}
+
+// A request that lives on after its message: it needs an id of its own and a place.
+static enum status check_place(const struct message *m, struct error *err)
+{
+	if (m->header->request == 0)
+		return error_set(err, STATUS_BAD_ARGUMENT, "request id 0 is for replies to no request: choose another");
+	if (m->session->requests >= LIMIT_JOBS_PER_CONNECTION)
+		return error_set(err, STATUS_TOO_MANY_JOBS, "this connection has %u requests under way: wait for one to end",
+				 LIMIT_JOBS_PER_CONNECTION);
+	return STATUS_OK;
+}
+
+static enum status find_source(const struct message *m, const char *path, struct source *source, struct error *err)
+{
+	if (!(m->header->flags & HEADER_FLAG_FD))
+		return source_beneath(source, m->service->scene_root, path, err);
+	int folder = reader_claim_fd(&m->session->reader);
+	if (folder < 0)
+		return error_set(err, STATUS_BAD_MESSAGE,
+				 "flag FD is set but no descriptor came with the header's first byte");
+	return source_given(source, folder, path, err);
+}
+
+static enum status on_load(const struct message *m, struct error *err)
+{
+	candil_Load load;
+	struct source source;
+	enum status status = check_place(m, err);
+	if (status == STATUS_OK)
+		status = request_load(m->body, m->header->length, &load, err);
+	if (status == STATUS_OK)
+		status = find_source(m, load.path, &source, err);
+	if (status == STATUS_OK)
+		status = scenes_load(&m->service->scenes, &load, &source, m->session, m->header->request, err);
+	if (status == STATUS_OK)
+		m->session->requests++;
+	return status;
+}
+
+static enum status find_scene(const struct message *m, const char *name, struct scene **scene, struct error *err)
+{
+	*scene = scenes_find(&m->service->scenes, name);
+	if (*scene)
+		return STATUS_OK;
+	return error_set(err, STATUS_SCENE_NOT_FOUND, "there is no scene \"%s\": load it first", name);
+}
+
+static enum status on_unload(const struct message *m, struct error *err)
+{
+	candil_Unload unload;
+	struct scene *scene;
+	enum status status = request_unload(m->body, m->header->length, &unload, err);
+	if (status == STATUS_OK)
+		status = find_scene(m, unload.name, &scene, err);
+	if (status != STATUS_OK)
+		return status;
+	scenes_unload(scene);
+	reply_ok(m->session, m->header->request);
+	return STATUS_OK;
+}
+
+static enum status on_list(const struct message *m, struct error *err)
+{
+	candil_SceneList list = {0};
+	enum status status = request_list_scenes(m->body, m->header->length, err);
+	if (status != STATUS_OK)
+		return status;
+	for (const struct scene *s = m->service->scenes.first; s && list.scenes_count < LIMIT_SCENES; s = s->next) {
+		if (!s->listed)
+			continue;
+		candil_SceneList_Entry *entry = &list.scenes[list.scenes_count++];
+		memcpy(entry->name, s->info.name, sizeof entry->name);
+		entry->triangles = s->info.triangles;
+		entry->blob_bytes = s->info.blob_bytes;
+		entry->loading = s->state != SCENE_READY;
+		entry->jobs = jobs_using(&m->service->jobs, s);
+	}
+	reply_message(m->session, MESSAGE_SCENE_LIST, m->header->request, candil_SceneList_fields, &list);
+	return STATUS_OK;
+}
+
+static enum status on_describe(const struct message *m, struct error *err)
+{
+	candil_Describe describe;
+	struct scene *scene;
+	enum status status = request_describe(m->body, m->header->length, &describe, err);
+	if (status == STATUS_OK)
+		status = find_scene(m, describe.name, &scene, err);
+	if (status != STATUS_OK)
+		return status;
+	if (scene->state != SCENE_READY)
+		return error_set(err, STATUS_SCENE_NOT_FOUND, "scene \"%s\" is still being loaded: ask again later",
+				 describe.name);
+	reply_message(m->session, MESSAGE_SCENE_INFO, m->header->request, candil_SceneInfo_fields, &scene->info);
+	return STATUS_OK;
+}
+
+static enum status on_render(const struct message *m, struct error *err)
+{
+	candil_Render render;
+	struct scene *scene;
+	enum status status = check_place(m, err);
+	if (status == STATUS_OK)
+		status = request_render(m->body, m->header->length, &render, err);
+	if (status == STATUS_OK)
+		status = find_scene(m, render.scene, &scene, err);
+	if (status == STATUS_OK)
+		status = jobs_add(&m->service->jobs, m->session, m->header->request, scene, &render, err);
+	return status;
+}
+
+static enum status on_cancel(const struct message *m, struct error *err)
+{
+	candil_Cancel cancel;
+	struct error reason;
+	enum status status = request_cancel(m->body, m->header->length, &cancel, err);
+	if (status != STATUS_OK)
+		return status;
+	struct job *job = jobs_find(&m->service->jobs, m->session, cancel.request);
+	struct scene *load = job ? NULL : scenes_find_load(&m->service->scenes, m->session, cancel.request);
+	error_set(&reason, STATUS_CANCELLED, "cancelled as asked");
+	if (job)
+		jobs_fail(&m->service->jobs, job, &reason);
+	else if (load)
+		scenes_stop_load(load, &reason);
+	else
+		return error_set(err, STATUS_NO_SUCH_REQUEST, "this connection has no request %u under way", cancel.request);
+	reply_ok(m->session, m->header->request);
+	return STATUS_OK;
+}
+
+static enum status on_stats(const struct message *m, struct error *err)
+{
+	const struct service *s = m->service;
+	enum status status = request_stats(m->body, m->header->length, err);
+	if (status != STATUS_OK)
+		return status;
+	candil_StatsReply reply = {.uptime_us = clock_us() - s->started_us,
+				   .connections = s->sessions.count,
+				   .jobs = s->jobs.count,
+				   .jobs_done = s->jobs.done,
+				   .jobs_failed = s->jobs.failed,
+				   .jobs_cancelled = s->jobs.cancelled,
+				   .slices = s->jobs.slices,
+				   .worker_starts = s->worker.starts,
+				   .loader_starts = s->scenes.loader_starts,
+				   .loader_failures = s->scenes.loader_failures,
+				   .buffered_bytes = sessions_buffered(&s->sessions),
+				   .worker_pid = (uint32_t)s->worker.child.pid,
+				   .device_bytes = s->worker.device_bytes,
+				   .validation_errors = s->worker.validation_errors,
+				   .slice_ms = s->options->slice_ms,
+				   .loader_pid = (uint32_t)scenes_loader_pid(&s->scenes)};
+	reply.scenes = scenes_count(&s->scenes, &reply.scene_bytes);
+	memcpy(reply.device, s->worker.device, sizeof reply.device);
+	reply_message(m->session, MESSAGE_STATS_REPLY, m->header->request, candil_StatsReply_fields, &reply);
+	return STATUS_OK;
+}
+
+static handler *find_handler(uint8_t type)
+{
+	static const struct {
+		uint8_t type;
+		handler *handle;
+	} table[] = {
+	    {MESSAGE_HELLO, on_hello},   {MESSAGE_PING, on_ping},        {MESSAGE_LOAD, on_load},
+	    {MESSAGE_UNLOAD, on_unload}, {MESSAGE_LIST_SCENES, on_list}, {MESSAGE_DESCRIBE, on_describe},
+	    {MESSAGE_RENDER, on_render}, {MESSAGE_CANCEL, on_cancel},    {MESSAGE_STATS, on_stats},
+	};
+	for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+		if (table[i].type == type)
+			return table[i].handle;
+	return NULL;
+}
+
+static bool is_under_way(const struct message *m)
+{
+	return jobs_find(&m->service->jobs, m->session, m->header->request) ||
+	       scenes_find_load(&m->service->scenes, m->session, m->header->request);
+}
+
+static enum status handle(const struct message *m, struct error *err)
+{
+	handler *handle_it = find_handler(m->header->type);
+	if (!handle_it)
+		return error_set(err, STATUS_UNKNOWN_TYPE, "message type 0x%02X is none that a client sends",
+				 m->header->type);
+	if ((m->header->flags & HEADER_FLAG_FD) && m->header->type != MESSAGE_LOAD)
+		return error_set(err, STATUS_BAD_MESSAGE, "flag FD belongs to LOAD alone");
+	return handle_it(m, err);
+}
+
+void dispatch_message(struct service *service, struct session *session, const struct header *header, const uint8_t *body)
+{
+	const struct message m = {.service = service, .session = session, .header = header, .body = body};
+	struct error err;
+	if (session->state == SESSION_GREETING && header->type != MESSAGE_HELLO) {
+		error_set(&err, STATUS_HELLO_FIRST, "the first message must be HELLO");
+		reply_error(session, header->request, &err);
+		session_close(session);
+		return;
+	}
+	if (is_under_way(&m)) {
+		// An error under that id would end the request that has it: this one goes under none.
+		error_set(&err, STATUS_DUPLICATE_REQUEST, "request id %u is in use: choose another", header->request);
+		reply_error(session, 0, &err);
+		return;
+	}
+	if (handle(&m, &err) == STATUS_OK)
+		return;
+	log_line(LOG_DEBUG, "connection %llu: %s refused: %s: %s", (unsigned long long)session->id,
+		 message_type_name(header->type), status_name(err.code), err.text);
+	reply_error(session, header->request, &err);
+	// Without a hello there is nothing to go on with.
+	if (session->state == SESSION_GREETING)
+		session_close(session);
+}

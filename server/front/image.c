@@ -1,0 +1,59 @@
+#include "server/front/image.h"
+
+#include <unistd.h>
+
+#include "protocol/limits.h"
+#include "server/front/reply.h"
+#include "server/front/session.h"
+
+void image_init(struct image *image)
+{
+	*image = (struct image){.fd = -1};
+}
+
+void image_set(struct image *image, int fd, const candil_ImageFrame *frame)
+{
+	*image = (struct image){.fd = fd, .frame = *frame};
+}
+
+bool image_waits(const struct image *image)
+{
+	return image->fd >= 0;
+}
+
+bool image_is_sent(const struct image *image)
+{
+	return image->announced && image->sent == image->frame.bytes;
+}
+
+bool image_pump(struct image *image, struct session *session, uint32_t request, bool *broken)
+{
+	*broken = false;
+	if (!session_has_room(session, LIMIT_CHUNK_BYTES))
+		return false;
+	if (!image->announced) {
+		reply_message(session, MESSAGE_IMAGE, request, candil_ImageFrame_fields, &image->frame);
+		image->announced = true;
+		return true;
+	}
+	uint64_t left = image->frame.bytes - image->sent;
+	uint32_t bytes = left < LIMIT_CHUNK_BYTES ? (uint32_t)left : LIMIT_CHUNK_BYTES;
+	uint8_t *room = session_room(session, bytes);
+	if (!room)
+		return false;
+	// The seals keep it as long as it was when it was measured.
+	if (pread(image->fd, room, bytes, (off_t)image->sent) != (ssize_t)bytes) {
+		*broken = true;
+		return false;
+	}
+	session_commit(session, MESSAGE_FRAME_CHUNK, request, bytes);
+	image->sent += bytes;
+	return true;
+}
+
+void image_close(struct image *image)
+{
+	if (image->fd >= 0)
+		close(image->fd);
+	image_init(image);
+}

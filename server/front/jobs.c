@@ -1,0 +1,506 @@
+#include "server/front/jobs.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "protocol/header.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/front/reply.h"
+#include "server/front/session.h"
+
+// A job refused so often for want of memory lets no younger one begin before it.
+#define MEMORY_PATIENCE 4u
+#define PREVIEW_US 1000000u
+#define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
+
+void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms)
+{
+	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u};
+}
+
+// ---- the table -------------------------------------------------------------------------------------------------------
+
+static struct job *by_id(const struct jobs *jobs, uint32_t id)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->id == id)
+			return jobs->job[i];
+	return NULL;
+}
+
+struct job *jobs_find(struct jobs *jobs, const struct session *session, uint32_t request)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->session == session && jobs->job[i]->request == request)
+			return jobs->job[i];
+	return NULL;
+}
+
+uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene)
+{
+	uint32_t count = 0;
+	for (unsigned i = 0; i < jobs->count; i++)
+		count += jobs->job[i]->scene == scene;
+	return count;
+}
+
+enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
+		     const candil_Render *render, struct error *err)
+{
+	if (jobs->count == LIMIT_JOBS)
+		return error_set(err, STATUS_TOO_MANY_JOBS, "the daemon has %u jobs: try again when some have ended",
+				 LIMIT_JOBS);
+	struct job *job = calloc(1, sizeof *job);
+	if (!job)
+		return error_set(err, STATUS_MEMORY, "no memory for one more job");
+	do
+		job->id = ++jobs->last_id;
+	while (job->id == 0 || by_id(jobs, job->id));
+	job->session = session;
+	job->request = request;
+	job->scene = scene;
+	job->render = *render;
+	job->asked_us = clock_us();
+	image_init(&job->preview);
+	image_init(&job->final);
+	scene_hold(scene);
+	session->requests++;
+	jobs->job[jobs->count++] = job;
+	return STATUS_OK;
+}
+
+static void unreserve(struct job *job)
+{
+	job->session->image_bytes -= job->reserved;
+	job->reserved = 0;
+}
+
+static bool on_device(const struct job *job)
+{
+	return job->state == JOB_BEGINNING || job->state == JOB_ACTIVE || job->state == JOB_FINISHED;
+}
+
+// Its device memory is free, or about to be: those that lacked some may try again.
+static void let_others_try(struct jobs *jobs)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		jobs->job[i]->short_of_memory = false;
+}
+
+static void destroy(struct job *job)
+{
+	image_close(&job->preview);
+	image_close(&job->final);
+	unreserve(job);
+	job->session->requests--;
+	scene_release(job->scene);
+	free(job);
+}
+
+static void drop(struct jobs *jobs, struct job *job)
+{
+	if (on_device(job)) {
+		worker_end(jobs->worker, job->id);
+		let_others_try(jobs);
+	}
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i] == job) {
+			memmove(&jobs->job[i], &jobs->job[i + 1], (jobs->count - i - 1) * sizeof *jobs->job);
+			jobs->count--;
+			break;
+		}
+	destroy(job);
+}
+
+void jobs_finish(struct jobs *jobs)
+{
+	while (jobs->count > 0)
+		destroy(jobs->job[--jobs->count]);
+}
+
+// ---- ends ------------------------------------------------------------------------------------------------------------
+
+static void log_end(const struct job *job, const char *how)
+{
+	log_line(LOG_INFO, "job %u: %s: scene \"%s\", %ux%u, %u samples, %u slices, %llu ms on the device, %llu ms in all",
+		 job->id, how, job->scene->info.name, job->render.width, job->render.height, job->render.samples,
+		 job->slices, (unsigned long long)job->device_us / 1000,
+		 (unsigned long long)(clock_us() - job->asked_us) / 1000);
+}
+
+static void fail(struct jobs *jobs, struct job *job, const struct error *err)
+{
+	if (!err || err->code == STATUS_CANCELLED)
+		jobs->cancelled++;
+	else
+		jobs->failed++;
+	log_end(job, err ? status_name(err->code) : "client gone");
+	if (err)
+		reply_error(job->session, job->request, err);
+	drop(jobs, job);
+}
+
+void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err)
+{
+	fail(jobs, job, err);
+}
+
+void jobs_fail_all(struct jobs *jobs, const struct session *session, const struct error *err)
+{
+	for (unsigned i = jobs->count; i-- > 0;)
+		if (!session || jobs->job[i]->session == session)
+			fail(jobs, jobs->job[i], err);
+}
+
+void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct error *err)
+{
+	for (unsigned i = jobs->count; i-- > 0;)
+		if (jobs->job[i]->scene == scene)
+			fail(jobs, jobs->job[i], err);
+}
+
+// The front's part of the account: the wait before the device, and what the worker cannot know.
+static void complete_account(struct job *job)
+{
+	candil_Done *done = &job->done;
+	if (done->stages_count == MAX_STAGES)
+		done->stages_count--;
+	memmove(&done->stages[1], &done->stages[0], done->stages_count * sizeof *done->stages);
+	done->stages_count++;
+	done->stages[0] = (candil_Stage){.name = "queue", .us = job->begun_us - job->asked_us};
+	done->elapsed_us = clock_us() - job->asked_us;
+	done->slices = job->slices;
+	done->retries = job->retries;
+	if (!done->reason[0])
+		snprintf(done->reason, sizeof done->reason, "samples");
+}
+
+static void finish(struct jobs *jobs, struct job *job)
+{
+	complete_account(job);
+	reply_message(job->session, MESSAGE_DONE, job->request, candil_Done_fields, &job->done);
+	jobs->done++;
+	log_end(job, "done");
+	drop(jobs, job);
+}
+
+// ---- images ----------------------------------------------------------------------------------------------------------
+
+// An upper bound, near enough, of an encoded image's bytes.
+static uint64_t image_estimate(const candil_Render *render)
+{
+	uint32_t channels = 3;
+	if (render->aovs & AOV_DEPTH)
+		channels += 1;
+	if (render->aovs & AOV_NORMAL)
+		channels += 3;
+	if (render->aovs & AOV_ALBEDO)
+		channels += 3;
+	if (render->aovs & AOV_ID)
+		channels += 1;
+	uint32_t bytes = render->format == candil_Format_FORMAT_PNG ? 1 : 4;
+	return (uint64_t)render->width * render->height * channels * bytes + 65536;
+}
+
+// One image may always wait for a connection, more while they fit the limit.
+static bool reserve(struct job *job)
+{
+	uint64_t bytes = image_estimate(&job->render);
+	if (job->session->image_bytes > 0 && job->session->image_bytes + bytes > LIMIT_IMAGE_BYTES)
+		return false;
+	job->reserved += bytes;
+	job->session->image_bytes += bytes;
+	return true;
+}
+
+static void release_image(struct job *job, struct image *image)
+{
+	uint64_t bytes = image_estimate(&job->render);
+	image_close(image);
+	job->reserved -= bytes;
+	job->session->image_bytes -= bytes;
+}
+
+// A preview at each doubling of samples or each second, whichever is first; none while the last one is on its way.
+static void ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
+{
+	uint64_t now = clock_us();
+	if (!job->render.progressive || job->preview_due || image_waits(&job->preview) || samples <= job->preview_samples)
+		return;
+	if (samples < 2 * (uint64_t)job->preview_samples && now < job->preview_us + PREVIEW_US)
+		return;
+	if (!reserve(job))
+		return;
+	job->preview_due = true;
+	job->preview_samples = samples;
+	job->preview_us = now;
+	worker_read(jobs->worker, job->id, false);
+}
+
+// The last READ, with END behind it: the device's memory is free once the worker has copied the picture.
+static void read_final(struct jobs *jobs)
+{
+	for (unsigned i = 0; i < jobs->count; i++) {
+		struct job *job = jobs->job[i];
+		if (job->state != JOB_FINISHED || !reserve(job))
+			continue;
+		worker_read(jobs->worker, job->id, true);
+		worker_end(jobs->worker, job->id);
+		job->state = JOB_READING;
+		let_others_try(jobs);
+	}
+}
+
+void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, int fd)
+{
+	struct job *job = by_id(jobs, id);
+	bool final = image->frame.final || (job && !job->preview_due);
+	if (!job || (final && job->state != JOB_READING)) {
+		if (fd >= 0)
+			close(fd);
+		return;
+	}
+	if (image->error.code != STATUS_OK) {
+		fail(jobs, job, &image->error);
+		return;
+	}
+	candil_ImageFrame frame = image->frame;
+	frame.final = final;
+	if (final) {
+		job->done = image->done;
+		job->state = JOB_SENDING;
+		image_set(&job->final, fd, &frame);
+		// A preview that nobody has seen the beginning of is of no use any more.
+		if (image_waits(&job->preview) && !job->preview.announced)
+			release_image(job, &job->preview);
+	} else {
+		job->preview_due = false;
+		image_set(&job->preview, fd, &frame);
+	}
+}
+
+static bool pump(struct jobs *jobs, struct job *job)
+{
+	bool broken;
+	struct image *image = image_waits(&job->preview) ? &job->preview : &job->final;
+	if (!image_waits(image))
+		return false;
+	bool queued = image_pump(image, job->session, job->request, &broken);
+	if (broken) {
+		struct error err;
+		error_set(&err, STATUS_INTERNAL, "the image could not be read back");
+		fail(jobs, job, &err);
+		return true;
+	}
+	if (image_is_sent(image)) {
+		bool last = image == &job->final;
+		release_image(job, image);
+		if (last)
+			finish(jobs, job);
+	}
+	return queued;
+}
+
+bool jobs_fill(struct jobs *jobs, struct session *session)
+{
+	bool queued = false;
+	for (unsigned i = jobs->count; i-- > 0;)
+		if (jobs->job[i]->session == session)
+			queued |= pump(jobs, jobs->job[i]);
+	return queued;
+}
+
+// ---- the device ------------------------------------------------------------------------------------------------------
+
+static bool device_busy(const struct jobs *jobs, const struct job *but)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i] != but && on_device(jobs->job[i]))
+			return true;
+	return false;
+}
+
+static struct job *next_to_begin(const struct jobs *jobs)
+{
+	for (unsigned i = 0; i < jobs->count; i++) {
+		struct job *job = jobs->job[i];
+		if (job->state != JOB_WAITING || job->scene->state != SCENE_READY)
+			continue;
+		if (!job->short_of_memory)
+			return job;
+		if (job->refusals >= MEMORY_PATIENCE)
+			return NULL;
+	}
+	return NULL;
+}
+
+static void begin(struct jobs *jobs)
+{
+	struct job *job = jobs->beginning ? NULL : next_to_begin(jobs);
+	if (!job)
+		return;
+	job->state = JOB_BEGINNING;
+	if (!job->begun_us)
+		job->begun_us = clock_us();
+	jobs->beginning = job->id;
+	jobs->begin_behind_step = jobs->stepping != 0;
+	worker_begin(jobs->worker, job->id, job->scene->id, &job->render);
+}
+
+static void step(struct jobs *jobs)
+{
+	struct job *active[LIMIT_JOBS];
+	struct turn *turns[LIMIT_JOBS];
+	size_t count = 0;
+	if (jobs->stepping)
+		return;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->state == JOB_ACTIVE) {
+			active[count] = jobs->job[i];
+			turns[count++] = &jobs->job[i]->turn;
+		}
+	if (count == 0)
+		return;
+	struct job *job = active[schedule_pick(turns, count, &jobs->turns)];
+	jobs->stepping = job->id;
+	jobs->held = job->id;
+	jobs->step_sent_us = clock_us();
+	worker_step(jobs->worker, job->id, jobs->slice_us);
+}
+
+void jobs_dispatch(struct jobs *jobs)
+{
+	if (jobs->worker->state != WORKER_READY)
+		return;
+	read_final(jobs);
+	begin(jobs);
+	step(jobs);
+}
+
+void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
+{
+	struct job *job = by_id(jobs, id);
+	jobs->beginning = 0;
+	if (!job || job->state != JOB_BEGINNING)
+		return;
+	if (begun->error.code == STATUS_OK) {
+		job->state = JOB_ACTIVE;
+		if (!job->accepted)
+			reply_message(job->session, MESSAGE_ACCEPTED, job->request, candil_Accepted_fields,
+				      &begun->accepted);
+		job->accepted = true;
+		return;
+	}
+	// There is nothing to END: a job whose BEGIN failed does not exist over there.
+	job->state = JOB_WAITING;
+	if (begun->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
+		job->short_of_memory = true;
+		job->refusals++;
+		return;
+	}
+	fail(jobs, job, &begun->error);
+}
+
+static void tell_progress(struct job *job, const struct ipc_stepped *stepped)
+{
+	uint64_t now = clock_us();
+	if (now < job->progress_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
+		return;
+	job->progress_us = now;
+	candil_Progress progress = {.samples_done = stepped->samples_done,
+				    .samples = job->render.samples,
+				    .fraction = stepped->fraction,
+				    .device_us = job->device_us,
+				    .elapsed_us = now - job->asked_us};
+	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
+}
+
+void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *stepped)
+{
+	struct job *job = by_id(jobs, id);
+	uint64_t wall_us = clock_us() - jobs->step_sent_us;
+	jobs->stepping = 0;
+	jobs->begin_behind_step = false;
+	jobs->slices++;
+	if (!job || job->state != JOB_ACTIVE)
+		return;
+	// Not every driver can tell how long its work took.
+	uint64_t device_us = stepped->device_us ? stepped->device_us : wall_us;
+	job->slices++;
+	job->device_us += device_us;
+	schedule_charge(&job->turn, device_us);
+	if (stepped->error.code != STATUS_OK) {
+		fail(jobs, job, &stepped->error);
+		return;
+	}
+	if (stepped->finished) {
+		job->state = JOB_FINISHED;
+		return;
+	}
+	tell_progress(job, stepped);
+	ask_preview(jobs, job, stepped->samples_done);
+}
+
+// ---- a worker is lost ------------------------------------------------------------------------------------------------
+
+static void begin_again(struct job *job)
+{
+	if (job->preview_due)
+		release_image(job, &job->preview);
+	if (job->state == JOB_READING)
+		release_image(job, &job->final);
+	job->preview_due = false;
+	job->preview_samples = 0;
+	job->short_of_memory = false;
+	job->state = JOB_WAITING;
+	job->retries++;
+}
+
+static bool was_with_worker(const struct job *job)
+{
+	return on_device(job) || job->state == JOB_READING;
+}
+
+static uint32_t suspect(const struct jobs *jobs)
+{
+	if (jobs->stepping && (!jobs->beginning || jobs->begin_behind_step))
+		return jobs->stepping;
+	return jobs->beginning ? jobs->beginning : jobs->held;
+}
+
+// Blame falls on the job whose order was being carried out, else on who had the device last, else on the oldest. Whoever it
+// is, each loss with work under way blames one job, so no job can kill workers for ever.
+static void blame(struct jobs *jobs, const char *how)
+{
+	struct job *job = by_id(jobs, suspect(jobs));
+	if (!job || !was_with_worker(job))
+		for (unsigned i = 0; i < jobs->count && !(job && was_with_worker(job)); i++)
+			job = jobs->job[i];
+	if (!job || !was_with_worker(job) || ++job->blames <= LIMIT_JOB_RETRIES)
+		return;
+	struct error err;
+	error_set(&err, STATUS_WORKER_LOST, "the worker was lost %u times while it worked on this job (%s)", job->blames,
+		  how);
+	fail(jobs, job, &err);
+}
+
+void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
+{
+	blame(jobs, how);
+	jobs->stepping = 0;
+	jobs->beginning = 0;
+	jobs->held = 0;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (was_with_worker(jobs->job[i]))
+			begin_again(jobs->job[i]);
+	if (!hopeless)
+		return;
+	struct error err;
+	error_set(&err, STATUS_WORKER_LOST, "the worker does not start (%s): see the daemon's log", how);
+	for (unsigned i = jobs->count; i-- > 0;)
+		if (jobs->job[i]->state == JOB_WAITING)
+			fail(jobs, jobs->job[i], &err);
+}

@@ -1,0 +1,181 @@
+// Design note. The loader parses hostile files: whatever it sends may be the file's author speaking. It is believed as to
+// sizes only after the seals are checked (from then on nobody can change them), its text is cleaned, and its codes are let
+// through only if they are about scenes.
+#include "server/front/loader.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "server/base/clock.h"
+#include "server/base/memfd.h"
+#include "server/front/text.h"
+
+void loader_init(struct loader *loader, struct loop *loop, loader_done *done, void *owner)
+{
+	*loader = (struct loader){.loop = loop, .done = done, .owner = owner};
+	child_init(&loader->child);
+}
+
+void loader_stop(struct loader *loader)
+{
+	loop_timer_stop(loader->loop, &loader->timer);
+	child_abandon(&loader->child, loader->loop);
+}
+
+static void fail(struct loader *loader, const struct error *err)
+{
+	struct ipc_loaded *loaded = calloc(1, sizeof *loaded);
+	if (!loaded)
+		abort(); // twenty kilobytes are not to be had: nothing else would work either
+	loaded->error = *err;
+	loader_stop(loader);
+	loader->done(loader->owner, loaded, -1);
+	free(loaded);
+}
+
+static void clean_info(candil_SceneInfo *info)
+{
+	text_clean(info->file, sizeof info->file);
+	text_clean(info->hash, sizeof info->hash);
+	text_clean(info->light_units, sizeof info->light_units);
+	for (size_t i = 0; i < info->cameras_count; i++)
+		text_clean(info->cameras[i].name, sizeof info->cameras[i].name);
+	for (size_t i = 0; i < info->warnings_count; i++)
+		text_clean(info->warnings[i], sizeof info->warnings[i]);
+	for (size_t i = 0; i < info->ignored_count; i++)
+		text_clean(info->ignored[i], sizeof info->ignored[i]);
+	for (size_t i = 0; i < info->facts_count; i++)
+		text_clean(info->facts[i], sizeof info->facts[i]);
+}
+
+static bool counts_hold(const candil_SceneInfo *info)
+{
+	return info->cameras_count <= sizeof info->cameras / sizeof *info->cameras &&
+	       info->warnings_count <= sizeof info->warnings / sizeof *info->warnings &&
+	       info->ignored_count <= sizeof info->ignored / sizeof *info->ignored &&
+	       info->facts_count <= sizeof info->facts / sizeof *info->facts;
+}
+
+static void clean_error(struct error *err)
+{
+	text_clean(err->text, sizeof err->text);
+	bool scene = err->code >= STATUS_SCENE_NOT_FOUND && err->code < STATUS_CANCELLED;
+	if (err->code != STATUS_OK && err->code != STATUS_MEMORY && !scene)
+		err->code = STATUS_SCENE_INVALID;
+}
+
+// Check a message and its blob; what is wrong goes into loaded->error.
+static void judge(struct ipc_loaded *loaded, size_t bytes, int blob)
+{
+	const void *map;
+	size_t size;
+	struct error *err = &loaded->error;
+	if (bytes != sizeof *loaded || loaded->head.op != IPC_LOADED ||
+	    strncmp(loaded->build, ipc_build(), sizeof loaded->build) != 0) {
+		error_set(err, STATUS_LOADER_LOST, "candil-loader is of another build than candild: install both anew");
+		return;
+	}
+	clean_error(err);
+	if (err->code != STATUS_OK)
+		return;
+	if (blob < 0 || !counts_hold(&loaded->info)) {
+		error_set(err, STATUS_LOADER_LOST, "the loader sent no scene that could be used");
+	} else if (memfd_map_sealed(blob, &map, &size, err) == STATUS_OK) {
+		munmap((void *)(uintptr_t)map, size);
+		loaded->info.blob_bytes = size;
+		if (size > LIMIT_BLOB_BYTES)
+			error_set(err, STATUS_SCENE_LIMIT, "the scene takes more than %llu bytes", LIMIT_BLOB_BYTES);
+		clean_info(&loaded->info);
+	} else {
+		err->code = STATUS_LOADER_LOST;
+	}
+}
+
+// Take its message if there is one. True if the loader is done with.
+static bool take(struct loader *loader)
+{
+	union {
+		struct ipc_loaded loaded;
+		uint8_t space[IPC_MAX_BYTES];
+	} *message = calloc(1, sizeof *message);
+	size_t bytes = 0;
+	int blob = -1;
+	bool came = message && loader->child.socket >= 0 &&
+		    ipc_receive(loader->child.socket, message, sizeof *message, &bytes, &blob, NULL) == STATUS_OK &&
+		    bytes > 0;
+	if (came) {
+		judge(&message->loaded, bytes, blob);
+		if (message->loaded.error.code != STATUS_OK && blob >= 0) {
+			close(blob);
+			blob = -1;
+		}
+		loader_stop(loader);
+		loader->done(loader->owner, &message->loaded, blob);
+	}
+	free(message);
+	return came;
+}
+
+static void spoke(void *owner, uint32_t events)
+{
+	struct loader *loader = owner;
+	if (take(loader))
+		return;
+	// It hung up without a word. How it ended is known when it has.
+	if (events & (EPOLLHUP | EPOLLERR)) {
+		loop_forget(loader->loop, loader->child.socket);
+		child_kill(&loader->child);
+	}
+}
+
+static void ended(void *owner, uint32_t events)
+{
+	struct loader *loader = owner;
+	char how[64];
+	struct error err;
+	(void)events;
+	if (take(loader))
+		return;
+	child_reap(&loader->child, loader->loop, how, sizeof how);
+	error_set(&err, STATUS_LOADER_LOST, "the loader was lost while it read the file (%s): the file may be broken", how);
+	fail(loader, &err);
+}
+
+static void too_late(void *owner)
+{
+	struct loader *loader = owner;
+	struct error err;
+	error_set(&err, STATUS_LOADER_LOST, "the loader was not done within %u s and was stopped", LIMIT_LOAD_SECONDS);
+	fail(loader, &err);
+}
+
+enum status loader_start(struct loader *loader, const char *libexec, const struct source *source, candil_UpAxis up,
+			 double metres_per_unit, struct error *err)
+{
+	char program[4096], unit[32];
+	snprintf(unit, sizeof unit, "%.17g", metres_per_unit);
+	int length = snprintf(program, sizeof program, "%s/candil-loader", libexec);
+	if (length < 0 || (size_t)length >= sizeof program)
+		return error_set(err, STATUS_INTERNAL, "the path of candil-loader is too long");
+	char file_option[] = "--file", up_option[] = "--up", unit_option[] = "--unit", y[] = "y", z[] = "z";
+	char file[LIMIT_PATH + 1];
+	memcpy(file, source->file, sizeof file);
+	char *const argv[] = {program,     file_option, file, up_option, up == candil_UpAxis_UP_Z ? z : y,
+			      unit_option, unit,        NULL};
+	enum status status = child_start(&loader->child, argv, source->folder, err);
+	if (status != STATUS_OK)
+		return status;
+	status = loop_watch(loader->loop, loader->child.socket, EPOLLIN, spoke, loader, err);
+	if (status == STATUS_OK)
+		status = loop_watch(loader->loop, loader->child.pidfd, EPOLLIN, ended, loader, err);
+	if (status != STATUS_OK)
+		loader_stop(loader);
+	else
+		loop_timer_set(loader->loop, &loader->timer, clock_us() + LIMIT_LOAD_SECONDS * 1000000ull, too_late, loader);
+	return status;
+}

@@ -1,0 +1,36 @@
+// The daemon's command line.
+#ifndef CANDIL_FRONT_OPTIONS_H
+#define CANDIL_FRONT_OPTIONS_H
+
+#include <limits.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "server/base/error.h"
+
+struct scene_option {
+	char name[LIMIT_NAME + 1];
+	const char *file; // of argv
+};
+
+struct options {
+	char socket[PATH_MAX]; // "": none is made (private connection)
+	char libexec[PATH_MAX]; // where candil-loader and candil-worker are
+	const char *scene_root; // NULL: none
+	const char *device;
+	bool require_gpu;
+	uint32_t memory_budget_mib; // 0: the worker's choice
+	uint32_t slice_ms;
+	int private_fd; // -1: none
+	struct scene_option scenes[LIMIT_SCENES];
+	unsigned scene_count;
+	bool help, version; // print and leave
+};
+
+// Strings of `options` point into argv. STATUS_BAD_ARGUMENT with a sentence for anything that is wrong.
+enum status options_parse(struct options *options, int argc, char *const argv[], struct error *err);
+
+// The text of --help.
+const char *options_help(void);
+
+#endif

@@ -1,0 +1,282 @@
+#include "server/front/request.h"
+
+#include <math.h>
+#include <pb_decode.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/header.h"
+#include "server/front/text.h"
+
+#define DEFAULT_SAMPLES 64u
+#define DEFAULT_PROGRESS_MS 100u
+#define EFFECT_BITS ((1u << _candil_Effect_ARRAYSIZE) - 1u)
+#define METRES_PER_UNIT_MAX 1e9
+
+static enum status decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message, struct error *err)
+{
+	pb_istream_t stream = pb_istream_from_buffer(body, bytes);
+	if (pb_decode(&stream, fields, message))
+		return STATUS_OK;
+	return error_set(err, STATUS_BAD_MESSAGE, "the body cannot be decoded (%s): see candil.proto",
+			 PB_GET_ERROR(&stream));
+}
+
+static enum status check_name(const char *name, const char *what, struct error *err)
+{
+	if (text_is_name(name))
+		return STATUS_OK;
+	return error_set(err, STATUS_BAD_ARGUMENT,
+			 "a %s's name has 1 to %u bytes of UTF-8 without '/' and control characters", what, LIMIT_NAME);
+}
+
+enum status request_hello(const uint8_t *body, size_t bytes, candil_Hello *hello, struct error *err)
+{
+	enum status status = decode(body, bytes, candil_Hello_fields, hello, err);
+	if (status != STATUS_OK)
+		return status;
+	text_clean(hello->client, sizeof hello->client);
+	if (hello->version_min > hello->version_max)
+		return error_set(err, STATUS_BAD_MESSAGE, "version_min %u is above version_max %u", hello->version_min,
+				 hello->version_max);
+	return STATUS_OK;
+}
+
+enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, struct error *err)
+{
+	enum status status = decode(body, bytes, candil_Load_fields, load, err);
+	if (status == STATUS_OK)
+		status = check_name(load->name, "scene", err);
+	if (status != STATUS_OK)
+		return status;
+	if (!text_is_plain_path(load->path))
+		return error_set(err, STATUS_SCENE_PATH,
+				 "the path must be relative, of plain components: no leading '/', no '.', no '..'");
+	if ((unsigned)load->up > candil_UpAxis_UP_Z)
+		return error_set(err, STATUS_BAD_ARGUMENT, "up is 0 (default), 1 (Y) or 2 (Z)");
+	if (load->metres_per_unit == 0)
+		load->metres_per_unit = 1;
+	if (!isfinite(load->metres_per_unit) || load->metres_per_unit < 1 / METRES_PER_UNIT_MAX ||
+	    load->metres_per_unit > METRES_PER_UNIT_MAX)
+		return error_set(err, STATUS_BAD_ARGUMENT, "metres_per_unit is between 1e-9 and 1e9, or 0 for 1");
+	return STATUS_OK;
+}
+
+enum status request_unload(const uint8_t *body, size_t bytes, candil_Unload *unload, struct error *err)
+{
+	enum status status = decode(body, bytes, candil_Unload_fields, unload, err);
+	return status == STATUS_OK ? check_name(unload->name, "scene", err) : status;
+}
+
+enum status request_describe(const uint8_t *body, size_t bytes, candil_Describe *describe, struct error *err)
+{
+	enum status status = decode(body, bytes, candil_Describe_fields, describe, err);
+	return status == STATUS_OK ? check_name(describe->name, "scene", err) : status;
+}
+
+enum status request_cancel(const uint8_t *body, size_t bytes, candil_Cancel *cancel, struct error *err)
+{
+	return decode(body, bytes, candil_Cancel_fields, cancel, err);
+}
+
+enum status request_ping(const uint8_t *body, size_t bytes, candil_Ping *ping, struct error *err)
+{
+	return decode(body, bytes, candil_Ping_fields, ping, err);
+}
+
+enum status request_list_scenes(const uint8_t *body, size_t bytes, struct error *err)
+{
+	candil_ListScenes message;
+	return decode(body, bytes, candil_ListScenes_fields, &message, err);
+}
+
+enum status request_stats(const uint8_t *body, size_t bytes, struct error *err)
+{
+	candil_Stats message;
+	return decode(body, bytes, candil_Stats_fields, &message, err);
+}
+
+// ---- a render --------------------------------------------------------------------------------------------------------
+
+static enum status check_size(candil_Render *r, struct error *err)
+{
+	if (r->width == 0 || r->height == 0)
+		return error_set(err, STATUS_BAD_ARGUMENT, "width and height are at least 1 pixel");
+	if (r->width > LIMIT_SIDE || r->height > LIMIT_SIDE)
+		return error_set(err, STATUS_LIMIT, "width and height are at most %u pixels", LIMIT_SIDE);
+	uint64_t pixels = (uint64_t)r->width * r->height;
+	if (pixels > LIMIT_PIXELS)
+		return error_set(err, STATUS_LIMIT, "an image has at most %u pixels: ask for a smaller one", LIMIT_PIXELS);
+	if (r->samples == 0)
+		r->samples = DEFAULT_SAMPLES;
+	if ((uint64_t)r->first_sample + r->samples > LIMIT_SAMPLES)
+		return error_set(err, STATUS_LIMIT, "first_sample + samples is at most %u", LIMIT_SAMPLES);
+	if (r->samples * pixels > LIMIT_SAMPLES_TIMES_PIXELS)
+		return error_set(err, STATUS_LIMIT, "samples times pixels is at most %llu: split the samples over requests",
+				 LIMIT_SAMPLES_TIMES_PIXELS);
+	return STATUS_OK;
+}
+
+static enum status check_technique(const candil_Render *r, struct error *err)
+{
+	switch (r->technique) {
+	case candil_Technique_TECHNIQUE_AUTO:
+	case candil_Technique_TECHNIQUE_PT:
+		return STATUS_OK;
+	case candil_Technique_TECHNIQUE_VCT:
+	case candil_Technique_TECHNIQUE_RADIOSITY:
+	case candil_Technique_TECHNIQUE_DIRECT:
+		return error_set(err, STATUS_UNSUPPORTED, "this daemon has no such technique: ask for pt or auto");
+	}
+	return error_set(err, STATUS_BAD_ARGUMENT, "technique %u is none of candil.proto", (unsigned)r->technique);
+}
+
+static bool within(const candil_Vec3 *v, double least, double most)
+{
+	return v->x >= least && v->x <= most && v->y >= least && v->y <= most && v->z >= least && v->z <= most;
+}
+
+static double length(double x, double y, double z)
+{
+	return sqrt(x * x + y * y + z * z);
+}
+
+static enum status check_directions(const candil_Camera *c, struct error *err)
+{
+	double fx = c->target.x - c->eye.x, fy = c->target.y - c->eye.y, fz = c->target.z - c->eye.z;
+	double forward = length(fx, fy, fz), up = length(c->up.x, c->up.y, c->up.z);
+	if (!(forward > 0))
+		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's target must differ from its eye");
+	if (!(up > 0))
+		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's up vector must not be zero");
+	fx /= forward, fy /= forward, fz /= forward;
+	double ux = c->up.x / up, uy = c->up.y / up, uz = c->up.z / up;
+	if (!(length(fy * uz - fz * uy, fz * ux - fx * uz, fx * uy - fy * ux) > 1e-6))
+		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's up vector must not point along its view");
+	return STATUS_OK;
+}
+
+static enum status check_camera(candil_Render *r, struct error *err)
+{
+	candil_Camera *c = &r->camera;
+	if (!r->has_camera)
+		return STATUS_OK;
+	if (!text_is_clean(c->name))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a camera's name is UTF-8 without control characters");
+	if (c->name[0] || (!c->has_eye && !c->has_target && !c->has_up && c->vfov_degrees == 0))
+		return STATUS_OK;
+	if (!c->has_eye || !c->has_target)
+		return error_set(err, STATUS_BAD_ARGUMENT, "a camera without a name needs eye and target");
+	if (!c->has_up) {
+		c->has_up = true;
+		c->up = (candil_Vec3){.y = 1};
+	}
+	if (!within(&c->eye, -LIMIT_COORDINATE, LIMIT_COORDINATE) ||
+	    !within(&c->target, -LIMIT_COORDINATE, LIMIT_COORDINATE) || !within(&c->up, -LIMIT_COORDINATE, LIMIT_COORDINATE))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a camera's coordinates are finite and at most %g",
+				 LIMIT_COORDINATE);
+	if (!(c->vfov_degrees > 0 && c->vfov_degrees < 180))
+		return error_set(err, STATUS_BAD_ARGUMENT, "vfov_degrees is above 0 and below 180");
+	return check_directions(c, err);
+}
+
+static enum status check_effects(const candil_Render *r, struct error *err)
+{
+	if ((r->effects_on | r->effects_off) & ~EFFECT_BITS)
+		return error_set(err, STATUS_UNSUPPORTED, "an effect's bit is unknown to this daemon");
+	if (r->effects_on & r->effects_off)
+		return error_set(err, STATUS_BAD_ARGUMENT, "an effect is switched on and off at once");
+	return STATUS_OK;
+}
+
+static enum status check_output(candil_Render *r, struct error *err)
+{
+	if ((unsigned)r->format > candil_Format_FORMAT_PNG)
+		return error_set(err, STATUS_BAD_ARGUMENT, "format %u is none of candil.proto", (unsigned)r->format);
+	if ((unsigned)r->view > candil_View_VIEW_FILMIC)
+		return error_set(err, STATUS_BAD_ARGUMENT, "view %u is none of candil.proto", (unsigned)r->view);
+	if (r->aovs & ~(uint32_t)AOV_ALL)
+		return error_set(err, STATUS_UNSUPPORTED, "an AOV's bit is unknown to this daemon");
+	if (r->aovs && r->format == candil_Format_FORMAT_PNG)
+		return error_set(err, STATUS_BAD_ARGUMENT, "AOVs need an EXR: a PNG has no place for them");
+	if (!(fabs(r->exposure_ev) <= LIMIT_EXPOSURE_EV))
+		return error_set(err, STATUS_BAD_ARGUMENT, "exposure_ev is between -%g and %g", LIMIT_EXPOSURE_EV,
+				 LIMIT_EXPOSURE_EV);
+	if (r->has_background && !within(&r->background, 0, LIMIT_RADIANCE))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a background's components are between 0 and %g", LIMIT_RADIANCE);
+	if (r->progress_ms == 0)
+		r->progress_ms = DEFAULT_PROGRESS_MS;
+	if (r->progress_ms > LIMIT_PROGRESS_MS)
+		return error_set(err, STATUS_LIMIT, "progress_ms is at most %u", LIMIT_PROGRESS_MS);
+	return STATUS_OK;
+}
+
+// technique.option, lower case, digits, '_'
+static bool is_option_name(const char *name)
+{
+	static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
+	size_t technique = strspn(name, letters);
+	if (technique == 0 || name[technique] != '.')
+		return false;
+	size_t option = strspn(name + technique + 1, letters);
+	return option > 0 && name[technique + 1 + option] == 0;
+}
+
+static bool is_option_value(const char *value)
+{
+	static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-:,";
+	return *value && value[strspn(value, letters)] == 0;
+}
+
+// A limit is kept here, before anything is allocated for the job; the worker knows the other options.
+static enum status check_depth(const char *value, struct error *err)
+{
+	size_t digits = strspn(value, "0123456789");
+	unsigned long depth = strtoul(value, NULL, 10);
+	if (digits == 0 || value[digits] || depth < 1)
+		return error_set(err, STATUS_BAD_ARGUMENT, "pt.depth is a whole number from 1 to %u", LIMIT_DEPTH);
+	if (digits > 9 || depth > LIMIT_DEPTH)
+		return error_set(err, STATUS_LIMIT, "pt.depth is at most %u", LIMIT_DEPTH);
+	return STATUS_OK;
+}
+
+static enum status check_options(const candil_Render *r, struct error *err)
+{
+	for (pb_size_t i = 0; i < r->options_count; i++) {
+		const candil_Option *o = &r->options[i];
+		if (!is_option_name(o->name) || !is_option_value(o->value))
+			return error_set(err, STATUS_BAD_ARGUMENT,
+					 "an option is technique.name in small letters and a value without spaces");
+		for (pb_size_t j = 0; j < i; j++)
+			if (!strcmp(o->name, r->options[j].name))
+				return error_set(err, STATUS_BAD_ARGUMENT, "option %s is given twice", o->name);
+		enum status status = strcmp(o->name, "pt.depth") ? STATUS_OK : check_depth(o->value, err);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+enum status request_check_render(candil_Render *render, struct error *err)
+{
+	enum status status = check_name(render->scene, "scene", err);
+	if (status == STATUS_OK)
+		status = check_size(render, err);
+	if (status == STATUS_OK)
+		status = check_technique(render, err);
+	if (status == STATUS_OK)
+		status = check_camera(render, err);
+	if (status == STATUS_OK)
+		status = check_effects(render, err);
+	if (status == STATUS_OK)
+		status = check_output(render, err);
+	if (status == STATUS_OK)
+		status = check_options(render, err);
+	return status;
+}
+
+enum status request_render(const uint8_t *body, size_t bytes, candil_Render *render, struct error *err)
+{
+	enum status status = decode(body, bytes, candil_Render_fields, render, err);
+	return status == STATUS_OK ? request_check_render(render, err) : status;
+}

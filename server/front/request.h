@@ -1,0 +1,29 @@
+// From a body to a request that can be trusted. Each function decodes and checks one message; what it returns as STATUS_OK
+// is within every limit, its strings are clean, its numbers finite and its defaults filled in.
+// Failures: BAD_MESSAGE (the bytes are no such message), BAD_ARGUMENT, LIMIT, UNSUPPORTED, SCENE_PATH. No side effects.
+#ifndef CANDIL_FRONT_REQUEST_H
+#define CANDIL_FRONT_REQUEST_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "candil.pb.h"
+#include "server/base/error.h"
+
+enum status request_hello(const uint8_t *body, size_t bytes, candil_Hello *hello, struct error *err);
+// `path` is checked to be plain components; metres_per_unit is set.
+enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, struct error *err);
+enum status request_unload(const uint8_t *body, size_t bytes, candil_Unload *unload, struct error *err);
+enum status request_describe(const uint8_t *body, size_t bytes, candil_Describe *describe, struct error *err);
+enum status request_render(const uint8_t *body, size_t bytes, candil_Render *render, struct error *err);
+enum status request_cancel(const uint8_t *body, size_t bytes, candil_Cancel *cancel, struct error *err);
+enum status request_ping(const uint8_t *body, size_t bytes, candil_Ping *ping, struct error *err);
+
+// ListScenes and Stats have no fields yet: the bytes must be a message all the same.
+enum status request_list_scenes(const uint8_t *body, size_t bytes, struct error *err);
+enum status request_stats(const uint8_t *body, size_t bytes, struct error *err);
+
+// The checks of a Render behind its decoding.
+enum status request_check_render(candil_Render *render, struct error *err);
+
+#endif

@@ -1,0 +1,229 @@
+#include "server/front/scenes.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+
+void scenes_init(struct scenes *scenes, struct loop *loop, const char *libexec, const struct scenes_events *events,
+		 void *owner)
+{
+	*scenes = (struct scenes){.loop = loop, .libexec = libexec, .events = events, .owner = owner, .next_id = 1};
+}
+
+static bool is_loading(const struct scene *scene)
+{
+	return scene->state == SCENE_WAITING || scene->state == SCENE_LOADING;
+}
+
+static void destroy(struct scene *scene)
+{
+	loader_stop(&scene->loader);
+	source_close(&scene->source);
+	if (scene->blob >= 0)
+		close(scene->blob);
+	free(scene);
+}
+
+void scenes_finish(struct scenes *scenes)
+{
+	while (scenes->first) {
+		struct scene *s = scenes->first;
+		scenes->first = s->next;
+		destroy(s);
+	}
+}
+
+void scene_hold(struct scene *scene)
+{
+	scene->users++;
+}
+
+void scene_release(struct scene *scene)
+{
+	if (--scene->users > 0)
+		return;
+	struct scenes *table = scene->table;
+	for (struct scene **link = &table->first; *link; link = &(*link)->next)
+		if (*link == scene) {
+			*link = scene->next;
+			break;
+		}
+	table->events->gone(table->owner, scene);
+	destroy(scene);
+}
+
+static void unlist(struct scene *scene)
+{
+	if (!scene->listed)
+		return;
+	scene->listed = false;
+	scene_release(scene);
+}
+
+static struct scene *find(struct scenes *scenes, const char *name, bool loading)
+{
+	for (struct scene *s = scenes->first; s; s = s->next)
+		if (s->listed && is_loading(s) == loading && !strcmp(s->info.name, name))
+			return s;
+	return NULL;
+}
+
+struct scene *scenes_find(struct scenes *scenes, const char *name)
+{
+	struct scene *ready = find(scenes, name, false);
+	return ready ? ready : find(scenes, name, true);
+}
+
+struct scene *scenes_find_load(struct scenes *scenes, const struct session *session, uint32_t request)
+{
+	for (struct scene *s = scenes->first; s; s = s->next)
+		if (s->listed && is_loading(s) && s->session == session && s->request == request)
+			return s;
+	return NULL;
+}
+
+void scenes_stop_load(struct scene *scene, const struct error *err)
+{
+	struct scenes *table = scene->table;
+	scene_hold(scene);
+	loader_stop(&scene->loader);
+	scene->state = SCENE_FAILED;
+	table->loader_failures++;
+	log_line(LOG_WARNING, "scene \"%s\": load failed: %s: %s", scene->info.name, status_name(err->code), err->text);
+	table->events->failed(table->owner, scene, err);
+	scene->session = NULL;
+	unlist(scene);
+	scene_release(scene);
+}
+
+void scenes_unload(struct scene *scene)
+{
+	struct error err;
+	if (is_loading(scene)) {
+		error_set(&err, STATUS_CANCELLED, "the scene was unloaded while it was being loaded");
+		scenes_stop_load(scene, &err);
+		return;
+	}
+	log_line(LOG_INFO, "scene \"%s\": unloaded", scene->info.name);
+	unlist(scene);
+}
+
+// What the loader found, with what only the front knows.
+static void keep(struct scene *scene, const candil_SceneInfo *info, int blob)
+{
+	char name[sizeof scene->info.name];
+	memcpy(name, scene->info.name, sizeof name);
+	scene->info = *info;
+	memcpy(scene->info.name, name, sizeof name);
+	scene->info.load_us = clock_us() - scene->asked_us;
+	scene->blob = blob;
+	source_close(&scene->source);
+}
+
+static void loaded(void *owner, const struct ipc_loaded *message, int blob)
+{
+	struct scene *scene = owner;
+	struct scenes *table = scene->table;
+	if (message->error.code != STATUS_OK) {
+		scenes_stop_load(scene, &message->error);
+		return;
+	}
+	struct scene *old = find(table, scene->info.name, false);
+	keep(scene, &message->info, blob);
+	scene->state = SCENE_READY;
+	if (old)
+		unlist(old);
+	log_line(LOG_INFO, "scene \"%s\": loaded, %u triangles, %llu bytes, %llu ms", scene->info.name,
+		 scene->info.triangles, (unsigned long long)scene->info.blob_bytes,
+		 (unsigned long long)scene->info.load_us / 1000);
+	table->events->ready(table->owner, scene);
+	scene->session = NULL;
+}
+
+static enum status may_load(struct scenes *scenes, const char *name, struct error *err)
+{
+	unsigned listed = 0;
+	for (const struct scene *s = scenes->first; s; s = s->next)
+		listed += s->listed;
+	if (find(scenes, name, true))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a scene of that name is being loaded: wait, or unload it first");
+	if (listed >= LIMIT_SCENES)
+		return error_set(err, STATUS_TOO_MANY_SCENES, "%u scenes are there: unload one first", LIMIT_SCENES);
+	return STATUS_OK;
+}
+
+enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct source *source, struct session *session,
+			uint32_t request, struct error *err)
+{
+	enum status status = may_load(scenes, load->name, err);
+	struct scene *s = status == STATUS_OK ? calloc(1, sizeof *s) : NULL;
+	if (!s) {
+		source_close(source);
+		return status != STATUS_OK ? status : error_set(err, STATUS_MEMORY, "no memory for one more scene");
+	}
+	s->id = scenes->next_id++;
+	s->state = SCENE_WAITING;
+	s->listed = true;
+	s->users = 1;
+	s->blob = -1;
+	memcpy(s->info.name, load->name, sizeof s->info.name);
+	s->session = session;
+	s->request = request;
+	s->source = *source;
+	source->folder = -1;
+	s->up = load->up;
+	s->metres_per_unit = load->metres_per_unit;
+	s->asked_us = clock_us();
+	s->table = scenes;
+	loader_init(&s->loader, scenes->loop, loaded, s);
+	struct scene **link = &scenes->first;
+	while (*link)
+		link = &(*link)->next;
+	*link = s;
+	return STATUS_OK;
+}
+
+static struct scene *next_waiting(struct scenes *scenes)
+{
+	unsigned running = 0;
+	struct scene *waiting = NULL;
+	for (struct scene *s = scenes->first; s; s = s->next) {
+		running += s->state == SCENE_LOADING;
+		if (!waiting && s->state == SCENE_WAITING)
+			waiting = s;
+	}
+	return running < LIMIT_LOADERS ? waiting : NULL;
+}
+
+void scenes_dispatch(struct scenes *scenes)
+{
+	for (struct scene *s = next_waiting(scenes); s; s = next_waiting(scenes)) {
+		struct error err;
+		s->state = SCENE_LOADING;
+		scenes->loader_starts++;
+		if (loader_start(&s->loader, scenes->libexec, &s->source, s->up, s->metres_per_unit, &err) != STATUS_OK)
+			scenes_stop_load(s, &err);
+	}
+}
+
+uint32_t scenes_count(const struct scenes *scenes, uint64_t *bytes)
+{
+	uint32_t count = 0;
+	*bytes = 0;
+	for (const struct scene *s = scenes->first; s; s = s->next) {
+		count += s->listed && s->state == SCENE_READY;
+		*bytes += s->info.blob_bytes;
+	}
+	return count;
+}
+
+pid_t scenes_loader_pid(const struct scenes *scenes)
+{
+	for (const struct scene *s = scenes->first; s; s = s->next)
+		if (s->state == SCENE_LOADING && s->loader.child.pid > 0)
+			return s->loader.child.pid;
+	return 0;
+}

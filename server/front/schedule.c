@@ -1,0 +1,41 @@
+#include "server/front/schedule.h"
+
+#include <stdbool.h>
+
+static uint64_t weight(const struct turn *turn)
+{
+	return turn->attained_us < SCHEDULE_FAIR_US ? turn->attained_us : SCHEDULE_FAIR_US;
+}
+
+// Shall `a` go before `b`?
+static bool before(const struct turn *a, const struct turn *b)
+{
+	bool a_starves = a->passed_over >= SCHEDULE_PATIENCE, b_starves = b->passed_over >= SCHEDULE_PATIENCE;
+	if (a_starves != b_starves)
+		return a_starves;
+	if (a_starves && a->passed_over != b->passed_over)
+		return a->passed_over > b->passed_over;
+	if (weight(a) != weight(b))
+		return weight(a) < weight(b);
+	return a->served < b->served;
+}
+
+size_t schedule_pick(struct turn *const *turns, size_t count, uint64_t *clock)
+{
+	size_t picked = 0;
+	for (size_t i = 1; i < count; i++)
+		if (before(turns[i], turns[picked]))
+			picked = i;
+	for (size_t i = 0; i < count; i++)
+		if (i != picked && turns[i]->passed_over < UINT32_MAX)
+			turns[i]->passed_over++;
+	turns[picked]->passed_over = 0;
+	turns[picked]->served = ++*clock;
+	return picked;
+}
+
+void schedule_charge(struct turn *turn, uint64_t device_us)
+{
+	if (__builtin_add_overflow(turn->attained_us, device_us, &turn->attained_us))
+		turn->attained_us = UINT64_MAX;
+}

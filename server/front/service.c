@@ -1,0 +1,346 @@
+// Design note. Callbacks change states and queue replies; only settle, between two batches of events, gives orders to
+// loaders and worker, sends what waits and frees what has ended. So no callback ever finds its own session or job freed by
+// what it called, and each batch of events costs one look at everything.
+#include "server/front/service.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/front/dispatch.h"
+#include "server/front/net.h"
+#include "server/front/reply.h"
+#include "server/front/state.h"
+
+#define ACCEPTS_PER_TURN 16u
+#define ACCEPT_PAUSE_US 100000u
+
+// ---- connections -----------------------------------------------------------------------------------------------------
+
+// A few words to a peer that gets no session; whether they fit its socket is its own affair.
+static void refuse(struct service *service, int fd, enum status code, const char *why)
+{
+	struct session *session;
+	struct error err;
+	if (service->sessions.count >= 2 * LIMIT_CONNECTIONS) {
+		close(fd);
+		return;
+	}
+	error_set(&err, code, "%s", why);
+	log_line(LOG_WARNING, "connection refused: %s", why);
+	if (session_create(&service->sessions, fd, &session, NULL) != STATUS_OK)
+		return;
+	reply_error(session, 0, &err);
+	session_close(session);
+}
+
+static void accept_again(void *owner)
+{
+	struct service *service = owner;
+	loop_want(service->loop, service->listener.fd, EPOLLIN);
+}
+
+static void accept_some(void *owner, uint32_t events)
+{
+	struct service *service = owner;
+	(void)events;
+	for (unsigned i = 0; i < ACCEPTS_PER_TURN; i++) {
+		struct session *session;
+		int fd = net_accept(&service->listener);
+		if (fd < 0) {
+			if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
+				// It stays readable: do not spin on what cannot be taken.
+				loop_want(service->loop, service->listener.fd, 0);
+				loop_timer_set(service->loop, &service->accept_pause, clock_us() + ACCEPT_PAUSE_US,
+					       accept_again, service);
+			}
+			return;
+		}
+		if (!net_peer_allowed(fd))
+			refuse(service, fd, STATUS_NOT_ALLOWED, "this daemon serves its own user and root alone");
+		else if (service->sessions.count >= LIMIT_CONNECTIONS)
+			refuse(service, fd, STATUS_TOO_MANY_CONNECTIONS, "too many connections: try again later");
+		else
+			session_create(&service->sessions, fd, &session, NULL);
+	}
+}
+
+static void session_said(void *owner, struct session *session, const struct header *header, const uint8_t *body)
+{
+	dispatch_message(owner, session, header, body);
+}
+
+static bool session_fills(void *owner, struct session *session)
+{
+	struct service *service = owner;
+	return jobs_fill(&service->jobs, session);
+}
+
+static void session_ended(void *owner, struct session *session)
+{
+	struct service *service = owner;
+	struct error err;
+	error_set(&err, STATUS_CANCELLED, "the client that asked for it is gone");
+	jobs_fail_all(&service->jobs, session, NULL);
+	for (struct scene *s = service->scenes.first, *next; s; s = next) {
+		next = s->next;
+		if (s->session != session)
+			continue;
+		s->session = NULL;
+		scenes_stop_load(s, &err);
+		next = service->scenes.first; // the list has changed
+	}
+	if (service->options->private_fd >= 0)
+		service->stop = true;
+}
+
+static const struct session_events session_events = {.message = session_said, .fill = session_fills, .ended = session_ended};
+
+// ---- scenes ----------------------------------------------------------------------------------------------------------
+
+static void scene_ready(void *owner, struct scene *scene)
+{
+	struct service *service = owner;
+	worker_scene(&service->worker, scene->id, scene->blob);
+	if (scene->session) {
+		scene->session->requests--;
+		reply_message(scene->session, MESSAGE_SCENE_INFO, scene->request, candil_SceneInfo_fields, &scene->info);
+	}
+}
+
+static void scene_failed(void *owner, struct scene *scene, const struct error *err)
+{
+	struct service *service = owner;
+	if (scene->session) {
+		scene->session->requests--;
+		reply_error(scene->session, scene->request, err);
+	}
+	jobs_fail_scene(&service->jobs, scene, err);
+}
+
+static void scene_gone(void *owner, struct scene *scene)
+{
+	struct service *service = owner;
+	if (scene->blob >= 0)
+		worker_forget(&service->worker, scene->id);
+}
+
+static const struct scenes_events scenes_events = {.ready = scene_ready, .failed = scene_failed, .gone = scene_gone};
+
+// ---- the worker ------------------------------------------------------------------------------------------------------
+
+static void worker_ready(void *owner)
+{
+	struct service *service = owner;
+	for (struct scene *s = service->scenes.first; s; s = s->next)
+		if (s->blob >= 0)
+			worker_scene(&service->worker, s->id, s->blob);
+}
+
+static void worker_begun(void *owner, uint32_t job, const struct ipc_begun *begun)
+{
+	struct service *service = owner;
+	jobs_begun(&service->jobs, job, begun);
+}
+
+static void worker_stepped(void *owner, uint32_t job, const struct ipc_stepped *stepped)
+{
+	struct service *service = owner;
+	jobs_stepped(&service->jobs, job, stepped);
+}
+
+static void worker_image(void *owner, uint32_t job, const struct ipc_image *image, int fd)
+{
+	struct service *service = owner;
+	jobs_image(&service->jobs, job, image, fd);
+}
+
+static void worker_lost(void *owner, const char *how, bool hopeless)
+{
+	struct service *service = owner;
+	jobs_worker_lost(&service->jobs, how, hopeless);
+}
+
+static const struct worker_events worker_events = {
+    .ready = worker_ready, .begun = worker_begun, .stepped = worker_stepped, .image = worker_image, .lost = worker_lost};
+
+// ---- life ------------------------------------------------------------------------------------------------------------
+
+static void stop_now(void *owner)
+{
+	struct service *service = owner;
+	service->stop = true;
+}
+
+static void do_nothing(void *owner)
+{
+	(void)owner;
+}
+
+static void settle(void *owner)
+{
+	struct service *service = owner;
+	sessions_flush(&service->sessions);
+	if (!service->leaving) {
+		scenes_dispatch(&service->scenes);
+		jobs_dispatch(&service->jobs);
+	}
+	// What was sent just now may let more be sent or read: the loop comes by again without waiting.
+	if (sessions_flush(&service->sessions))
+		loop_timer_set(service->loop, &service->again, 0, do_nothing, service);
+	sessions_sweep(&service->sessions);
+	if (service->leaving && service->sessions.count == 0)
+		service->stop = true;
+}
+
+// Tell everybody, let them read it, go.
+static void leave(struct service *service)
+{
+	struct error err;
+	if (service->leaving) {
+		service->stop = true; // asked twice: at once
+		return;
+	}
+	log_line(LOG_INFO, "shutting down");
+	service->leaving = true;
+	loop_forget(service->loop, service->listener.fd);
+	loop_timer_stop(service->loop, &service->accept_pause);
+	net_close(&service->listener);
+	error_set(&err, STATUS_SHUTTING_DOWN, "the daemon is shutting down");
+	jobs_fail_all(&service->jobs, NULL, &err);
+	while (service->scenes.first)
+		if (service->scenes.first->state == SCENE_READY)
+			scenes_unload(service->scenes.first);
+		else
+			scenes_stop_load(service->scenes.first, &err);
+	worker_finish(&service->worker);
+	for (struct session *s = service->sessions.first; s; s = s->next)
+		session_close(s);
+	loop_timer_set(service->loop, &service->departure, clock_us() + LIMIT_LINGER_MS * 1000ull, stop_now, service);
+}
+
+static void signalled(void *owner, uint32_t events)
+{
+	struct service *service = owner;
+	struct signalfd_siginfo info;
+	(void)events;
+	if (read(service->signal_fd, &info, sizeof info) == (ssize_t)sizeof info)
+		leave(service);
+}
+
+static enum status watch_signals(struct service *service, struct error *err)
+{
+	sigset_t set;
+	sigemptyset(&set);
+	sigaddset(&set, SIGTERM);
+	sigaddset(&set, SIGINT);
+	signal(SIGPIPE, SIG_IGN);
+	if (sigprocmask(SIG_BLOCK, &set, NULL) != 0)
+		return error_errno(err, STATUS_INTERNAL, "cannot block signals");
+	service->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+	if (service->signal_fd < 0)
+		return error_errno(err, STATUS_INTERNAL, "cannot wait for signals");
+	return loop_watch(service->loop, service->signal_fd, EPOLLIN, signalled, service, err);
+}
+
+static enum status open_door(struct service *service, struct error *err)
+{
+	const struct options *o = service->options;
+	struct session *session;
+	if (o->private_fd >= 0)
+		return session_create(&service->sessions, o->private_fd, &session, err);
+	enum status status = net_listen(&service->listener, o->socket, err);
+	if (status == STATUS_OK)
+		status = loop_watch(service->loop, service->listener.fd, EPOLLIN, accept_some, service, err);
+	if (status == STATUS_OK)
+		log_line(LOG_INFO, "listening at %s", o->socket);
+	return status;
+}
+
+static enum status open_root(struct service *service, struct error *err)
+{
+	const char *root = service->options->scene_root;
+	if (!root)
+		return STATUS_OK;
+	service->scene_root = open(root, O_PATH | O_DIRECTORY | O_CLOEXEC);
+	if (service->scene_root < 0)
+		return error_errno(err, STATUS_SCENE_PATH, "cannot open --scene-root %.100s", root);
+	return STATUS_OK;
+}
+
+static enum status load_own_scenes(struct service *service, struct error *err)
+{
+	for (unsigned i = 0; i < service->options->scene_count; i++) {
+		const struct scene_option *option = &service->options->scenes[i];
+		candil_Load load = {.metres_per_unit = 1};
+		struct source source;
+		memcpy(load.name, option->name, sizeof load.name);
+		enum status status = source_own(&source, option->file, err);
+		if (status == STATUS_OK)
+			status = scenes_load(&service->scenes, &load, &source, NULL, 0, err);
+		if (status != STATUS_OK)
+			return status;
+	}
+	return STATUS_OK;
+}
+
+static enum status set_up(struct service *service, struct error *err)
+{
+	enum status status = loop_create(&service->loop, err);
+	if (status != STATUS_OK)
+		return status;
+	sessions_init(&service->sessions, service->loop, &session_events, service);
+	scenes_init(&service->scenes, service->loop, service->options->libexec, &scenes_events, service);
+	jobs_init(&service->jobs, &service->worker, service->options->slice_ms);
+	status = worker_init(&service->worker, service->loop, service->options, &worker_events, service, err);
+	if (status == STATUS_OK)
+		status = watch_signals(service, err);
+	if (status == STATUS_OK)
+		status = open_root(service, err);
+	if (status == STATUS_OK)
+		status = load_own_scenes(service, err);
+	if (status == STATUS_OK)
+		status = open_door(service, err);
+	return status;
+}
+
+static void tear_down(struct service *service)
+{
+	if (!service->loop)
+		return;
+	jobs_finish(&service->jobs);
+	worker_finish(&service->worker);
+	scenes_finish(&service->scenes);
+	sessions_finish(&service->sessions);
+	net_close(&service->listener);
+	if (service->signal_fd >= 0)
+		close(service->signal_fd);
+	if (service->scene_root >= 0)
+		close(service->scene_root);
+	loop_destroy(service->loop);
+}
+
+enum status service_run(const struct options *options, struct error *err)
+{
+	struct service *service = calloc(1, sizeof *service);
+	if (!service)
+		return error_set(err, STATUS_MEMORY, "no memory to start");
+	service->options = options;
+	service->listener.fd = -1;
+	service->signal_fd = -1;
+	service->scene_root = -1;
+	service->started_us = clock_us();
+	enum status status = set_up(service, err);
+	if (status == STATUS_OK)
+		status = loop_run(service->loop, settle, service, &service->stop, err);
+	tear_down(service);
+	free(service);
+	return status;
+}

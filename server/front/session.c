@@ -1,0 +1,317 @@
+#include "server/front/session.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "protocol/limits.h"
+#include "server/base/clock.h"
+#include "server/front/net.h"
+#include "server/front/reply.h"
+
+// One connection's share of a turn of the loop, in reads and in fills.
+#define READS_PER_TURN 64u
+#define FILLS_PER_TURN 4u
+// A peer that is being closed may say so much more before we stop listening politely.
+#define DISCARD_BYTES (4u * LIMIT_MESSAGE_BYTES)
+
+static void ready(void *owner, uint32_t events);
+
+void sessions_init(struct sessions *sessions, struct loop *loop, const struct session_events *events, void *owner)
+{
+	*sessions = (struct sessions){.loop = loop, .events = events, .owner = owner, .next_id = 1};
+}
+
+static void destroy(struct session *session)
+{
+	loop_timer_stop(session->table->loop, &session->timer);
+	loop_forget(session->table->loop, session->fd);
+	close(session->fd);
+	reader_finish(&session->reader);
+	outbox_finish(&session->outbox);
+	session->table->count--;
+	free(session);
+}
+
+void sessions_finish(struct sessions *sessions)
+{
+	while (sessions->first) {
+		struct session *s = sessions->first;
+		sessions->first = s->next;
+		destroy(s);
+	}
+}
+
+static void say_ended(struct session *session)
+{
+	if (session->ended_said)
+		return;
+	session->ended_said = true;
+	session->table->events->ended(session->table->owner, session);
+}
+
+static void die(struct session *session)
+{
+	say_ended(session);
+	session->state = SESSION_DEAD;
+}
+
+static void time_out(void *owner)
+{
+	struct session *s = owner;
+	struct error err;
+	if (s->state != SESSION_GREETING) {
+		die(s); // stalled, or lingered long enough
+		return;
+	}
+	error_set(&err, STATUS_HELLO_FIRST, "no hello came within %u ms: say it first", LIMIT_HELLO_MS);
+	reply_error(s, 0, &err);
+	session_close(s);
+}
+
+static void set_timer(struct session *session, uint64_t ms)
+{
+	loop_timer_set(session->table->loop, &session->timer, clock_us() + ms * 1000, time_out, session);
+}
+
+enum status session_create(struct sessions *sessions, int fd, struct session **session, struct error *err)
+{
+	struct session *s = calloc(1, sizeof *s);
+	enum status status = STATUS_MEMORY;
+	if (!s) {
+		error_set(err, status, "no memory for one more connection");
+		goto out;
+	}
+	int flags = fcntl(fd, F_GETFL);
+	if (flags < 0 || fcntl(fd, F_SETFL, flags | O_NONBLOCK) != 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) != 0) {
+		status = error_errno(err, STATUS_INTERNAL, "cannot use descriptor %d", fd);
+		goto out;
+	}
+	*s = (struct session){.id = sessions->next_id++, .fd = fd, .table = sessions, .next = sessions->first};
+	reader_init(&s->reader);
+	status = loop_watch(sessions->loop, fd, EPOLLIN, ready, s, err);
+	if (status != STATUS_OK)
+		goto out;
+	set_timer(s, LIMIT_HELLO_MS);
+	sessions->first = s;
+	sessions->count++;
+	*session = s;
+	return STATUS_OK;
+out:
+	free(s);
+	close(fd);
+	return status;
+}
+
+void session_open(struct session *session)
+{
+	session->state = SESSION_OPEN;
+	loop_timer_stop(session->table->loop, &session->timer);
+}
+
+void session_close(struct session *session)
+{
+	if (session->state >= SESSION_FLUSHING)
+		return;
+	say_ended(session);
+	session->state = SESSION_FLUSHING;
+	set_timer(session, LIMIT_LINGER_MS);
+}
+
+uint8_t *session_room(struct session *session, uint32_t bytes)
+{
+	if (session->state >= SESSION_LINGERING)
+		return NULL;
+	uint8_t *room = outbox_room(&session->outbox, CANDIL_HEADER_BYTES + (size_t)bytes);
+	if (!room) {
+		die(session);
+		return NULL;
+	}
+	return room + CANDIL_HEADER_BYTES;
+}
+
+void session_commit(struct session *session, uint8_t type, uint32_t request, uint32_t bytes)
+{
+	struct header header = {.version = CANDIL_VERSION, .type = type, .length = bytes, .request = request};
+	uint8_t *room = outbox_room(&session->outbox, CANDIL_HEADER_BYTES + (size_t)bytes);
+	if (!room)
+		return;
+	header_encode(&header, room);
+	outbox_commit(&session->outbox, CANDIL_HEADER_BYTES + (size_t)bytes);
+	// What waits from now on must begin to move in time.
+	if (session->state == SESSION_OPEN && !session->timer.running)
+		set_timer(session, LIMIT_STALL_SECONDS * 1000ull);
+}
+
+void session_send(struct session *session, uint8_t type, uint32_t request, const void *body, uint32_t bytes)
+{
+	uint8_t *room = session_room(session, bytes);
+	if (!room)
+		return;
+	if (bytes > 0)
+		memcpy(room, body, bytes);
+	session_commit(session, type, request, bytes);
+}
+
+bool session_has_room(const struct session *session, size_t bytes)
+{
+	return session->state == SESSION_OPEN &&
+	       session->outbox.length + CANDIL_HEADER_BYTES + bytes <= LIMIT_OUT_BUFFER_BYTES;
+}
+
+static bool is_read(const struct session *session)
+{
+	return session->state == SESSION_GREETING ||
+	       (session->state == SESSION_OPEN && session->outbox.length <= LIMIT_OUT_BUFFER_BYTES);
+}
+
+static void refuse_stream(struct session *session, enum status status)
+{
+	struct error err;
+	const char *what = status == STATUS_BAD_MAGIC          ? "these bytes are no header of ours: speak the protocol"
+			   : status == STATUS_BAD_VERSION      ? "the header's version is none that this daemon speaks"
+			   : status == STATUS_BAD_FLAGS        ? "the header has a flag that is not defined"
+			   : status == STATUS_MESSAGE_TOO_LONG ? "the message is longer than the hello's reply allows"
+							       : "no memory for the message";
+	error_set(&err, status, "%s", what);
+	// A header that is not ours has no request id that could be trusted.
+	reply_error(session, status == STATUS_BAD_MAGIC ? 0 : session->reader.header.request, &err);
+	session_close(session);
+}
+
+static void take(struct session *session, size_t bytes, const int *fds, unsigned fd_count)
+{
+	bool complete;
+	for (unsigned i = 0; i < fd_count; i++)
+		reader_take_fd(&session->reader, fds[i]);
+	enum status status = reader_take(&session->reader, bytes, &complete);
+	if (status != STATUS_OK) {
+		refuse_stream(session, status);
+	} else if (complete) {
+		session->table->events->message(session->table->owner, session, &session->reader.header,
+						session->reader.body);
+		reader_next(&session->reader);
+	}
+}
+
+static void read_some(struct session *session)
+{
+	for (unsigned i = 0; i < READS_PER_TURN && is_read(session); i++) {
+		int fds[NET_FDS];
+		unsigned fd_count;
+		size_t space;
+		uint8_t *to = reader_space(&session->reader, &space);
+		ssize_t got = net_receive(session->fd, to, space, fds, &fd_count);
+		if (got > 0)
+			take(session, (size_t)got, fds, fd_count);
+		else if (got == 0)
+			session_close(session);
+		else if (errno == EAGAIN)
+			return;
+		else
+			die(session);
+	}
+}
+
+static void discard(struct session *session)
+{
+	uint8_t waste[4096];
+	int fds[NET_FDS];
+	unsigned fd_count;
+	ssize_t got = net_receive(session->fd, waste, sizeof waste, fds, &fd_count);
+	for (unsigned i = 0; i < fd_count; i++)
+		close(fds[i]);
+	if (got > 0)
+		session->discarded += (size_t)got;
+	if (got == 0 || (got < 0 && errno != EAGAIN) || session->discarded > DISCARD_BYTES)
+		die(session);
+}
+
+static void ready(void *owner, uint32_t events)
+{
+	struct session *s = owner;
+	if (events & EPOLLOUT)
+		s->blocked = false;
+	if (s->state == SESSION_LINGERING)
+		discard(s);
+	else if (is_read(s) && (events & (EPOLLIN | EPOLLHUP | EPOLLERR)))
+		read_some(s);
+	else if (events & (EPOLLHUP | EPOLLERR))
+		die(s);
+}
+
+static void send_some(struct session *session)
+{
+	while (session->outbox.length > 0 && !session->blocked && session->state != SESSION_DEAD) {
+		ssize_t sent = send(session->fd, session->outbox.memory + session->outbox.start, session->outbox.length,
+				    MSG_NOSIGNAL | MSG_DONTWAIT);
+		if (sent < 0 && errno == EINTR)
+			continue;
+		if (sent < 0 && errno == EAGAIN) {
+			session->blocked = true;
+		} else if (sent < 0) {
+			die(session);
+		} else {
+			outbox_drop(&session->outbox, (size_t)sent);
+			if (session->state == SESSION_OPEN)
+				loop_timer_stop(session->table->loop, &session->timer);
+		}
+	}
+	if (session->state == SESSION_OPEN && session->outbox.length > 0 && !session->timer.running)
+		set_timer(session, LIMIT_STALL_SECONDS * 1000ull);
+	if (session->state == SESSION_FLUSHING && session->outbox.length == 0) {
+		shutdown(session->fd, SHUT_WR);
+		session->state = SESSION_LINGERING;
+	}
+}
+
+bool sessions_flush(struct sessions *sessions)
+{
+	bool filled_any = false;
+	for (struct session *s = sessions->first; s; s = s->next) {
+		send_some(s);
+		for (unsigned i = 0; i < FILLS_PER_TURN && s->state == SESSION_OPEN && !s->blocked; i++) {
+			if (!sessions->events->fill(sessions->owner, s))
+				break;
+			filled_any = true;
+			send_some(s);
+		}
+	}
+	return filled_any;
+}
+
+static uint32_t wanted(const struct session *session)
+{
+	uint32_t events = 0;
+	if (is_read(session) || session->state == SESSION_LINGERING)
+		events |= EPOLLIN;
+	if (session->outbox.length > 0)
+		events |= EPOLLOUT;
+	return events;
+}
+
+void sessions_sweep(struct sessions *sessions)
+{
+	for (struct session **link = &sessions->first; *link;) {
+		struct session *s = *link;
+		if (s->state == SESSION_DEAD) {
+			*link = s->next;
+			destroy(s);
+			continue;
+		}
+		loop_want(sessions->loop, s->fd, wanted(s));
+		link = &s->next;
+	}
+}
+
+uint64_t sessions_buffered(const struct sessions *sessions)
+{
+	uint64_t bytes = 0;
+	for (const struct session *s = sessions->first; s; s = s->next)
+		bytes += s->outbox.length;
+	return bytes;
+}

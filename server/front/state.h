@@ -1,0 +1,27 @@
+// What the daemon is made of. For service.c (its life) and dispatch.c (its messages) alone.
+#ifndef CANDIL_FRONT_STATE_H
+#define CANDIL_FRONT_STATE_H
+
+#include "server/front/jobs.h"
+#include "server/front/net.h"
+#include "server/front/scenes.h"
+#include "server/front/session.h"
+#include "server/front/worker.h"
+
+struct service {
+	const struct options *options;
+	struct loop *loop;
+	struct listener listener;
+	int signal_fd;
+	int scene_root; // O_PATH; -1: none
+	struct sessions sessions;
+	struct scenes scenes;
+	struct jobs jobs;
+	struct worker worker;
+	struct loop_timer accept_pause, again, departure;
+	uint64_t started_us;
+	bool leaving; // a signal came
+	bool stop;
+};
+
+#endif

@@ -1,0 +1,409 @@
+// Design note. The worker's death shows at two places: its socket hangs up and its pidfd becomes readable. Only the second
+// counts, and what it still said before is read first; a hang-up alone gets it killed. So each answer that was sent is
+// heard, and each loss is handled once.
+#include "server/front/worker.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/memfd.h"
+#include "server/front/text.h"
+
+#define FIRST_PAUSE_US 50000u
+#define PAUSE_DOUBLINGS 8u
+#define HOPELESS_STARTS 3u
+#define MESSAGES_PER_TURN 64u
+
+struct parcel {
+	struct parcel *next;
+	int fd;
+	size_t bytes;
+	uint8_t message[];
+};
+
+static void start(void *owner);
+static void watch_over(struct worker *worker);
+
+// ---- orders ----------------------------------------------------------------------------------------------------------
+
+static void drop_parcels(struct worker *worker)
+{
+	while (worker->first) {
+		struct parcel *p = worker->first;
+		worker->first = p->next;
+		if (p->fd >= 0)
+			close(p->fd);
+		free(p);
+	}
+	worker->last = NULL;
+	worker->parcels = 0;
+}
+
+static void kill_for(struct worker *worker, const char *why)
+{
+	if (!worker->killed_for)
+		worker->killed_for = why;
+	child_kill(&worker->child);
+}
+
+static void keep_parcel(struct worker *worker, const void *message, size_t bytes, int fd)
+{
+	struct parcel *p = worker->parcels < LIMIT_IPC_QUEUE ? malloc(sizeof *p + bytes) : NULL;
+	if (!p) {
+		kill_for(worker, "it took no more messages");
+		return;
+	}
+	// The scene may be gone by the time the message goes: the parcel keeps a descriptor of its own.
+	*p = (struct parcel){.fd = fd >= 0 ? dup(fd) : -1, .bytes = bytes};
+	memcpy(p->message, message, bytes);
+	if (worker->last)
+		worker->last->next = p;
+	else
+		worker->first = p;
+	worker->last = p;
+	worker->parcels++;
+	loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
+}
+
+// A message to a worker that has just died goes nowhere: its loss is handled when the loop says so.
+static void give(struct worker *worker, const void *message, size_t bytes, int fd)
+{
+	if (worker->state != WORKER_READY)
+		return;
+	if (worker->first || (ipc_send(worker->child.socket, message, bytes, fd, NULL) != STATUS_OK && errno == EAGAIN))
+		keep_parcel(worker, message, bytes, fd);
+}
+
+static void send_parcels(struct worker *worker)
+{
+	while (worker->first) {
+		struct parcel *p = worker->first;
+		if (ipc_send(worker->child.socket, p->message, p->bytes, p->fd, NULL) != STATUS_OK && errno == EAGAIN)
+			return;
+		worker->first = p->next;
+		if (!worker->first)
+			worker->last = NULL;
+		worker->parcels--;
+		if (p->fd >= 0)
+			close(p->fd);
+		free(p);
+	}
+	loop_want(worker->loop, worker->child.socket, EPOLLIN);
+}
+
+static void expect_answer(struct worker *worker)
+{
+	if (worker->answers_due++ == 0)
+		worker->answer_wait_us = clock_us();
+	watch_over(worker);
+}
+
+void worker_scene(struct worker *worker, uint64_t scene, int blob)
+{
+	struct ipc_scene message = {.head = {.op = IPC_SCENE}, .scene = scene};
+	give(worker, &message, sizeof message, blob);
+}
+
+void worker_forget(struct worker *worker, uint64_t scene)
+{
+	struct ipc_scene message = {.head = {.op = IPC_FORGET}, .scene = scene};
+	give(worker, &message, sizeof message, -1);
+}
+
+void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, const candil_Render *render)
+{
+	struct ipc_begin message = {.head = {.op = IPC_BEGIN, .job = job}, .scene = scene, .render = *render};
+	give(worker, &message, sizeof message, -1);
+	expect_answer(worker);
+}
+
+void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us)
+{
+	struct ipc_step message = {.head = {.op = IPC_STEP, .job = job}, .budget_us = budget_us};
+	give(worker, &message, sizeof message, -1);
+	expect_answer(worker);
+}
+
+void worker_read(struct worker *worker, uint32_t job, bool final)
+{
+	struct ipc_read message = {.head = {.op = IPC_READ, .job = job}, .final = final};
+	give(worker, &message, sizeof message, -1);
+	if (worker->images_due++ == 0)
+		worker->image_wait_us = clock_us();
+	watch_over(worker);
+}
+
+void worker_end(struct worker *worker, uint32_t job)
+{
+	struct ipc_job message = {.head = {.op = IPC_END, .job = job}};
+	give(worker, &message, sizeof message, -1);
+}
+
+// ---- the watchdog ----------------------------------------------------------------------------------------------------
+
+static uint64_t deadline(const struct worker *worker)
+{
+	uint64_t due = UINT64_MAX;
+	if (worker->answers_due > 0)
+		due = worker->answer_wait_us + LIMIT_STEP_SECONDS * 1000000ull;
+	uint64_t image = worker->image_wait_us + LIMIT_ENCODE_SECONDS * 1000000ull;
+	return worker->images_due > 0 && image < due ? image : due;
+}
+
+static void hangs(void *owner)
+{
+	struct worker *worker = owner;
+	if (deadline(worker) > clock_us())
+		watch_over(worker);
+	else
+		kill_for(worker, "it hung: no answer came in time");
+}
+
+static void watch_over(struct worker *worker)
+{
+	uint64_t due = deadline(worker);
+	if (due == UINT64_MAX)
+		loop_timer_stop(worker->loop, &worker->watchdog);
+	else
+		loop_timer_set(worker->loop, &worker->watchdog, due, hangs, worker);
+}
+
+static void answered(struct worker *worker, unsigned *due, uint64_t *wait_us)
+{
+	if (*due > 0)
+		(*due)--;
+	*wait_us = clock_us();
+	watch_over(worker);
+}
+
+// ---- answers ---------------------------------------------------------------------------------------------------------
+
+static void got_ready(struct worker *worker, struct ipc_ready *ready)
+{
+	if (strncmp(ready->build, ipc_build(), sizeof ready->build) != 0) {
+		kill_for(worker, "it is of another build than candild: install both anew");
+		return;
+	}
+	answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	text_clean(ready->device, sizeof ready->device);
+	text_clean(ready->error.text, sizeof ready->error.text);
+	memcpy(worker->device, ready->device, sizeof worker->device);
+	worker->device_error = ready->error;
+	worker->state = WORKER_READY;
+	worker->failed_starts = 0;
+	if (ready->error.code == STATUS_OK)
+		log_line(LOG_INFO, "worker %d: ready on %s", (int)worker->child.pid, worker->device);
+	else
+		log_line(LOG_ERROR, "worker %d: no usable device: %s", (int)worker->child.pid, ready->error.text);
+	worker->events->ready(worker->owner);
+}
+
+static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
+{
+	answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker->failures = 0;
+	worker->device_bytes = stepped->device_bytes;
+	worker->validation_errors = stepped->validation_errors;
+	text_clean(stepped->error.text, sizeof stepped->error.text);
+	worker->events->stepped(worker->owner, stepped->head.job, stepped);
+}
+
+static void got_begun(struct worker *worker, struct ipc_begun *begun)
+{
+	answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	text_clean(begun->error.text, sizeof begun->error.text);
+	worker->events->begun(worker->owner, begun->head.job, begun);
+}
+
+static void got_image(struct worker *worker, struct ipc_image *image, int fd)
+{
+	const void *map;
+	size_t size = 0;
+	answered(worker, &worker->images_due, &worker->image_wait_us);
+	text_clean(image->error.text, sizeof image->error.text);
+	if (image->error.code == STATUS_OK && memfd_map_sealed(fd, &map, &size, &image->error) == STATUS_OK) {
+		munmap((void *)(uintptr_t)map, size);
+		image->frame.bytes = size;
+	}
+	if (image->error.code != STATUS_OK && fd >= 0) {
+		close(fd);
+		fd = -1;
+	}
+	worker->events->image(worker->owner, image->head.job, image, fd);
+}
+
+static bool is(const struct ipc_head *head, size_t bytes, enum ipc_op op, size_t size)
+{
+	return head->op == (uint32_t)op && bytes == size;
+}
+
+static void handle(struct worker *worker, size_t bytes, int fd)
+{
+	void *message = worker->inbox;
+	const struct ipc_head *head = message;
+	if (bytes < sizeof *head) {
+		kill_for(worker, "it sent nonsense");
+	} else if (worker->state == WORKER_STARTING) {
+		if (is(head, bytes, IPC_READY, sizeof(struct ipc_ready)))
+			got_ready(worker, message);
+		else
+			kill_for(worker, "it did not say that it was ready: install candil anew");
+	} else if (is(head, bytes, IPC_BEGUN, sizeof(struct ipc_begun))) {
+		got_begun(worker, message);
+	} else if (is(head, bytes, IPC_STEPPED, sizeof(struct ipc_stepped))) {
+		got_stepped(worker, message);
+	} else if (is(head, bytes, IPC_IMAGE, sizeof(struct ipc_image))) {
+		got_image(worker, message, fd);
+		return;
+	} else {
+		kill_for(worker, "it sent nonsense");
+	}
+	if (fd >= 0)
+		close(fd);
+}
+
+enum heard { HEARD_ALL, HEARD_SOME, HEARD_END };
+
+// Read what is there, at most so many messages.
+static enum heard listen_to(struct worker *worker, unsigned messages)
+{
+	for (unsigned i = 0; i < messages; i++) {
+		size_t bytes;
+		int fd;
+		struct error err;
+		if (ipc_receive(worker->child.socket, worker->inbox, IPC_MAX_BYTES, &bytes, &fd, &err) != STATUS_OK) {
+			if (err.code == STATUS_IO && errno == EAGAIN)
+				return HEARD_ALL;
+			kill_for(worker, "its messages cannot be read");
+			return HEARD_END;
+		}
+		if (bytes == 0)
+			return HEARD_END;
+		handle(worker, bytes, fd);
+	}
+	return HEARD_SOME;
+}
+
+static void spoke(void *owner, uint32_t events)
+{
+	struct worker *worker = owner;
+	if (events & EPOLLOUT)
+		send_parcels(worker);
+	if (listen_to(worker, MESSAGES_PER_TURN) == HEARD_END) {
+		loop_forget(worker->loop, worker->child.socket);
+		child_kill(&worker->child);
+	}
+}
+
+// ---- life ------------------------------------------------------------------------------------------------------------
+
+static void lost(struct worker *worker, const char *how)
+{
+	bool was_starting = worker->state != WORKER_READY;
+	unsigned doublings = worker->failures < PAUSE_DOUBLINGS ? worker->failures : PAUSE_DOUBLINGS;
+	worker->failures++;
+	worker->failed_starts = was_starting ? worker->failed_starts + 1 : 0;
+	worker->state = WORKER_DOWN;
+	worker->answers_due = 0;
+	worker->images_due = 0;
+	worker->device_bytes = 0;
+	worker->killed_for = NULL;
+	watch_over(worker);
+	drop_parcels(worker);
+	log_line(LOG_ERROR, "worker lost (%s); the next one starts in %u ms", how, (FIRST_PAUSE_US << doublings) / 1000);
+	loop_timer_set(worker->loop, &worker->restart, clock_us() + (FIRST_PAUSE_US << doublings), start, worker);
+	worker->events->lost(worker->owner, how, worker->failed_starts >= HOPELESS_STARTS);
+}
+
+static void ended(void *owner, uint32_t events)
+{
+	struct worker *worker = owner;
+	char how[64], why[256];
+	(void)events;
+	// The last words: as many as there are, for no more can come.
+	while (listen_to(worker, MESSAGES_PER_TURN) == HEARD_SOME)
+		continue;
+	const char *killed_for = worker->killed_for;
+	child_reap(&worker->child, worker->loop, how, sizeof how);
+	snprintf(why, sizeof why, "%s", killed_for ? killed_for : how);
+	lost(worker, why);
+}
+
+static enum status launch(struct worker *worker, struct error *err)
+{
+	const struct options *o = worker->options;
+	char program[PATH_MAX], budget[16], device[128];
+	char device_option[] = "--device", gpu_option[] = "--require-gpu", budget_option[] = "--memory-budget";
+	char *argv[8] = {program};
+	unsigned count = 1;
+	int length = snprintf(program, sizeof program, "%s/candil-worker", o->libexec);
+	if (length < 0 || (size_t)length >= sizeof program)
+		return error_set(err, STATUS_INTERNAL, "the path of candil-worker is too long");
+	if (o->device) {
+		snprintf(device, sizeof device, "%s", o->device);
+		argv[count++] = device_option;
+		argv[count++] = device;
+	}
+	if (o->require_gpu)
+		argv[count++] = gpu_option;
+	if (o->memory_budget_mib > 0) {
+		snprintf(budget, sizeof budget, "%u", o->memory_budget_mib);
+		argv[count++] = budget_option;
+		argv[count++] = budget;
+	}
+	enum status status = child_start(&worker->child, argv, -1, err);
+	if (status == STATUS_OK)
+		status = loop_watch(worker->loop, worker->child.socket, EPOLLIN, spoke, worker, err);
+	if (status == STATUS_OK)
+		status = loop_watch(worker->loop, worker->child.pidfd, EPOLLIN, ended, worker, err);
+	if (status != STATUS_OK)
+		child_abandon(&worker->child, worker->loop);
+	return status;
+}
+
+static void start(void *owner)
+{
+	struct worker *worker = owner;
+	struct error err;
+	worker->state = WORKER_STARTING;
+	if (launch(worker, &err) != STATUS_OK) {
+		lost(worker, err.text);
+		return;
+	}
+	worker->starts++;
+	log_line(LOG_INFO, "worker %d: started", (int)worker->child.pid);
+	expect_answer(worker); // READY is due as an answer is
+}
+
+enum status worker_init(struct worker *worker, struct loop *loop, const struct options *options,
+			const struct worker_events *events, void *owner, struct error *err)
+{
+	*worker = (struct worker){.loop = loop, .options = options, .events = events, .owner = owner};
+	child_init(&worker->child);
+	worker->inbox = malloc(IPC_MAX_BYTES);
+	if (!worker->inbox)
+		return error_set(err, STATUS_MEMORY, "no memory for the worker's messages");
+	// From the loop, not from here: the owner is not yet complete.
+	loop_timer_set(loop, &worker->restart, 0, start, worker);
+	return STATUS_OK;
+}
+
+void worker_finish(struct worker *worker)
+{
+	if (!worker->inbox)
+		return;
+	loop_timer_stop(worker->loop, &worker->restart);
+	loop_timer_stop(worker->loop, &worker->watchdog);
+	child_abandon(&worker->child, worker->loop);
+	drop_parcels(worker);
+	free(worker->inbox);
+	worker->inbox = NULL;
+	worker->state = WORKER_DOWN;
+}
