@@ -77,7 +77,7 @@ typedef enum candil_status {
 	CANDIL_STATUS_INTERNAL = 80,
 	CANDIL_STATUS_SHUTTING_DOWN = 81,
 	CANDIL_STATUS_CONNECT = 82,   // no daemon answers, or it refused the handshake
-	CANDIL_STATUS_IO = 83,        // the connection broke, or a local file could not be read
+	CANDIL_STATUS_IO = 83,        // the connection broke
 } candil_status;
 
 struct candil_error {

@@ -1,0 +1,44 @@
+// compare: hands over to a program that links the image library, which would make this one slow to start.
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "clients/cli/cli.h"
+#include "clients/cli/programs.h"
+
+static enum exit_code run_compare(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	char path[PROGRAM_PATH];
+	char *arguments[64];
+	int count = 0;
+	if (argc > 60)
+		return cli_usage(self, "that is too many arguments");
+	arguments[count++] = path;
+	for (int i = 1; i < argc; i++)
+		arguments[count++] = argv[i];
+	static char json[] = "--json";
+	if (cli->json)
+		arguments[count++] = json;
+	arguments[count] = NULL;
+	if (argc == 2 && strcmp(argv[1], "--help") == 0) {
+		fputs(self->help, stdout);
+		return cli_flush(stdout, EXIT_DONE);
+	}
+	if (program_libexec("candil-compare", path, sizeof(path)))
+		execv(path, arguments);
+	fprintf(stderr, "candil: cannot run candil-compare: %s; candil doctor says where it should be\n", strerror(errno));
+	return EXIT_OTHER;
+}
+
+const struct command compare_command = {
+    .name = "compare",
+    .summary = "measure how far an image is from a reference",
+    .help = "Usage: candil compare A B [--mask-above RADIANCE] [--error-image OUT.png]\n"
+	    "                      [--side-by-side OUT.png] [--json]\n\n"
+	    "Prints the difference of image A from reference B: RMSE, relative MSE (mean of (a-b)²/(b²+0.01)), signed\n"
+	    "mean, and pixels that an eye would tell apart. No daemon is needed.\n\n"
+	    "  --mask-above RADIANCE  leave out pixels where the reference is brighter\n"
+	    "  --error-image OUT.png  draw the error in false colours\n"
+	    "  --side-by-side OUT.png draw A, B and the error beside one another\n",
+    .run = run_compare,
+};

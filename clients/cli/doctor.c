@@ -1,0 +1,215 @@
+// doctor: what this machine has and lacks for a render. The devices are the worker's to find, because it alone links the
+// GPU libraries: candil-worker --doctor prints them as JSON.
+#include <errno.h>
+#include <string.h>
+
+#include "clients/cli/cli.h"
+#include "clients/cli/doctor_checks.h"
+
+#define WORKER_MS 60000
+#define WORKER_BYTES 262144u
+#define PROGRAMS 4
+
+enum { DAEMON, LOADER, WORKER, COMPARE };
+
+struct findings {
+	struct program_check programs[PROGRAMS];
+	struct daemon_check daemon;
+	struct kernel_check kernel;
+	struct cache_check cache;
+	json_t *worker; // the object it printed, or {"why"}
+	json_t *missing; // [{"what", "package"}]
+	bool ok;
+};
+
+static void add_missing(struct findings *f, const char *what, const char *package)
+{
+	json_array_append_new(f->missing, json_pack("{s:o,s:o}", "what", cli_json_text(what), "package",
+						    package ? cli_json_text(package) : json_null()));
+}
+
+static void check_programs(struct findings *f)
+{
+	static const struct {
+		const char *name, *purpose;
+		bool needed;
+		const char *argument;
+	} wanted[PROGRAMS] = {
+	    [DAEMON] = {"candild", "the daemon", true, "--version"},
+	    [LOADER] = {"candil-loader", "reads scenes", true, "--help"},
+	    [WORKER] = {"candil-worker", "renders", true, "--help"},
+	    [COMPARE] = {"candil-compare", "measures images", false, "--help"},
+	};
+	for (int i = 0; i < PROGRAMS; i++) {
+		struct program_check *p = &f->programs[i];
+		char argument[16];
+		snprintf(argument, sizeof(argument), "%s", wanted[i].argument);
+		p->name = wanted[i].name;
+		p->purpose = wanted[i].purpose;
+		p->needed = wanted[i].needed;
+		if (i == DAEMON)
+			program_daemon(p->path, sizeof(p->path));
+		else if (!program_libexec(p->name, p->path, sizeof(p->path)))
+			p->path[0] = '\0';
+		doctor_check_program(p, argument);
+		if (p->library[0])
+			add_missing(f, p->library, doctor_package_of(p->library));
+		f->ok = f->ok && (p->works || !p->needed);
+	}
+}
+
+static json_t *worker_failure(const char *why)
+{
+	return json_pack("{s:o}", "why", cli_json_text(why));
+}
+
+// Run the worker's part and take what it found, whatever fields it has.
+static void check_devices(struct findings *f)
+{
+	static char out[WORKER_BYTES], err[WORKER_BYTES];
+	char option[] = "--doctor";
+	char *argv[] = {f->programs[WORKER].path, option, NULL};
+	if (!f->programs[WORKER].works) {
+		f->worker = worker_failure("candil-worker does not start");
+		return;
+	}
+	int status = program_run(argv, WORKER_MS, out, err, sizeof(out));
+	json_error_t wrong;
+	f->worker = status >= 0 ? json_loads(out, 0, &wrong) : worker_failure(strerror(errno));
+	if (!json_is_object(f->worker)) {
+		json_decref(f->worker);
+		f->worker = worker_failure(err[0] ? err : "candil-worker --doctor printed nothing that can be read");
+	}
+	const json_t *chosen = json_object_get(f->worker, "chosen");
+	f->ok = f->ok && status == 0 && (!chosen || json_integer_value(chosen) >= 0);
+	size_t i;
+	json_t *entry;
+	json_array_foreach(json_object_get(f->worker, "missing"), i, entry) json_array_append(f->missing, entry);
+}
+
+static void check_kernel(struct findings *f)
+{
+	doctor_check_kernel(&f->kernel);
+	if (!f->kernel.memfd_sealing)
+		add_missing(f, "sealed memory files (kernel 3.17 or later)", NULL);
+	if (!f->kernel.openat2)
+		add_missing(f, "openat2 (kernel 5.6 or later, not filtered away)", NULL);
+	f->ok = f->ok && f->kernel.memfd_sealing && f->kernel.openat2;
+}
+
+static json_t *findings_json(const struct findings *f)
+{
+	json_t *programs = json_array();
+	for (int i = 0; i < PROGRAMS; i++) {
+		const struct program_check *p = &f->programs[i];
+		json_array_append_new(programs, json_pack("{s:s,s:o,s:b,s:b,s:o}", "name", p->name, "path",
+							  cli_json_text(p->path), "needed", (int)p->needed, "works",
+							  (int)p->works, "why", cli_json_text(p->why)));
+	}
+	json_t *daemon = json_pack("{s:b,s:o,s:o}", "reachable", (int)f->daemon.reachable, "address",
+				   cli_json_text(f->daemon.address), "what", cli_json_text(f->daemon.what));
+	json_t *kernel =
+	    json_pack("{s:b,s:b,s:b,s:i}", "memfd_sealing", (int)f->kernel.memfd_sealing, "openat2", (int)f->kernel.openat2,
+		      "seccomp", (int)f->kernel.seccomp, "landlock_abi", f->kernel.landlock_abi);
+	json_t *cache = json_pack("{s:o,s:b}", "path", cli_json_text(f->cache.path), "writable", (int)f->cache.writable);
+	return json_pack("{s:b,s:o,s:o,s:o,s:o,s:O,s:O}", "ok", (int)f->ok, "daemon", daemon, "programs", programs, "kernel",
+			 kernel, "shader_cache", cache, "worker", f->worker, "missing", f->missing);
+}
+
+static const char *text_of(const json_t *object, const char *key)
+{
+	const char *text = json_string_value(json_object_get(object, key));
+	return text ? text : "";
+}
+
+static void print_devices(const struct findings *f)
+{
+	size_t i;
+	const json_t *device;
+	const json_t *devices = json_object_get(f->worker, "devices");
+	json_int_t chosen = json_integer_value(json_object_get(f->worker, "chosen"));
+	json_array_foreach(devices, i, device)
+	{
+		json_int_t index = json_integer_value(json_object_get(device, "index"));
+		printf("%s device   %" JSON_INTEGER_FORMAT ": %s, %s, Vulkan %s%s%s\n", index == chosen ? "*" : " ", index,
+		       text_of(device, "name"), text_of(device, "type"), text_of(device, "api"),
+		       text_of(device, "why")[0] ? "; not usable: " : "", text_of(device, "why"));
+	}
+	if (json_array_size(devices) == 0)
+		puts("  device   none");
+	if (text_of(f->worker, "why")[0])
+		printf("           %s\n", text_of(f->worker, "why"));
+}
+
+static void print_findings(const struct findings *f)
+{
+	print_devices(f);
+	printf("  daemon   %s: %s\n", f->daemon.address,
+	       f->daemon.reachable ? f->daemon.what : "not running; candil render FILE starts its own");
+	for (int i = 0; i < PROGRAMS; i++) {
+		const struct program_check *p = &f->programs[i];
+		printf("  program  %s (%s): %s%s%s\n", p->name, p->purpose,
+		       p->works ? "starts" : "does not start: ", p->works ? "" : p->why,
+		       p->works    ? ""
+		       : p->needed ? ""
+				   : "; only candil compare needs it");
+	}
+	printf("  kernel   sealed memory %s, openat2 %s, seccomp %s, landlock ", f->kernel.memfd_sealing ? "yes" : "NO",
+	       f->kernel.openat2 ? "yes" : "NO", f->kernel.seccomp ? "yes" : "no");
+	if (f->kernel.landlock_abi > 0)
+		printf("ABI %d\n", f->kernel.landlock_abi);
+	else
+		puts("no: the loader is not confined by it");
+	printf("  cache    %s: %s\n", f->cache.path[0] ? f->cache.path : "compiled shaders have no place",
+	       f->cache.writable ? "writable" : "not writable: each start compiles its shaders anew");
+	size_t i;
+	const json_t *entry;
+	json_array_foreach(f->missing, i, entry)
+	{
+		const char *package = text_of(entry, "package");
+		printf("  missing  %s%s%s\n", text_of(entry, "what"), *package ? ": apt install " : "", package);
+	}
+	puts(f->ok ? "A render can work." : "A render cannot work.");
+}
+
+static enum exit_code run_doctor(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	static struct findings f;
+	enum exit_code code = EXIT_DONE;
+	if (!cli_parse_simple(cli, self, argc, argv, 0, &code))
+		return code;
+	f.ok = true;
+	f.missing = json_array();
+	check_programs(&f);
+	check_devices(&f);
+	check_kernel(&f);
+	doctor_check_daemon(&f.daemon, cli->address);
+	doctor_check_cache(&f.cache);
+	code = f.ok ? EXIT_DONE : EXIT_DEVICE;
+	if (cli->json) {
+		code = cli_print_json(findings_json(&f), stdout, code);
+	} else {
+		print_findings(&f);
+		code = cli_flush(stdout, code);
+	}
+	json_decref(f.worker);
+	json_decref(f.missing);
+	return code;
+}
+
+const struct command doctor_command = {
+    .name = "doctor",
+    .summary = "what this machine has and lacks for a render",
+    .help =
+	"Usage: candil doctor [--connect ADDR] [--json]\n\n"
+	"Lists the devices, which one is chosen and why, whether the daemon answers, whether candil's programs start,\n"
+	"what the kernel offers, and what is missing with the Debian package that has it.\n"
+	"Exit code 0 if a render could work here, 5 if not; a daemon need not be running.\n\n"
+	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\"},\n"
+	"\"programs\": [{\"name\", \"path\", \"needed\", \"works\", \"why\"}],\n"
+	"\"kernel\": {\"memfd_sealing\", \"openat2\", \"seccomp\", \"landlock_abi\"},\n"
+	"\"shader_cache\": {\"path\", \"writable\"}, \"missing\": [{\"what\", \"package\"}],\n"
+	"\"worker\": {\"devices\": [{\"index\", \"name\", \"type\", \"api\", \"driver\", \"uuid\", \"usable\", \"why\",\n"
+	"\"memory_bytes\"}], \"chosen\", \"why\", \"missing\"}}\n",
+    .run = run_doctor,
+};

@@ -1,0 +1,139 @@
+#include "clients/cli/doctor_checks.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/landlock.h>
+#include <linux/openat2.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#define START_MS 20000
+#define PING_MS 3000u
+#define NOT_FOUND 127 // exit status of the dynamic linker when a library is missing
+
+const char *doctor_package_of(const char *library)
+{
+	static const struct {
+		const char *begin, *package;
+	} known[] = {
+	    {"libassimp.so", "libassimp5"},    {"libOpenImageIO", "libopenimageio2.4"},
+	    {"libembree3.so", "libembree3-3"}, {"libtinygltf.so", "libtinygltf2d"},
+	    {"libseccomp.so", "libseccomp2"},  {"libvulkan.so", "libvulkan1"},
+	    {"libxxhash.so", "libxxhash0"},    {"libgomp.so", "libgomp1"},
+	    {"libjansson.so", "libjansson4"},  {"libstdc++.so", "libstdc++6"},
+	    {"libgcc_s.so", "libgcc-s1"},      {"libasan.so", "libasan8"},
+	    {"libubsan.so", "libubsan1"},
+	};
+	for (size_t i = 0; i < sizeof(known) / sizeof(known[0]); i++) {
+		if (strncmp(library, known[i].begin, strlen(known[i].begin)) == 0)
+			return known[i].package;
+	}
+	return NULL;
+}
+
+// The dynamic linker says "…: error while loading shared libraries: libx.so.1: cannot open…".
+static void find_missing_library(const char *text, char *library, size_t capacity)
+{
+	static const char before[] = "shared libraries: ";
+	const char *at = strstr(text, before);
+	if (!at)
+		return;
+	at += sizeof(before) - 1;
+	snprintf(library, capacity, "%.*s", (int)strcspn(at, ":\n"), at);
+}
+
+void doctor_check_program(struct program_check *check, char *argument)
+{
+	static char out[4096], err[4096];
+	char *argv[] = {check->path, argument, NULL};
+	check->works = false;
+	check->library[0] = '\0';
+	if (strchr(check->path, '/') && access(check->path, X_OK) != 0) {
+		snprintf(check->why, sizeof(check->why), "%s", strerror(errno));
+		return;
+	}
+	int status = program_run(argv, START_MS, out, err, sizeof(out));
+	if (status < 0) {
+		snprintf(check->why, sizeof(check->why), "%s", strerror(errno));
+	} else if (status == NOT_FOUND) {
+		find_missing_library(err, check->library, sizeof(check->library));
+		snprintf(check->why, sizeof(check->why), "%.*s", (int)strcspn(err, "\n"), err);
+	} else if (status > 128) {
+		snprintf(check->why, sizeof(check->why), "it is killed by signal %d as it starts", status - 128);
+	} else {
+		check->works = true;
+		check->why[0] = '\0';
+	}
+}
+
+void doctor_check_daemon(struct daemon_check *check, const char *address)
+{
+	struct candil_error error;
+	candil_client *client;
+	if (address)
+		snprintf(check->address, sizeof(check->address), "%s", address);
+	else if (!candil_default_address(check->address, sizeof(check->address)))
+		snprintf(check->address, sizeof(check->address), "XDG_RUNTIME_DIR is not set");
+	check->reachable = candil_connect(address, &client, &error) == CANDIL_STATUS_OK;
+	if (check->reachable) {
+		candil_set_timeout(client, PING_MS);
+		check->reachable = candil_ping(client, NULL, &error) == CANDIL_STATUS_OK;
+		snprintf(check->what, sizeof(check->what), "%s",
+			 check->reachable ? candil_server(client)->name : error.text);
+		candil_disconnect(client);
+	} else {
+		snprintf(check->what, sizeof(check->what), "%s", error.text);
+	}
+}
+
+void doctor_check_kernel(struct kernel_check *check)
+{
+	int fd = memfd_create("candil-doctor", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+	check->memfd_sealing = fd >= 0 && fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0;
+	if (fd >= 0)
+		close(fd);
+	struct open_how how = {.flags = O_PATH | O_CLOEXEC | O_DIRECTORY, .resolve = RESOLVE_BENEATH};
+	long opened = syscall(SYS_openat2, AT_FDCWD, ".", &how, sizeof(how));
+	check->openat2 = opened >= 0 || (errno != ENOSYS && errno != EPERM);
+	if (opened >= 0)
+		close((int)opened);
+	check->seccomp = prctl(PR_GET_SECCOMP) >= 0;
+	long abi = syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
+	check->landlock_abi = abi > 0 ? (int)abi : 0;
+}
+
+// Whether the folder, or the nearest one above it that exists, can be written to.
+static bool can_be_made(const char *path)
+{
+	char copy[PROGRAM_PATH];
+	snprintf(copy, sizeof(copy), "%s", path);
+	for (;;) {
+		if (access(copy, F_OK) == 0)
+			return access(copy, W_OK | X_OK) == 0;
+		char *slash = strrchr(copy, '/');
+		if (!slash || slash == copy)
+			return access(slash ? "/" : ".", W_OK | X_OK) == 0;
+		*slash = '\0';
+	}
+}
+
+// Where Mesa keeps compiled shaders.
+void doctor_check_cache(struct cache_check *check)
+{
+	const char *mesa = getenv("MESA_SHADER_CACHE_DIR"), *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+	int length = 0;
+	check->path[0] = '\0';
+	check->writable = false;
+	if (mesa && *mesa)
+		length = snprintf(check->path, sizeof(check->path), "%s", mesa);
+	else if (xdg && *xdg)
+		length = snprintf(check->path, sizeof(check->path), "%s/mesa_shader_cache", xdg);
+	else if (home && *home)
+		length = snprintf(check->path, sizeof(check->path), "%s/.cache/mesa_shader_cache", home);
+	check->writable = length > 0 && (size_t)length < sizeof(check->path) && can_be_made(check->path);
+}

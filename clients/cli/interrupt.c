@@ -1,0 +1,58 @@
+#include "clients/cli/interrupt.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+
+static volatile sig_atomic_t seen; // a handler can reach nothing else
+static sigset_t mask_before;
+static struct sigaction before_int, before_term;
+
+static void note(int number)
+{
+	if (seen++ > 0) {
+		signal(number, SIG_DFL);
+		raise(number);
+	}
+}
+
+void interrupt_begin(void)
+{
+	sigset_t held;
+	struct sigaction action = {.sa_handler = note};
+	sigemptyset(&action.sa_mask);
+	sigemptyset(&held);
+	sigaddset(&held, SIGINT);
+	sigaddset(&held, SIGTERM);
+	sigprocmask(SIG_BLOCK, &held, &mask_before);
+	sigaction(SIGINT, &action, &before_int);
+	sigaction(SIGTERM, &action, &before_term);
+}
+
+void interrupt_end(void)
+{
+	sigaction(SIGINT, &before_int, NULL);
+	sigaction(SIGTERM, &before_term, NULL);
+	sigprocmask(SIG_SETMASK, &mask_before, NULL);
+}
+
+bool interrupt_seen(void)
+{
+	return seen != 0;
+}
+
+bool interrupt_wait(candil_client *client, struct candil_event *event, candil_status *status, struct candil_error *error)
+{
+	const bool before = interrupt_seen();
+	*status = CANDIL_STATUS_OK;
+	for (;;) {
+		if (candil_next_event(client, event))
+			return true;
+		struct pollfd p = {candil_fd(client), (short)(POLLIN | (candil_wants_write(client) ? POLLOUT : 0)), 0};
+		if (ppoll(&p, 1, NULL, &mask_before) < 0 && errno == EINTR && interrupt_seen() && !before)
+			return false;
+		*status = candil_process(client, error);
+		if (*status != CANDIL_STATUS_OK)
+			return false;
+	}
+}

@@ -1,0 +1,76 @@
+// candil, the command line: finds the command and hands over.
+#include "clients/cli/cli.h"
+
+#include <string.h>
+
+static const struct command *const commands[] = {
+    &ping_command,     &doctor_command, &load_command,    &unload_command, &scenes_command,
+    &describe_command, &render_command, &compare_command, &stats_command,
+};
+
+static enum exit_code print_help(void)
+{
+	puts("Usage: candil [--connect ADDR] COMMAND [--json] …\n"
+	     "       candil COMMAND --help | --version\n\n"
+	     "Asks candild, the render daemon, for pictures of scenes.\n\n"
+	     "Commands:");
+	for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
+		printf("  %-9s %s\n", commands[i]->name, commands[i]->summary);
+	printf("\nADDR is a socket's path; without it, $XDG_RUNTIME_DIR/candil.sock.\n"
+	       "Every command takes --json: one JSON object on standard output, also on failure ({\"error\": {\"code\",\n"
+	       "\"name\", \"message\"}, \"exit\"}). Times in it are in microseconds, lengths in metres.\n\n%s",
+	       cli_exit_codes);
+	return cli_flush(stdout, EXIT_DONE);
+}
+
+static const struct command *find_command(const char *name)
+{
+	for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++) {
+		if (strcmp(commands[i]->name, name) == 0)
+			return commands[i];
+	}
+	return NULL;
+}
+
+int main(int argc, char **argv)
+{
+	static const struct option options[] = {
+	    {"connect", required_argument, NULL, OPTION_CONNECT},
+	    {"json", no_argument, NULL, OPTION_JSON},
+	    {"help", no_argument, NULL, 'h'},
+	    {"version", no_argument, NULL, 'V'},
+	    {NULL, 0, NULL, 0},
+	};
+	struct cli cli = {0};
+	int option;
+	while ((option = getopt_long(argc, argv, "+hV", options, NULL)) != -1) {
+		switch (option) {
+		case OPTION_CONNECT:
+			cli.address = optarg;
+			break;
+		case OPTION_JSON:
+			cli.json = true;
+			break;
+		case 'h':
+			return (int)print_help();
+		case 'V':
+			printf("candil %s\n", CANDIL_VERSION_STRING);
+			return (int)cli_flush(stdout, EXIT_DONE);
+		default:
+			fputs("candil: see candil --help\n", stderr);
+			return EXIT_USAGE;
+		}
+	}
+	if (optind == argc) {
+		fputs("candil: a command is missing; see candil --help\n", stderr);
+		return EXIT_USAGE;
+	}
+	const struct command *command = find_command(argv[optind]);
+	if (!command) {
+		fprintf(stderr, "candil: there is no command \"%s\"; see candil --help\n", argv[optind]);
+		return EXIT_USAGE;
+	}
+	int first = optind;
+	optind = 0; // makes getopt_long start anew on what follows the command
+	return (int)command->run(&cli, command, argc - first, argv + first);
+}

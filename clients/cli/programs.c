@@ -1,0 +1,135 @@
+#include "clients/cli/programs.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+extern char **environ;
+
+// The folder of this executable.
+static bool own_folder(char *path, size_t capacity)
+{
+	ssize_t length = readlink("/proc/self/exe", path, capacity - 1);
+	if (length <= 0)
+		return false;
+	path[length] = '\0';
+	char *slash = strrchr(path, '/');
+	if (!slash)
+		return false;
+	*slash = '\0';
+	return true;
+}
+
+bool program_libexec(const char *name, char *path, size_t capacity)
+{
+	char folder[PROGRAM_PATH];
+	if (!own_folder(folder, sizeof(folder)))
+		return false;
+	int length = snprintf(path, capacity, "%s/../libexec/candil/%s", folder, name);
+	return length > 0 && (size_t)length < capacity;
+}
+
+void program_daemon(char *path, size_t capacity)
+{
+	char folder[PROGRAM_PATH];
+	if (own_folder(folder, sizeof(folder))) {
+		int length = snprintf(path, capacity, "%s/candild", folder);
+		if (length > 0 && (size_t)length < capacity && access(path, X_OK) == 0)
+			return;
+	}
+	snprintf(path, capacity, "candild");
+}
+
+static int start(char *const argv[], int out, int err, pid_t *pid)
+{
+	posix_spawn_file_actions_t actions;
+	posix_spawn_file_actions_init(&actions);
+	posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+	posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
+	posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
+	int failure = posix_spawnp(pid, argv[0], &actions, NULL, argv, environ);
+	posix_spawn_file_actions_destroy(&actions);
+	return failure;
+}
+
+static long long now_ms(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return (long long)t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
+
+// Read one stream. false: it has ended.
+static bool collect(int fd, char *text, size_t capacity, size_t *used)
+{
+	char chunk[4096];
+	ssize_t got = read(fd, chunk, sizeof(chunk));
+	if (got < 0)
+		return errno == EINTR || errno == EAGAIN;
+	size_t keep = capacity - 1 - *used < (size_t)got ? capacity - 1 - *used : (size_t)got;
+	memcpy(text + *used, chunk, keep);
+	*used += keep;
+	text[*used] = '\0';
+	return got > 0;
+}
+
+// Both streams until both have ended. false: not in time.
+static bool collect_both(int out_fd, int err_fd, long long deadline, char *out, char *err, size_t capacity)
+{
+	size_t used[2] = {0, 0};
+	char *text[2] = {out, err};
+	struct pollfd p[2] = {{out_fd, POLLIN, 0}, {err_fd, POLLIN, 0}};
+	while (p[0].fd >= 0 || p[1].fd >= 0) {
+		long long left = deadline - now_ms();
+		if (left <= 0)
+			return false;
+		if (poll(p, 2, (int)left) < 0 && errno != EINTR)
+			return false;
+		for (int i = 0; i < 2; i++) {
+			if (p[i].fd >= 0 && p[i].revents != 0 && !collect(p[i].fd, text[i], capacity, &used[i]))
+				p[i].fd = -1;
+			p[i].revents = 0;
+		}
+	}
+	return true;
+}
+
+int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t capacity)
+{
+	int out_pipe[2] = {-1, -1}, err_pipe[2] = {-1, -1}, result = -1, failure = 0;
+	pid_t pid;
+	out[0] = err[0] = '\0';
+	if (pipe2(out_pipe, O_CLOEXEC) != 0 || pipe2(err_pipe, O_CLOEXEC) != 0) {
+		failure = errno;
+	} else {
+		failure = start(argv, out_pipe[1], err_pipe[1], &pid);
+		close(out_pipe[1]);
+		close(err_pipe[1]);
+		out_pipe[1] = err_pipe[1] = -1;
+		if (failure == 0) {
+			int status;
+			bool ended = collect_both(out_pipe[0], err_pipe[0], now_ms() + timeout_ms, out, err, capacity);
+			if (!ended)
+				kill(pid, SIGKILL);
+			while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
+				;
+			failure = ended ? 0 : ETIMEDOUT;
+			if (ended)
+				result = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+		}
+	}
+	const int fds[] = {out_pipe[0], out_pipe[1], err_pipe[0], err_pipe[1]};
+	for (size_t i = 0; i < 4; i++) {
+		if (fds[i] >= 0)
+			close(fds[i]);
+	}
+	errno = failure;
+	return result;
+}

@@ -1,0 +1,43 @@
+#include "clients/cli/progress.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define BAR 30
+
+void progress_init(struct progress *progress, bool quiet)
+{
+	progress->shown = !quiet && isatty(STDERR_FILENO) == 1;
+	progress->drawn = false;
+}
+
+void progress_say(struct progress *progress, const char *what)
+{
+	if (!progress->shown)
+		return;
+	fprintf(stderr, "\r\033[K%s", what);
+	fflush(stderr);
+	progress->drawn = true;
+}
+
+void progress_draw(struct progress *progress, const struct candil_progress *at)
+{
+	char line[160], bar[BAR + 1];
+	int filled = (int)(at->fraction * BAR);
+	memset(bar, '.', BAR);
+	memset(bar, '#', (size_t)filled);
+	bar[BAR] = '\0';
+	double seconds = (double)at->elapsed_us * 1e-6;
+	snprintf(line, sizeof(line), "[%s] %3.0f %%  %" PRIu32 "/%" PRIu32 " samples  %.1f s", bar, at->fraction * 100.0,
+		 at->samples_done, at->samples, seconds);
+	progress_say(progress, line);
+}
+
+void progress_clear(struct progress *progress)
+{
+	if (progress->drawn)
+		fputs("\r\033[K", stderr);
+	progress->drawn = false;
+}

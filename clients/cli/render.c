@@ -1,0 +1,191 @@
+// render: one picture of one scene.
+#include <string.h>
+
+#include "clients/cli/interrupt.h"
+#include "clients/cli/output.h"
+#include "clients/cli/progress.h"
+#include "clients/cli/render_options.h"
+#include "clients/cli/report.h"
+#include "clients/cli/target.h"
+#include "clients/cli/view.h"
+
+struct render {
+	const struct cli *cli;
+	FILE *stream; // for the report: standard error if the image goes to standard output
+	struct render_options options;
+	struct output output;
+	struct target target;
+	struct progress progress;
+	struct report report;
+	struct candil_image final; // data: ours
+};
+
+static enum exit_code fail(struct render *render, const struct candil_error *error)
+{
+	progress_clear(&render->progress);
+	return cli_fail(render->cli, error, render->stream);
+}
+
+static enum exit_code fail_output(struct render *render)
+{
+	char what[256];
+	snprintf(what, sizeof(what), "cannot write %s", render->options.output);
+	progress_clear(&render->progress);
+	return cli_fail_errno(render->cli, what, render->stream);
+}
+
+// Settle which camera it is, and its name in the report.
+static void choose_camera(struct render *render)
+{
+	struct candil_render_request *request = &render->options.request;
+	if (request->has_camera || request->camera_name) {
+		render->report.camera = request->has_camera ? "given" : "scene";
+		return;
+	}
+	render->report.camera = render->target.info.camera_count > 0 ? "scene" : "framed";
+	if (render->target.info.camera_count == 0)
+		view_frame_bounds(&render->target.info, request);
+}
+
+// One event of the render. false: the output cannot be written (errno).
+static bool take_event(struct render *render, const struct candil_event *event)
+{
+	switch (event->kind) {
+	case CANDIL_EVENT_ACCEPTED:
+		render->report.accepted = event->u.accepted;
+		return true;
+	case CANDIL_EVENT_PROGRESS:
+		progress_draw(&render->progress, &event->u.progress);
+		return true;
+	case CANDIL_EVENT_IMAGE:
+		if (event->u.image.final) {
+			candil_keep_image(render->target.client, &event->u.image);
+			render->final = event->u.image;
+			return true;
+		}
+		return !render->output.can_replace ||
+		       output_write(&render->output, event->u.image.data, event->u.image.bytes);
+	case CANDIL_EVENT_DONE:
+		render->report.done = event->u.done;
+		render->report.bytes = render->final.bytes;
+		return output_write(&render->output, render->final.data, render->final.bytes);
+	default:
+		return true;
+	}
+}
+
+// Submit and see it through. The first interrupt asks the daemon to cancel; its answer is waited for.
+static enum exit_code see_through(struct render *render)
+{
+	candil_client *client = render->target.client;
+	struct candil_error error;
+	struct candil_event event = {0};
+	uint32_t id;
+	candil_status status = candil_submit_render(client, &render->options.request, &id, &error);
+	while (status == CANDIL_STATUS_OK && !event.ends_request) {
+		if (!interrupt_wait(client, &event, &status, &error)) {
+			if (status == CANDIL_STATUS_OK)
+				status = candil_cancel(client, id, &error);
+			continue;
+		}
+		if (event.id != id)
+			continue;
+		if (event.kind == CANDIL_EVENT_ERROR)
+			return fail(render, &event.u.error);
+		if (!take_event(render, &event))
+			return fail_output(render);
+	}
+	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(render, &error);
+}
+
+static enum exit_code say_report(struct render *render)
+{
+	progress_clear(&render->progress);
+	render->report.options = &render->options;
+	render->report.scene = &render->target.info;
+	render->report.images = render->output.count;
+	if (render->cli->json)
+		return cli_print_json(report_json(&render->report), render->stream, EXIT_DONE);
+	if (render->options.quiet)
+		return EXIT_DONE;
+	report_print(&render->report, render->stream);
+	return cli_flush(render->stream, EXIT_DONE);
+}
+
+static enum exit_code render_image(struct render *render)
+{
+	struct candil_error error;
+	// Before anything is computed: an output that cannot be written must not cost a render.
+	if (!output_open(&render->output, render->options.output))
+		return fail_output(render);
+	progress_say(&render->progress, "loading the scene");
+	candil_status status =
+	    target_open(&render->target, render->cli->address, render->options.scene, &render->options.load, &error);
+	if (status != CANDIL_STATUS_OK)
+		return fail(render, &error);
+	render->options.request.scene = render->target.scene;
+	choose_camera(render);
+	progress_say(&render->progress, "rendering");
+	enum exit_code code = see_through(render);
+	return code == EXIT_DONE ? say_report(render) : code;
+}
+
+static enum exit_code run_render(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	// Large, and not needed twice.
+	static struct render render;
+	enum exit_code code = EXIT_DONE;
+	memset(&render, 0, sizeof(render));
+	render.output.fd = -1;
+	render.cli = cli;
+	if (!render_options_parse(cli, self, argc, argv, &render.options, &code))
+		return code;
+	render.stream = strcmp(render.options.output, "-") == 0 ? stderr : stdout;
+	progress_init(&render.progress, render.options.quiet);
+	interrupt_begin();
+	code = render_image(&render);
+	target_close(&render.target);
+	interrupt_end();
+	output_close(&render.output);
+	candil_free(render.final.data);
+	return code;
+}
+
+#define EXIT_CODES_HELP \
+	"Exit codes: 0 image written, 1 anything else, 2 usage, 3 cannot connect, 4 scene, 5 device, 6 memory,\n" \
+	"7 deadline passed, 8 cancelled, 9 worker lost (candil --help says more).\n"
+
+const struct command render_command = {
+    .name = "render",
+    .summary = "make a picture of a scene",
+    .help = "Usage: candil render SCENE -o OUT.exr|OUT.png|- [options] [--connect ADDR] [--json]\n\n"
+	    "SCENE is the name of a loaded scene, or a file (glTF, GLB, OBJ). A file is loaded into the daemon for the\n"
+	    "call; where no daemon runs and no --connect is given, a private one is started that ends with the call.\n\n"
+	    "  -o, --output FILE     by extension .exr (linear, float) or .png (sRGB); - is standard output\n"
+	    "  --format exr|png      whatever the output's name; default for -: png\n"
+	    "  --half, --float       EXR with 16 or 32 bits; default --float\n"
+	    "  --technique NAME      auto, pt, vct, radiosity, direct; default auto\n"
+	    "  --size WxH            pixels; default 512x512\n"
+	    "  --spp N               samples per pixel; default 64\n"
+	    "  --first-sample N      index of the first sample; disjoint ranges can be merged\n"
+	    "  --seed N              another seed, another noise\n"
+	    "  --camera NAME         of the scene; default: its first, else its bounds are framed\n"
+	    "  --camera ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV\n"
+	    "                        eye, target, up in metres; vertical angle in degrees\n"
+	    "  --background r,g,b    radiance, W/(m² sr), that rays meet which leave the scene; default black\n"
+	    "  --effects LIST        auto, all or none, then +NAME or -NAME for textures, emitters, lights, environment,\n"
+	    "                        bounces: \"auto,-textures\", \"none,+emitters\"; default auto, what the scene has\n"
+	    "  --aov LIST            depth, normal, albedo, id: extra channels of an EXR\n"
+	    "  --exposure EV         PNG: times 2^EV\n"
+	    "  --view NAME           PNG: none, reinhard, filmic; default none\n"
+	    "  --progressive         write intermediate images to the output while rendering\n"
+	    "  --set NAME=VALUE      an option of a technique: pt.depth=8; may be repeated\n"
+	    "  --up y|z              OBJ: which axis points up; default y\n"
+	    "  --unit METRES         OBJ: length of a unit; default 1\n"
+	    "  --quiet               no progress, no summary\n\n"
+	    "Ctrl-C cancels the request; what --progressive has written stays.\n"
+	    "A progress bar is drawn if standard error is a terminal. The summary, or with --json one object, goes to\n"
+	    "standard output, or to standard error with -o -.\n\n"
+	    "--json: " REPORT_JSON_HELP "\n" EXIT_CODES_HELP,
+    .run = run_render,
+};

@@ -1,0 +1,318 @@
+#include "clients/cli/render_options.h"
+
+#include <string.h>
+#include <strings.h>
+
+#include "clients/cli/scene_options.h"
+
+#define ALL_EFFECTS ((1u << CANDIL_EFFECT_COUNT) - 1u)
+
+enum {
+	OPTION_OUTPUT = 'o',
+	OPTION_FORMAT = 1200,
+	OPTION_TECHNIQUE,
+	OPTION_SIZE,
+	OPTION_SPP,
+	OPTION_FIRST_SAMPLE,
+	OPTION_SEED,
+	OPTION_CAMERA,
+	OPTION_BACKGROUND,
+	OPTION_EFFECTS,
+	OPTION_AOV,
+	OPTION_EXPOSURE,
+	OPTION_VIEW,
+	OPTION_HALF,
+	OPTION_FLOAT,
+	OPTION_PROGRESSIVE,
+	OPTION_SET,
+	OPTION_QUIET,
+};
+
+static const struct option long_options[] = {
+    CLI_COMMON_OPTIONS,
+    SCENE_OPTIONS,
+    {"output", required_argument, NULL, OPTION_OUTPUT},
+    {"format", required_argument, NULL, OPTION_FORMAT},
+    {"technique", required_argument, NULL, OPTION_TECHNIQUE},
+    {"size", required_argument, NULL, OPTION_SIZE},
+    {"spp", required_argument, NULL, OPTION_SPP},
+    {"first-sample", required_argument, NULL, OPTION_FIRST_SAMPLE},
+    {"seed", required_argument, NULL, OPTION_SEED},
+    {"camera", required_argument, NULL, OPTION_CAMERA},
+    {"background", required_argument, NULL, OPTION_BACKGROUND},
+    {"effects", required_argument, NULL, OPTION_EFFECTS},
+    {"aov", required_argument, NULL, OPTION_AOV},
+    {"exposure", required_argument, NULL, OPTION_EXPOSURE},
+    {"view", required_argument, NULL, OPTION_VIEW},
+    {"half", no_argument, NULL, OPTION_HALF},
+    {"float", no_argument, NULL, OPTION_FLOAT},
+    {"progressive", no_argument, NULL, OPTION_PROGRESSIVE},
+    {"set", required_argument, NULL, OPTION_SET},
+    {"quiet", no_argument, NULL, OPTION_QUIET},
+    {NULL, 0, NULL, 0},
+};
+
+// What was given, as far as it must fit together.
+struct given {
+	const char *format;
+	bool half, single, exposure, view;
+};
+
+static bool parse_size(const char *text, struct candil_render_request *r)
+{
+	char width[16];
+	const char *x = strchr(text, 'x');
+	if (!x || (size_t)(x - text) >= sizeof(width))
+		return false;
+	memcpy(width, text, (size_t)(x - text));
+	width[x - text] = '\0';
+	return cli_parse_u32(width, &r->width) && cli_parse_u32(x + 1, &r->height) && r->width > 0 && r->height > 0;
+}
+
+// Ten numbers are a camera, anything else is the name of one.
+static bool parse_camera(const char *text, struct candil_render_request *r)
+{
+	double v[10];
+	r->has_camera = cli_parse_doubles(text, v, 10);
+	r->camera_name = r->has_camera ? NULL : text;
+	if (r->has_camera) {
+		r->eye = (struct candil_vec3){v[0], v[1], v[2]};
+		r->target = (struct candil_vec3){v[3], v[4], v[5]};
+		r->up = (struct candil_vec3){v[6], v[7], v[8]};
+		r->vfov_degrees = v[9];
+	}
+	return r->has_camera || (*text != '\0' && !strchr(text, ','));
+}
+
+static bool parse_background(const char *text, struct candil_render_request *r)
+{
+	double v[3];
+	if (!cli_parse_doubles(text, v, 3))
+		return false;
+	r->background = (struct candil_vec3){v[0], v[1], v[2]};
+	r->has_background = true;
+	return true;
+}
+
+// Cut the next word off a list with commas. NULL at the end.
+static char *next_word(char **list)
+{
+	char *word;
+	while ((word = strsep(list, ",")) && *word == '\0')
+		;
+	return word;
+}
+
+static bool parse_effect(const char *word, struct candil_render_request *r)
+{
+	const bool off = word[0] == '-';
+	const char *name = off || word[0] == '+' ? word + 1 : word;
+	for (unsigned i = 0; i < CANDIL_EFFECT_COUNT; i++) {
+		if (strcmp(name, candil_effect_name((enum candil_effect)i)) != 0)
+			continue;
+		uint32_t bit = 1u << i;
+		r->effects_on = off ? r->effects_on & ~bit : r->effects_on | bit;
+		r->effects_off = off ? r->effects_off | bit : r->effects_off & ~bit;
+		return true;
+	}
+	return false;
+}
+
+static bool parse_effects(char *list, struct candil_render_request *r)
+{
+	char *word;
+	while ((word = next_word(&list))) {
+		if (strcmp(word, "auto") == 0) {
+			r->effects_on = r->effects_off = 0;
+		} else if (strcmp(word, "all") == 0) {
+			r->effects_on = ALL_EFFECTS;
+			r->effects_off = 0;
+		} else if (strcmp(word, "none") == 0) {
+			r->effects_on = 0;
+			r->effects_off = ALL_EFFECTS;
+		} else if (!parse_effect(word, r)) {
+			return false;
+		}
+	}
+	return true;
+}
+
+static bool parse_aovs(char *list, struct candil_render_request *r)
+{
+	static const char *const names[] = {"depth", "normal", "albedo", "id"};
+	char *word;
+	while ((word = next_word(&list))) {
+		unsigned i = 0;
+		while (i < 4 && strcmp(word, names[i]) != 0)
+			i++;
+		if (i == 4)
+			return false;
+		r->aovs |= 1u << i;
+	}
+	return true;
+}
+
+static bool parse_technique(const char *text, struct candil_render_request *r)
+{
+	for (int i = CANDIL_TECHNIQUE_AUTO; i <= CANDIL_TECHNIQUE_DIRECT; i++) {
+		if (strcmp(text, candil_technique_name((enum candil_technique)i)) == 0) {
+			r->technique = (enum candil_technique)i;
+			return true;
+		}
+	}
+	return false;
+}
+
+static bool parse_view(const char *text, struct candil_render_request *r)
+{
+	for (int i = CANDIL_VIEW_NONE; i <= CANDIL_VIEW_FILMIC; i++) {
+		if (strcmp(text, candil_view_name((enum candil_view)i)) == 0) {
+			r->view = (enum candil_view)i;
+			return true;
+		}
+	}
+	return false;
+}
+
+static bool parse_setting(char *text, struct render_options *options)
+{
+	char *equals = strchr(text, '=');
+	size_t room = sizeof(options->settings) / sizeof(options->settings[0]);
+	if (!equals || equals == text || equals[1] == '\0' || options->request.option_count == room)
+		return false;
+	*equals = '\0';
+	options->settings[options->request.option_count++] = (struct candil_option){text, equals + 1};
+	return true;
+}
+
+// One option with its value. false: the value is wrong.
+static bool take_option(int option, char *value, struct render_options *options, struct given *given)
+{
+	struct candil_render_request *r = &options->request;
+	switch (option) {
+	case OPTION_OUTPUT:
+		options->output = value;
+		return *value != '\0';
+	case OPTION_FORMAT:
+		given->format = value;
+		return strcmp(value, "exr") == 0 || strcmp(value, "png") == 0;
+	case OPTION_TECHNIQUE:
+		return parse_technique(value, r);
+	case OPTION_SIZE:
+		return parse_size(value, r);
+	case OPTION_SPP:
+		return cli_parse_u32(value, &r->samples) && r->samples > 0;
+	case OPTION_FIRST_SAMPLE:
+		return cli_parse_u32(value, &r->first_sample);
+	case OPTION_SEED:
+		return cli_parse_u64(value, &r->seed);
+	case OPTION_CAMERA:
+		return parse_camera(value, r);
+	case OPTION_BACKGROUND:
+		return parse_background(value, r);
+	case OPTION_EFFECTS:
+		return parse_effects(value, r);
+	case OPTION_AOV:
+		return parse_aovs(value, r);
+	case OPTION_EXPOSURE:
+		given->exposure = true;
+		return cli_parse_double(value, &r->exposure_ev);
+	case OPTION_VIEW:
+		given->view = true;
+		return parse_view(value, r);
+	case OPTION_SET:
+		return parse_setting(value, options);
+	case OPTION_UP:
+	case OPTION_UNIT:
+		return scene_option(option, value, &options->load);
+	default:
+		return false;
+	}
+}
+
+static bool take_flag(int option, struct render_options *options, struct given *given)
+{
+	switch (option) {
+	case OPTION_HALF:
+		given->half = true;
+		return true;
+	case OPTION_FLOAT:
+		given->single = true;
+		return true;
+	case OPTION_PROGRESSIVE:
+		options->request.progressive = true;
+		return true;
+	case OPTION_QUIET:
+		options->quiet = true;
+		return true;
+	default:
+		return false;
+	}
+}
+
+static const char *format_of(const struct render_options *options, const struct given *given)
+{
+	if (given->format)
+		return given->format;
+	if (strcmp(options->output, "-") == 0)
+		return "png";
+	const char *dot = strrchr(options->output, '.');
+	if (dot && strcasecmp(dot, ".exr") == 0)
+		return "exr";
+	return dot && strcasecmp(dot, ".png") == 0 ? "png" : NULL;
+}
+
+// The sentence that says what does not fit together, or NULL.
+static const char *settle_format(struct render_options *options, const struct given *given)
+{
+	const char *format = format_of(options, given);
+	if (!format)
+		return "the output's name ends in neither .exr nor .png; say --format exr or --format png";
+	if (given->half && given->single)
+		return "--half and --float exclude each other";
+	if (strcmp(format, "exr") == 0) {
+		options->request.format = given->half ? CANDIL_FORMAT_EXR_HALF : CANDIL_FORMAT_EXR_FLOAT;
+		return given->exposure || given->view ? "an EXR holds linear radiance: --exposure and --view are for PNG"
+						      : NULL;
+	}
+	options->request.format = CANDIL_FORMAT_PNG;
+	if (given->half || given->single)
+		return "--half and --float are for EXR";
+	return options->request.aovs ? "--aov needs EXR output" : NULL;
+}
+
+bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			  enum exit_code *code)
+{
+	struct given given = {0};
+	int option, index = 0;
+	memset(options, 0, sizeof(*options));
+	candil_render_request_init(&options->request);
+	options->request.options = options->settings;
+	while ((option = getopt_long(argc, argv, "o:", long_options, &index)) != -1) {
+		char whole[256];
+		snprintf(whole, sizeof(whole), "%s", optarg ? optarg : "");
+		if (option >= OPTION_CONNECT && option <= OPTION_HELP) {
+			if (!cli_common_option(cli, self, option, code))
+				return false;
+		} else if (option == '?') {
+			return cli_common_option(cli, self, option, code);
+		} else if (!take_flag(option, options, &given) && !take_option(option, optarg, options, &given)) {
+			*code = cli_usage(self, "%s cannot be \"%s\"",
+					  option == OPTION_OUTPUT ? "the output" : long_options[index].name, whole);
+			return false;
+		}
+	}
+	const char *wrong = NULL;
+	if (argc - optind != 1)
+		wrong = "one scene is needed";
+	else if (!options->output)
+		wrong = "-o OUTPUT is missing";
+	else
+		wrong = settle_format(options, &given);
+	if (wrong)
+		*code = cli_usage(self, "%s", wrong);
+	else
+		options->scene = argv[optind];
+	return !wrong;
+}

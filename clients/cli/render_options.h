@@ -1,0 +1,20 @@
+// The command line of `candil render`, parsed.
+#ifndef CANDIL_CLI_RENDER_OPTIONS_H
+#define CANDIL_CLI_RENDER_OPTIONS_H
+
+#include "clients/cli/cli.h"
+
+struct render_options {
+	const char *scene;
+	const char *output; // "-": standard output
+	bool quiet;
+	struct candil_render_request request; // all but `scene`; strings point into argv
+	struct candil_load_request load; // up and metres_per_unit
+	struct candil_option settings[16]; // what request.options points at
+};
+
+// true: *options is filled in. false: return *code from the command. Writes into argv (splits NAME=VALUE).
+bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			  enum exit_code *code);
+
+#endif

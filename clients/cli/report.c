@@ -1,0 +1,145 @@
+#include "clients/cli/report.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+static bool is_simulated(const struct candil_effect_report *effect)
+{
+	return effect->state == CANDIL_EFFECT_SIMULATED || effect->state == CANDIL_EFFECT_FORCED;
+}
+
+static void print_effects(const struct candil_accepted *accepted, bool simulated, FILE *stream)
+{
+	const char *separator = simulated ? "simulated  " : "left out   ";
+	for (uint32_t i = 0; i < accepted->plan_count; i++) {
+		const struct candil_effect_report *e = &accepted->plan[i];
+		if (is_simulated(e) != simulated)
+			continue;
+		fprintf(stream, "%s%s", separator, candil_effect_name(e->effect));
+		if (e->state == CANDIL_EFFECT_FORCED)
+			fputs(" (forced)", stream);
+		if (e->why[0])
+			fprintf(stream, ": %s", e->why);
+		separator = "; ";
+	}
+	if (separator[0] == ';')
+		fputc('\n', stream);
+}
+
+static void print_stages(const struct candil_done *done, FILE *stream)
+{
+	fprintf(stream, "time       %.1f ms", (double)done->elapsed_us * 1e-3);
+	for (uint32_t i = 0; i < done->stage_count; i++)
+		fprintf(stream, "%s%s %.1f", i == 0 ? ": " : ", ", done->stages[i].name, (double)done->stages[i].us * 1e-3);
+	fputc('\n', stream);
+}
+
+void report_print(const struct report *r, FILE *stream)
+{
+	const struct candil_render_request *request = &r->options->request;
+	const struct candil_done *done = &r->done;
+	fprintf(stream, "image      %s, %" PRIu32 "x%" PRIu32 ", %s, %" PRIu64 " bytes\n", r->options->output,
+		request->width, request->height, candil_format_name(request->format), r->bytes);
+	fprintf(stream, "technique  %s, %" PRIu32 " samples, depth %" PRIu32 ", on %s\n",
+		candil_technique_name(r->accepted.technique), done->samples, r->accepted.depth,
+		done->device[0] ? done->device : r->accepted.device);
+	print_stages(done, stream);
+	print_effects(&r->accepted, true, stream);
+	print_effects(&r->accepted, false, stream);
+	if (done->estimated_relmse >= 0)
+		fprintf(stream, "error      relative MSE about %.2e, estimated\n", done->estimated_relmse);
+	if (done->non_finite_samples > 0)
+		fprintf(stream, "mended     %" PRIu64 " samples were not finite and count as zero\n",
+			done->non_finite_samples);
+	if (done->retries > 0)
+		fprintf(stream, "retries    %" PRIu32 ": the worker was lost and the job begun again\n", done->retries);
+	if (strcmp(r->camera, "framed") == 0)
+		fprintf(stream,
+			"camera     the scene has none: its bounds are framed (--camera "
+			"%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,0,1,0,%g)\n",
+			request->eye.x, request->eye.y, request->eye.z, request->target.x, request->target.y,
+			request->target.z, request->vfov_degrees);
+	if (r->scene->warning_count > 0)
+		fprintf(stream, "scene      %" PRIu32 " warnings; see candil describe\n",
+			r->scene->warning_count + r->scene->warnings_more);
+}
+
+static json_t *camera_json(const struct report *r)
+{
+	const struct candil_render_request *request = &r->options->request;
+	json_t *camera = json_pack("{s:s}", "source", r->camera);
+	if (request->camera_name)
+		json_object_set_new(camera, "name", cli_json_text(request->camera_name));
+	if (request->has_camera) {
+		json_object_set_new(camera, "eye", cli_json_vec3(&request->eye));
+		json_object_set_new(camera, "target", cli_json_vec3(&request->target));
+		json_object_set_new(camera, "up", cli_json_vec3(&request->up));
+		json_object_set_new(camera, "vfov_degrees", json_real(request->vfov_degrees));
+	}
+	return camera;
+}
+
+static json_t *effects_json(const struct candil_accepted *accepted)
+{
+	json_t *effects = json_array();
+	for (uint32_t i = 0; i < accepted->plan_count; i++) {
+		const struct candil_effect_report *e = &accepted->plan[i];
+		json_array_append_new(effects, json_pack("{s:s,s:s,s:o}", "name", candil_effect_name(e->effect), "state",
+							 candil_effect_state_name(e->state), "why", cli_json_text(e->why)));
+	}
+	return effects;
+}
+
+static json_t *stages_json(const struct candil_done *done)
+{
+	json_t *stages = json_array();
+	for (uint32_t i = 0; i < done->stage_count; i++)
+		json_array_append_new(stages, json_pack("{s:o,s:o}", "name", cli_json_text(done->stages[i].name), "us",
+							cli_json_u64(done->stages[i].us)));
+	return stages;
+}
+
+static void put_number(json_t *object, const char *key, uint64_t value)
+{
+	json_object_set_new(object, key, cli_json_u64(value));
+}
+
+static void put_text(json_t *object, const char *key, const char *value)
+{
+	json_object_set_new(object, key, cli_json_text(value));
+}
+
+json_t *report_json(const struct report *r)
+{
+	const struct candil_render_request *request = &r->options->request;
+	const struct candil_done *done = &r->done;
+	json_t *o = json_object();
+	put_text(o, "image", r->options->output);
+	put_text(o, "format", candil_format_name(request->format));
+	put_number(o, "width", request->width);
+	put_number(o, "height", request->height);
+	put_number(o, "bytes", r->bytes);
+	put_number(o, "images", r->images);
+	put_number(o, "samples", done->samples);
+	put_number(o, "first_sample", request->first_sample);
+	put_number(o, "seed", request->seed);
+	put_text(o, "scene", r->options->scene);
+	put_text(o, "scene_hash", r->scene->hash);
+	put_number(o, "scene_warnings", (uint64_t)r->scene->warning_count + r->scene->warnings_more);
+	json_object_set_new(o, "camera", camera_json(r));
+	put_text(o, "technique", candil_technique_name(r->accepted.technique));
+	put_number(o, "depth", r->accepted.depth);
+	put_text(o, "device", done->device[0] ? done->device : r->accepted.device);
+	put_number(o, "job_bytes", r->accepted.job_bytes);
+	json_object_set_new(o, "effects", effects_json(&r->accepted));
+	json_object_set_new(o, "stages", stages_json(done));
+	put_number(o, "elapsed_us", done->elapsed_us);
+	json_object_set_new(o, "estimated_relmse",
+			    done->estimated_relmse >= 0 ? json_real(done->estimated_relmse) : json_null());
+	put_number(o, "non_finite_samples", done->non_finite_samples);
+	put_number(o, "rays", done->rays);
+	put_number(o, "slices", done->slices);
+	put_number(o, "retries", done->retries);
+	put_text(o, "reason", done->reason);
+	return o;
+}

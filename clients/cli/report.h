@@ -1,0 +1,28 @@
+// What is said about a finished render.
+#ifndef CANDIL_CLI_REPORT_H
+#define CANDIL_CLI_REPORT_H
+
+#include "clients/cli/render_options.h"
+
+struct report {
+	const struct render_options *options;
+	const struct candil_scene_info *scene;
+	const char *camera; // "scene", "given" or "framed"
+	struct candil_accepted accepted;
+	struct candil_done done;
+	uint64_t bytes; // of the image
+	unsigned images; // written, intermediate ones included
+};
+
+#define REPORT_JSON_HELP \
+	"{\"image\", \"format\", \"width\", \"height\", \"bytes\", \"images\", \"samples\", \"first_sample\", \"seed\",\n" \
+	"\"scene\", \"scene_hash\", \"scene_warnings\", \"camera\": {\"source\": \"scene\"|\"given\"|\"framed\", " \
+	"\"name\", \"eye\",\n" \
+	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
+	"\"effects\": [{\"name\", \"state\", \"why\"}], \"stages\": [{\"name\", \"us\"}], \"elapsed_us\",\n" \
+	"\"estimated_relmse\" (null: unknown), \"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\"}\n"
+
+void report_print(const struct report *report, FILE *stream);
+json_t *report_json(const struct report *report);
+
+#endif

@@ -1,0 +1,17 @@
+// The options that say how a file is to be read: --up and --unit.
+#ifndef CANDIL_CLI_SCENE_OPTIONS_H
+#define CANDIL_CLI_SCENE_OPTIONS_H
+
+#include "clients/cli/cli.h"
+
+enum { OPTION_UP = 1100, OPTION_UNIT };
+#define SCENE_OPTIONS \
+	{"up", required_argument, NULL, OPTION_UP}, \
+	{ \
+		"unit", required_argument, NULL, OPTION_UNIT \
+	}
+
+// Take one of the two. false: the text is no axis, or no length above 0.
+bool scene_option(int option, const char *text, struct candil_load_request *request);
+
+#endif

@@ -1,0 +1,121 @@
+#include "clients/cli/scene_print.h"
+
+#include <inttypes.h>
+
+static void print_cameras(const struct candil_scene_info *s)
+{
+	for (uint32_t i = 0; i < s->camera_list_count; i++) {
+		const struct candil_camera_info *c = &s->cameras[i];
+		printf("camera      %s: eye %g %g %g, target %g %g %g, up %g %g %g, ", c->name, c->eye.x, c->eye.y, c->eye.z,
+		       c->target.x, c->target.y, c->target.z, c->up.x, c->up.y, c->up.z);
+		if (c->vfov_degrees > 0)
+			printf("%g° high\n", c->vfov_degrees);
+		else
+			puts("orthographic");
+	}
+	if (s->camera_count > s->camera_list_count)
+		printf("            and %" PRIu32 " cameras more\n", s->camera_count - s->camera_list_count);
+}
+
+static void print_mended(const struct candil_scene_info *s)
+{
+	const struct {
+		const char *what;
+		uint32_t count;
+	} mended[] = {
+	    {"degenerate triangles were dropped", s->dropped_degenerate},
+	    {"triangles that are not finite were dropped", s->dropped_non_finite},
+	    {"triangles with an index out of range were dropped", s->dropped_out_of_range},
+	    {"textures are missing", s->missing_textures},
+	};
+	for (size_t i = 0; i < sizeof(mended) / sizeof(mended[0]); i++) {
+		if (mended[i].count > 0)
+			printf("mended      %" PRIu32 " %s\n", mended[i].count, mended[i].what);
+	}
+	for (uint32_t i = 0; i < s->warning_count; i++)
+		printf("warning     %s\n", s->warnings[i]);
+	if (s->warnings_more > 0)
+		printf("            and %" PRIu32 " warnings more\n", s->warnings_more);
+	for (uint32_t i = 0; i < s->ignored_count; i++)
+		printf("ignored     %s\n", s->ignored[i]);
+}
+
+void scene_print(const struct candil_scene_info *s)
+{
+	printf("scene       %s (%s)\n", s->name, s->file);
+	printf("holds       %" PRIu32 " triangles, %" PRIu32 " materials, %" PRIu32
+	       " textures; %.1f MiB, loaded in %.0f ms\n",
+	       s->triangles, s->materials, s->textures, (double)s->blob_bytes / 1048576.0, (double)s->load_us * 1e-3);
+	printf("lights      %" PRIu32 " emissive triangles, %" PRIu32 " punctual lights\n", s->emissive_triangles,
+	       s->punctual_lights);
+	if (s->light_units[0])
+		printf("units       %s\n", s->light_units);
+	printf("bounds      %g %g %g to %g %g %g m\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z, s->bounds_max.x,
+	       s->bounds_max.y, s->bounds_max.z);
+	printf("bvh         %" PRIu32 " nodes, %" PRIu32 " levels\n", s->bvh_nodes, s->bvh_depth);
+	if (s->fact_count > 0)
+		printf("facts       ");
+	for (uint32_t i = 0; i < s->fact_count; i++)
+		printf("%s%s", s->facts[i], i + 1 < s->fact_count ? ", " : "\n");
+	print_cameras(s);
+	print_mended(s);
+	printf("hash        %s\n", s->hash);
+}
+
+static json_t *cameras_json(const struct candil_scene_info *s)
+{
+	json_t *list = json_array();
+	for (uint32_t i = 0; i < s->camera_list_count; i++) {
+		const struct candil_camera_info *c = &s->cameras[i];
+		json_array_append_new(list, json_pack("{s:o,s:o,s:o,s:o,s:f}", "name", cli_json_text(c->name), "eye",
+						      cli_json_vec3(&c->eye), "target", cli_json_vec3(&c->target), "up",
+						      cli_json_vec3(&c->up), "vfov_degrees", c->vfov_degrees));
+	}
+	return list;
+}
+
+json_t *scene_json(const struct candil_scene_info *s)
+{
+	json_t *object = json_object();
+#define TEXT(field) json_object_set_new(object, #field, cli_json_text(s->field))
+#define NUMBER(field) json_object_set_new(object, #field, cli_json_u64(s->field))
+#define VEC3(field) json_object_set_new(object, #field, cli_json_vec3(&s->field))
+#define LIST(key, array, count) \
+	do { \
+		json_t *list = json_array(); \
+		for (uint32_t i = 0; i < s->count; i++) \
+			json_array_append_new(list, cli_json_text(s->array[i])); \
+		json_object_set_new(object, key, list); \
+	} while (0)
+	TEXT(name);
+	TEXT(file);
+	TEXT(hash);
+	NUMBER(blob_bytes);
+	NUMBER(triangles);
+	NUMBER(materials);
+	NUMBER(textures);
+	NUMBER(emissive_triangles);
+	NUMBER(punctual_lights);
+	NUMBER(camera_count);
+	json_object_set_new(object, "cameras", cameras_json(s));
+	VEC3(bounds_min);
+	VEC3(bounds_max);
+	VEC3(origin);
+	NUMBER(bvh_nodes);
+	NUMBER(bvh_depth);
+	NUMBER(dropped_degenerate);
+	NUMBER(dropped_non_finite);
+	NUMBER(dropped_out_of_range);
+	NUMBER(missing_textures);
+	LIST("warnings", warnings, warning_count);
+	NUMBER(warnings_more);
+	LIST("ignored", ignored, ignored_count);
+	LIST("facts", facts, fact_count);
+	NUMBER(load_us);
+	TEXT(light_units);
+#undef TEXT
+#undef NUMBER
+#undef VEC3
+#undef LIST
+	return object;
+}

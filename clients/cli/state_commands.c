@@ -1,0 +1,122 @@
+// ping, stats: the daemon itself.
+#include <inttypes.h>
+
+#include "clients/cli/cli.h"
+
+#define ANSWER_MS 10000u
+
+static enum exit_code run_ping(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	enum exit_code code = EXIT_DONE;
+	if (!cli_parse_simple(cli, self, argc, argv, 0, &code))
+		return code;
+	candil_client *client = cli_connect(cli, &code);
+	if (!client)
+		return code;
+	struct candil_error error;
+	uint64_t us;
+	candil_set_timeout(client, ANSWER_MS);
+	if (candil_ping(client, &us, &error) != CANDIL_STATUS_OK) {
+		code = cli_fail(cli, &error, stdout);
+	} else if (cli->json) {
+		const struct candil_server *server = candil_server(client);
+		code = cli_print_json(json_pack("{s:o,s:o,s:i,s:o,s:o,s:o,s:i}", "round_trip_us", cli_json_u64(us), "server",
+						cli_json_text(server->name), "version", (int)server->version,
+						"max_message_bytes", cli_json_u64(server->max_message_bytes), "max_pixels",
+						cli_json_u64(server->max_pixels), "max_samples_times_pixels",
+						cli_json_u64(server->max_samples_times_pixels), "max_jobs_per_connection",
+						(int)server->max_jobs_per_connection),
+				      stdout, code);
+	} else {
+		printf("%s answers in %" PRIu64 " µs\n", candil_server(client)->name, us);
+		code = cli_flush(stdout, code);
+	}
+	candil_disconnect(client);
+	return code;
+}
+
+const struct command ping_command = {
+    .name = "ping",
+    .summary = "ask the daemon for a sign of life",
+    .help = "Usage: candil ping [--connect ADDR] [--json]\n\n"
+	    "Sends a few bytes to the daemon and waits for them to come back, 10 s at most.\n\n"
+	    "--json: {\"round_trip_us\", \"server\", \"version\", \"max_message_bytes\", \"max_pixels\",\n"
+	    "\"max_samples_times_pixels\", \"max_jobs_per_connection\"}\n",
+    .run = run_ping,
+};
+
+static void print_stats(const struct candil_stats *s)
+{
+	printf("device       %s, %.1f MiB in use\n", s->device, (double)s->device_bytes / 1048576.0);
+	printf("up           %.1f s, %" PRIu32 " ms slices, %" PRIu64 " done\n", (double)s->uptime_us * 1e-6, s->slice_ms,
+	       s->slices);
+	printf("connections  %" PRIu32 ", %" PRIu64 " bytes wait for them\n", s->connections, s->buffered_bytes);
+	printf("jobs         %" PRIu32 " under way, %" PRIu64 " done, %" PRIu64 " failed, %" PRIu64 " cancelled\n", s->jobs,
+	       s->jobs_done, s->jobs_failed, s->jobs_cancelled);
+	printf("scenes       %" PRIu32 ", %.1f MiB\n", s->scenes, (double)s->scene_bytes / 1048576.0);
+	printf("worker       pid %" PRIu32 ", started %" PRIu32 " times, %" PRIu64 " validation errors\n", s->worker_pid,
+	       s->worker_starts, s->validation_errors);
+	printf("loaders      %" PRIu32 " started, %" PRIu64 " failed\n", s->loader_starts, s->loader_failures);
+}
+
+static json_t *stats_json(const struct candil_stats *s)
+{
+	json_t *object = json_object();
+#define PUT(field) json_object_set_new(object, #field, cli_json_u64(s->field))
+	PUT(uptime_us);
+	PUT(connections);
+	PUT(jobs);
+	PUT(jobs_done);
+	PUT(jobs_failed);
+	PUT(jobs_cancelled);
+	PUT(slices);
+	PUT(worker_starts);
+	PUT(loader_starts);
+	PUT(loader_failures);
+	PUT(scenes);
+	PUT(scene_bytes);
+	PUT(buffered_bytes);
+	PUT(worker_pid);
+	PUT(loader_pid);
+	PUT(device_bytes);
+	PUT(validation_errors);
+	PUT(slice_ms);
+#undef PUT
+	json_object_set_new(object, "device", cli_json_text(s->device));
+	return object;
+}
+
+static enum exit_code run_stats(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	enum exit_code code = EXIT_DONE;
+	if (!cli_parse_simple(cli, self, argc, argv, 0, &code))
+		return code;
+	candil_client *client = cli_connect(cli, &code);
+	if (!client)
+		return code;
+	struct candil_error error;
+	struct candil_stats stats;
+	candil_set_timeout(client, ANSWER_MS);
+	if (candil_stats(client, &stats, &error) != CANDIL_STATUS_OK) {
+		code = cli_fail(cli, &error, stdout);
+	} else if (cli->json) {
+		code = cli_print_json(stats_json(&stats), stdout, code);
+	} else {
+		print_stats(&stats);
+		code = cli_flush(stdout, code);
+	}
+	candil_disconnect(client);
+	return code;
+}
+
+const struct command stats_command = {
+    .name = "stats",
+    .summary = "what the daemon has done and holds",
+    .help = "Usage: candil stats [--connect ADDR] [--json]\n\n"
+	    "Prints the daemon's counters: jobs, scenes, memory, processes.\n\n"
+	    "--json: {\"uptime_us\", \"connections\", \"jobs\", \"jobs_done\", \"jobs_failed\", \"jobs_cancelled\", "
+	    "\"slices\",\n"
+	    "\"worker_starts\", \"loader_starts\", \"loader_failures\", \"scenes\", \"scene_bytes\", \"buffered_bytes\",\n"
+	    "\"worker_pid\", \"loader_pid\", \"device_bytes\", \"validation_errors\", \"slice_ms\", \"device\"}\n",
+    .run = run_stats,
+};

@@ -1,0 +1,179 @@
+#include "clients/cli/target.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "clients/cli/interrupt.h"
+#include "clients/cli/programs.h"
+
+#define PRIVATE_FD 3
+#define ANSWER_MS 10000u
+#define END_MS 5000
+
+extern char **environ;
+
+static candil_status fail(struct candil_error *error, candil_status code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static candil_status fail(struct candil_error *error, candil_status code, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	error->code = code;
+	vsnprintf(error->text, sizeof(error->text), format, args);
+	va_end(args);
+	return code;
+}
+
+static bool is_file(const char *path)
+{
+	struct stat about;
+	return stat(path, &about) == 0 && S_ISREG(about.st_mode);
+}
+
+// A process group of its own keeps the terminal's Ctrl-C from the daemon: this side cancels the job properly.
+static int spawn_private(int fd, pid_t *pid)
+{
+	char path[PROGRAM_PATH], number[16], option[] = "--private-fd";
+	snprintf(number, sizeof(number), "%d", PRIVATE_FD);
+	program_daemon(path, sizeof(path));
+	char *argv[] = {path, option, number, NULL};
+	posix_spawn_file_actions_t actions;
+	posix_spawnattr_t attributes;
+	sigset_t none, ours;
+	sigemptyset(&none);
+	sigemptyset(&ours);
+	sigaddset(&ours, SIGINT);
+	sigaddset(&ours, SIGTERM);
+	posix_spawn_file_actions_init(&actions);
+	posix_spawn_file_actions_adddup2(&actions, fd, PRIVATE_FD);
+	posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+	posix_spawnattr_init(&attributes);
+	posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+	posix_spawnattr_setsigmask(&attributes, &none);
+	posix_spawnattr_setsigdefault(&attributes, &ours);
+	setenv("CANDIL_LOG", "error", 0);
+	int failure = posix_spawnp(pid, path, &actions, &attributes, argv, environ);
+	posix_spawnattr_destroy(&attributes);
+	posix_spawn_file_actions_destroy(&actions);
+	return failure;
+}
+
+static candil_status connect_private(struct target *target, struct candil_error *error)
+{
+	int ends[2];
+	if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+		return fail(error, CANDIL_STATUS_CONNECT, "cannot make a socket pair: %s", strerror(errno));
+	int failure = spawn_private(ends[1], &target->private_daemon);
+	close(ends[1]);
+	if (failure != 0) {
+		close(ends[0]);
+		target->private_daemon = 0;
+		return fail(error, CANDIL_STATUS_CONNECT, "no daemon runs, and candild cannot be started for this call: %s",
+			    strerror(failure));
+	}
+	candil_status status = candil_connect_fd(ends[0], &target->client, error);
+	if (status == CANDIL_STATUS_CONNECT)
+		fail(error, status, "candild was started for this call but ended at once; candil doctor may say why");
+	return status;
+}
+
+static candil_status connect_any(struct target *target, const char *address, const char *scene, struct candil_error *error)
+{
+	candil_status status = candil_connect(address, &target->client, error);
+	if (status != CANDIL_STATUS_CONNECT || address)
+		return status;
+	if (is_file(scene))
+		return connect_private(target, error);
+	if (strpbrk(scene, "./"))
+		return fail(error, CANDIL_STATUS_SCENE_NOT_FOUND, "there is no file %.150s, and no daemon that may know it",
+			    scene);
+	return status;
+}
+
+// Load the file under a name that no other call uses.
+static candil_status load_temporary(struct target *target, const char *file, const struct candil_load_request *how,
+				    struct candil_error *error)
+{
+	struct timespec now;
+	struct candil_event event;
+	struct candil_load_request request = *how;
+	uint32_t id;
+	clock_gettime(CLOCK_REALTIME, &now);
+	snprintf(target->scene, sizeof(target->scene), "candil-%ld-%lx%lx", (long)getpid(), (unsigned long)now.tv_sec,
+		 (unsigned long)now.tv_nsec);
+	request.name = target->scene;
+	request.file = file;
+	candil_status status = candil_submit_load(target->client, &request, &id, error);
+	while (status == CANDIL_STATUS_OK) {
+		if (interrupt_wait(target->client, &event, &status, error))
+			break;
+		// A private daemon goes with its connection; another one would keep the scene, so its answer is waited for.
+		if (status == CANDIL_STATUS_OK && target->private_daemon != 0)
+			return fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+	}
+	if (status == CANDIL_STATUS_OK && event.kind == CANDIL_EVENT_ERROR) {
+		*error = event.u.error;
+		status = error->code;
+	}
+	if (status != CANDIL_STATUS_OK)
+		return status;
+	target->temporary = true;
+	target->info = event.u.scene;
+	if (interrupt_seen())
+		return fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+	return CANDIL_STATUS_OK;
+}
+
+candil_status target_open(struct target *target, const char *address, const char *scene,
+			  const struct candil_load_request *how, struct candil_error *error)
+{
+	memset(target, 0, sizeof(*target));
+	candil_status status = connect_any(target, address, scene, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
+	bool may_be_name = !target->private_daemon && !strchr(scene, '/') && strlen(scene) < sizeof(target->scene);
+	if (may_be_name) {
+		snprintf(target->scene, sizeof(target->scene), "%s", scene);
+		candil_set_timeout(target->client, ANSWER_MS);
+		status = candil_describe(target->client, scene, &target->info, error);
+		if (status != CANDIL_STATUS_SCENE_NOT_FOUND || !is_file(scene))
+			return status;
+	}
+	return load_temporary(target, scene, how, error);
+}
+
+static void wait_private(pid_t pid)
+{
+	const struct timespec pause = {0, 10 * 1000 * 1000};
+	for (int waited = 0; waited < END_MS; waited += 10) {
+		if (waitpid(pid, NULL, WNOHANG) != 0)
+			return;
+		nanosleep(&pause, NULL);
+	}
+	kill(pid, SIGKILL);
+	waitpid(pid, NULL, 0);
+}
+
+void target_close(struct target *target)
+{
+	if (target->client && target->temporary && !target->private_daemon) {
+		struct candil_error error;
+		candil_set_timeout(target->client, ANSWER_MS);
+		if (candil_unload(target->client, target->scene, &error) != CANDIL_STATUS_OK)
+			fprintf(stderr, "candil: the scene %s stays loaded: %s\n", target->scene, error.text);
+	}
+	candil_disconnect(target->client);
+	if (target->private_daemon)
+		wait_private(target->private_daemon);
+	memset(target, 0, sizeof(*target));
+}

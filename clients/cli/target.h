@@ -1,0 +1,27 @@
+// The scene that a command is about, in some daemon: one that runs already, or a private one, started for the call, that
+// ends with its connection.
+#ifndef CANDIL_CLI_TARGET_H
+#define CANDIL_CLI_TARGET_H
+
+#include <sys/types.h>
+
+#include "clients/cli/cli.h"
+
+struct target {
+	candil_client *client;
+	pid_t private_daemon; // 0: none was started
+	char scene[64]; // name in the daemon
+	bool temporary; // it was loaded for this call
+	struct candil_scene_info info;
+};
+
+// Find `scene` (the name of a loaded one comes first, then a file) and describe it. `how` says how a file is read; its name
+// and file fields are ignored. With no address and no daemon at the default one, a private daemon is started for a file.
+// CANCELLED after Ctrl-C. target_close is due in any case.
+candil_status target_open(struct target *target, const char *address, const char *scene,
+			  const struct candil_load_request *how, struct candil_error *error);
+
+// Unload what was loaded, disconnect, wait for the private daemon to end.
+void target_close(struct target *target);
+
+#endif
