@@ -1,0 +1,236 @@
+#!/usr/bin/env python3
+"""Small scenes with known answers, for tests and people.
+
+    make.py FOLDER [NAME...]    write the named scenes (all without a name), print their paths
+
+As a module: each function below writes one scene into a folder and returns the path of its file; every glTF has a camera
+named "camera". Nothing here has vertex normals unless it says so: surfaces are flat, as the closed forms want them.
+"""
+import math
+import sys
+
+from writers import (Gltf, Obj, box, disc, icosphere, png, quad, rotation, transformed)
+
+
+def furnace(folder, albedo=1.0, subdivisions=2, name="furnace.gltf"):
+    """A convex body of one albedo. Under a background of 1 with albedo 1 every pixel is 1: what a convex body reflects goes
+    straight to the background."""
+    g = Gltf()
+    g.place(*icosphere(subdivisions), g.material("white", (albedo,) * 3))
+    g.camera((0, 0, 4), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
+def closed_sphere(folder, rho=0.5, subdivisions=2, name="closed_sphere.gltf", emission=None):
+    """A closed sphere whose front is inside, albedo rho, emission 1 - rho: radiance 1 everywhere within; cut after N
+    scattering events it is 1 - rho^(N+1)."""
+    g = Gltf()
+    e = 1.0 - rho if emission is None else emission
+    g.place(*icosphere(subdivisions, inward=True), g.material("wall", (rho,) * 3, (e,) * 3))
+    g.camera((0, 0, 0.2), (0, 0.1, -1), 60)
+    return g.save(folder, name)
+
+
+def lamp_over_floor(folder, radiance=1.0, albedo=0.5, name="lamp.gltf"):
+    """A 1 x 1 lamp that looks down from height 1 on a wide floor. Below its centre, direct light alone:
+    pixel * pi / albedo = 0.75227 * radiance (form factor 0.23946 times pi)."""
+    g = Gltf()
+    g.place(*quad((-10, 0, 10), (10, 0, 10), (10, 0, -10), (-10, 0, -10)), g.material("floor", (albedo,) * 3))
+    g.place(*quad((-.5, 1, -.5), (.5, 1, -.5), (.5, 1, .5), (-.5, 1, .5)), g.material("lamp", (0, 0, 0), (radiance,) * 3))
+    # From the side, under the lamp: the middle of the picture is the floor's (0, 0, 0).
+    g.camera((0, 0.5, 3), (0, 0, 0), 1)
+    return g.save(folder, name)
+
+
+def disc_lamp(folder, radiance=1.0, albedo=0.5, sides=128, name="disc_lamp.gltf"):
+    """A disc of radius 1 at height 2 over a floor: pixel * pi / albedo = pi / 5 below its centre."""
+    g = Gltf()
+    g.place(*quad((-10, 0, 10), (10, 0, 10), (10, 0, -10), (-10, 0, -10)), g.material("floor", (albedo,) * 3))
+    g.place(*disc(sides, 1, 2), g.material("lamp", (0, 0, 0), (radiance,) * 3))
+    g.camera((0, 0.5, 4), (0, 0, 0), 1)
+    return g.save(folder, name)
+
+
+def unlit(folder, name="unlit.gltf"):
+    """Surfaces and no light at all."""
+    g = Gltf()
+    g.place(*icosphere(2), g.material("white", (0.8,) * 3))
+    g.place(*quad((-5, -1, 5), (5, -1, 5), (5, -1, -5), (-5, -1, -5)), g.material("floor", (0.5,) * 3))
+    g.camera((0, 1, 5), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
+def sealed_room(folder, scale=1.0, rotated=0.0, radiance=1e6, name=None):
+    """A closed box around the camera, unlit, with a lamp of great radiance close by outside: exactly 0 within."""
+    g = Gltf()
+    turn = rotation((1, 2, 3), rotated)
+    walls, wall_triangles = box((-1, -1, -1), (1, 1, 1), inward=True)
+    block, block_triangles = box((-0.4, -1, -0.6), (0.1, -0.3, -0.1))
+    lamp, lamp_triangles = quad((1.01, -1, -1), (1.01, -1, 1), (1.01, 1, 1), (1.01, 1, -1))
+    white = g.material("walls", (0.9,) * 3)
+    g.place(transformed(walls, turn, scale), wall_triangles, white)
+    g.place(transformed(block, turn, scale), block_triangles, white)
+    g.place(transformed(lamp, turn, scale), lamp_triangles,
+            g.material("lamp", (0, 0, 0), (radiance,) * 3, both_sides=True))
+    eye, target, up = transformed([(-0.2, 0.1, 0.9), (0.5, -0.1, -1), (0, 1, 0)], turn, scale)
+    g.camera(eye, target, 70, up=up)
+    return g.save(folder, name or "sealed_room_%g_%g.gltf" % (scale, rotated))
+
+
+def textured_quad(folder, name="textured.gltf", **sampler):
+    """A 2 x 2 texture (red green / blue white from the top) on a quad that fills the view, uv (0, 0) at its upper left."""
+    colours = [[(255, 0, 0), (0, 255, 0)], [(0, 0, 255), (255, 255, 255)]]
+    g = Gltf()
+    texture = g.image(png(2, 2, lambda x, y: colours[y][x]), **(sampler or {"magFilter": 9728}))
+    material = g.material("picture", texture=texture)
+    mesh = g.mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [(0, 1, 2), (0, 2, 3)], material,
+                  uvs=[(0, 1), (1, 1), (1, 0), (0, 0)])
+    g.node(mesh=mesh)
+    g.camera((0, 0, 2), (0, 0, 0), 53.13)
+    return g.save(folder, name)
+
+
+def lit_floor(folder, kind, intensity=1.0, albedo=0.5, name=None):
+    """A floor under one punctual light at height 2, straight down: at (0, 0, 0) the pixel is albedo / pi times
+    intensity / 4 (point, spot) or intensity (directional)."""
+    g = Gltf()
+    g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("floor", (albedo,) * 3))
+    g.light(kind, intensity, (0, 2, 0), (0, 0, 0), cone=(math.radians(15), math.radians(30)))
+    g.camera((0, 1, 4), (0, 0, 0), 40)
+    return g.save(folder, name or "%s.gltf" % kind)
+
+
+def _body(g):
+    """A tetrahedron-like body without symmetry, to show which way round things came out."""
+    return [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0.5]], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], g.material("body", (.5,) * 3)
+
+
+def negative_scale(folder, name="negative_scale.gltf"):
+    """One emitting triangle under a mirrored node: its front looks up (+Y) in the world, as in its mesh."""
+    g = Gltf()
+    positions, triangles = [[0, 0, 0], [0, 0, 1], [1, 0, 0]], [(0, 1, 2)]
+    g.place(positions, triangles, g.material("lamp", (0, 0, 0), (1, 1, 1)), scale=[-1, 1, 1], translation=[0, 1, 0])
+    g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("floor", (.5,) * 3))
+    g.camera((0, 2, 5), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
+def hierarchy(folder, name="hierarchy.gltf"):
+    """Three nodes under each other: translate (1, 2, 3), turn 90 degrees about Z, scale by 2. The body's corner (1, 0, 0)
+    comes to (1, 4, 3), its corner (0, 1, 0) to (-1, 2, 3), its corner (0, 0, 0.5) to (1, 2, 4)."""
+    g = Gltf()
+    leaf = g.place(*_body(g), root=False, scale=[2, 2, 2])
+    turn = g.node(root=False, rotation=[0, 0, math.sin(math.pi / 4), math.cos(math.pi / 4)], children=[leaf])
+    g.node(translation=[1, 2, 3], children=[turn])
+    g.camera((0, 3, 12), (0, 3, 0), 40)
+    return g.save(folder, name)
+
+
+def _offset_parts(g, offset, baked):
+    body, triangles, material = _body(g)
+    lamp, lamp_triangles = quad((-1, 3, -1), (1, 3, -1), (1, 3, 1), (-1, 3, 1))
+    glow = g.material("lamp", (0, 0, 0), (4, 4, 4))
+    if baked:
+        g.place(transformed(body, offset=offset), triangles, material)
+        g.place(transformed(lamp, offset=offset), lamp_triangles, glow)
+    else:
+        g.place(body, triangles, material, translation=list(offset))
+        g.place(lamp, lamp_triangles, glow, translation=list(offset))
+    g.camera([0.5 + offset[0], 1 + offset[1], 4 + offset[2]], [0.3 + offset[0], 0.3 + offset[1], offset[2]], 40)
+
+
+def offset_by_node(folder, offset=(1e5, 0, 0), name="offset_node.gltf"):
+    """A small scene moved far away by its nodes: no precision is lost."""
+    g = Gltf()
+    _offset_parts(g, offset, False)
+    return g.save(folder, name)
+
+
+def offset_in_vertices(folder, offset=(1e5, 0, 0), name="offset_vertices.gltf"):
+    """The same with the offset in its vertices: precision is lost in the file, and said."""
+    g = Gltf()
+    _offset_parts(g, offset, True)
+    return g.save(folder, name)
+
+
+CORNELL = [  # name, colour, corners counter-clockwise seen from inside
+    ("floor", (.73, .73, .73), ((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1))),
+    ("ceiling", (.73, .73, .73), ((-1, 2, -1), (1, 2, -1), (1, 2, 1), (-1, 2, 1))),
+    ("back", (.73, .73, .73), ((-1, 0, -1), (1, 0, -1), (1, 2, -1), (-1, 2, -1))),
+    ("left", (.65, .05, .05), ((-1, 0, 1), (-1, 0, -1), (-1, 2, -1), (-1, 2, 1))),
+    ("right", (.12, .45, .15), ((1, 0, -1), (1, 0, 1), (1, 2, 1), (1, 2, -1))),
+]
+
+
+def _cornell_blocks():
+    for low, high, degrees, at in (((-.3, 0, -.3), (.3, .6, .3), 17, (.35, 0, .35)), ((-.3, 0, -.3), (.3, 1.2, .3), -20, (-.35, 0, -.3))):
+        positions, triangles = box(low, high)
+        yield transformed(positions, rotation((0, 1, 0), degrees), offset=at), triangles
+
+
+def cornell(folder, radiance=15.0, name="cornell.gltf"):
+    """A box with two blocks and a lamp below its ceiling."""
+    g = Gltf()
+    for part, colour, corners in CORNELL:
+        g.place(*quad(*corners), g.material(part, colour))
+    white = g.material("blocks", (.73, .73, .73))
+    for block in _cornell_blocks():
+        g.place(*block, white)
+    g.place(*quad((-.25, 1.98, -.25), (.25, 1.98, -.25), (.25, 1.98, .25), (-.25, 1.98, .25)),
+            g.material("lamp", (.78, .78, .78), (radiance,) * 3))
+    g.camera((0, 1, 3.9), (0, 1, 0), 39)
+    return g.save(folder, name)
+
+
+def cornell_obj(folder, radiance=15.0, name="cornell.obj"):
+    """The same as OBJ and MTL."""
+    o = Obj()
+    for part, colour, corners in CORNELL:
+        o.material(part, colour)
+        o.mesh(list(corners), [(0, 1, 2, 3)], part)
+    o.material("blocks", (.73, .73, .73))
+    for positions, triangles in _cornell_blocks():
+        o.mesh(positions, triangles, "blocks")
+    o.material("lamp", (.78, .78, .78), (radiance,) * 3)
+    o.mesh([(-.25, 1.98, -.25), (.25, 1.98, -.25), (.25, 1.98, .25), (-.25, 1.98, .25)], [(0, 1, 2, 3)], "lamp")
+    return o.save(folder, name)
+
+
+def furnace_glb(folder, name="furnace.glb"):
+    """The furnace in a GLB container."""
+    return furnace(folder, name=name)
+
+
+SCENES = {
+    "furnace": furnace,
+    "furnace_glb": furnace_glb,
+    "closed_sphere": closed_sphere,
+    "lamp_over_floor": lamp_over_floor,
+    "disc_lamp": disc_lamp,
+    "unlit": unlit,
+    "sealed_room_small": lambda folder: sealed_room(folder, 1e-3),
+    "sealed_room": sealed_room,
+    "sealed_room_large": lambda folder: sealed_room(folder, 1e3),
+    "sealed_room_turned": lambda folder: sealed_room(folder, 1.0, 30.0),
+    "textured_quad": textured_quad,
+    "point": lambda folder: lit_floor(folder, "point"),
+    "spot": lambda folder: lit_floor(folder, "spot"),
+    "directional": lambda folder: lit_floor(folder, "directional"),
+    "negative_scale": negative_scale,
+    "hierarchy": hierarchy,
+    "offset_by_node": offset_by_node,
+    "offset_in_vertices": offset_in_vertices,
+    "cornell": cornell,
+    "cornell_obj": cornell_obj,
+}
+
+
+def main():
+    if len(sys.argv) < 2 or any(name not in SCENES for name in sys.argv[2:]):
+        sys.exit("usage: make.py FOLDER [NAME...]\nnames: " + " ".join(SCENES))
+    for name in sys.argv[2:] or SCENES:
+        print(SCENES[name](sys.argv[1]))
+
+
+if __name__ == "__main__":
+    main()
