@@ -1,0 +1,116 @@
+"""Pictures for tests: one daemon a test program, rendered through the command line, read back as numpy arrays.
+
+    with Daemon() as daemon:
+        picture = daemon.render("scene.gltf", size=(64, 64), spp=16)     # Picture
+        picture.radiance[y, x]                                           # float32, W/(m2 sr)
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy
+import OpenImageIO as oiio
+
+BUILD = os.environ["CANDIL_BUILD"]
+SOURCE = os.environ["CANDIL_SOURCE"]
+CANDIL = os.path.join(BUILD, "bin", "candil")
+CANDILD = os.path.join(BUILD, "bin", "candild")
+SKIPPED = 77
+EXIT_DEVICE = 5
+
+
+class Failed(Exception):
+    """candil ended with another status than 0."""
+
+    def __init__(self, status, text):
+        super().__init__(f"exit {status}: {text}")
+        self.status = status
+        self.text = text
+
+
+class Picture:
+    """An EXR file as arrays: radiance (h, w, 3), and by name each other channel (h, w)."""
+
+    def __init__(self, path, report):
+        self.report = report
+        image = oiio.ImageInput.open(path)
+        if image is None:
+            raise RuntimeError(oiio.geterror())
+        spec = image.spec()
+        self.metadata = {a.name: a.value for a in spec.extra_attribs}
+        pixels = image.read_image(format=oiio.FLOAT)
+        image.close()
+        pixels = numpy.asarray(pixels, dtype=numpy.float32).reshape(spec.height, spec.width, spec.nchannels)
+        self.channels = {name: pixels[:, :, i] for i, name in enumerate(spec.channelnames)}
+        self.radiance = numpy.stack([self.channels[c] for c in "RGB"], axis=2)
+
+
+class Daemon:
+    def __init__(self, *arguments, environment=None):
+        self.arguments = arguments
+        self.environment = dict(os.environ, **(environment or {}))
+
+    def __enter__(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="candil-")
+        self.socket = os.path.join(self.folder.name, "socket")
+        self.log = open(os.path.join(self.folder.name, "log"), "w+")
+        self.process = subprocess.Popen([CANDILD, "--socket", self.socket, *self.arguments], stderr=self.log,
+                                        stdin=subprocess.DEVNULL, env=self.environment)
+        deadline = time.monotonic() + 60
+        while not os.path.exists(self.socket):
+            if self.process.poll() is not None or time.monotonic() > deadline:
+                raise RuntimeError("candild did not start: " + self.read_log())
+            time.sleep(0.01)
+        return self
+
+    def __exit__(self, kind, value, trace):
+        self.process.terminate()
+        status = self.process.wait(timeout=60)
+        text = self.read_log()
+        if kind is not None:
+            sys.stderr.write(text)
+        self.log.close()
+        self.folder.cleanup()
+        assert status == 0, f"candild ended with {status}: {text}"
+        for word in ("ERROR: AddressSanitizer", "runtime error:", "ERROR: LeakSanitizer"):
+            assert word not in text, text
+
+    def read_log(self):
+        self.log.flush()
+        with open(self.log.name) as f:
+            return f.read()
+
+    def candil(self, *arguments, check=True):
+        """Run the command line against this daemon. Returns (status, standard output, standard error)."""
+        done = subprocess.run([CANDIL, "--connect", self.socket, *arguments], stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=self.environment, timeout=590)
+        out, err = done.stdout.decode(), done.stderr.decode()
+        if done.returncode == EXIT_DEVICE and "no Vulkan" in err:
+            print("skipped:", err)
+            sys.exit(SKIPPED)
+        if check and done.returncode != 0:
+            raise Failed(done.returncode, err)
+        return done.returncode, out, err
+
+    def stats(self):
+        return json.loads(self.candil("stats", "--json")[1])
+
+    def render(self, scene, size=(64, 64), spp=16, camera=None, options=None, arguments=()):
+        """Render to a float EXR. `camera`: a name or ten numbers. `options`: {"pt.depth": 3}."""
+        path = os.path.join(self.folder.name, f"{time.monotonic_ns()}.exr")
+        command = ["render", scene, "-o", path, "--float", "--json", "--size", f"{size[0]}x{size[1]}", "--spp", str(spp)]
+        if camera is not None:
+            command += ["--camera", camera if isinstance(camera, str) else ",".join(repr(float(c)) for c in camera)]
+        for name, value in (options or {}).items():
+            command += ["--set", f"{name}={value}"]
+        _, out, _ = self.candil(*command, *arguments)
+        picture = Picture(path, json.loads(out))
+        os.remove(path)
+        return picture
+
+
+def rel(value, expected):
+    return abs(value / expected - 1)
