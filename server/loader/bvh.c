@@ -13,11 +13,12 @@ struct tree {
 	uint32_t ids[BVH_LEAF_TRIANGLES];
 };
 
+// A child that is not there is a point at infinity: every ray misses it.
 static const struct bvh_node no_children = {
     .min0 = {INFINITY, INFINITY, INFINITY},
-    .max0 = {-INFINITY, -INFINITY, -INFINITY},
+    .max0 = {INFINITY, INFINITY, INFINITY},
     .min1 = {INFINITY, INFINITY, INFINITY},
-    .max1 = {-INFINITY, -INFINITY, -INFINITY},
+    .max1 = {INFINITY, INFINITY, INFINITY},
 };
 
 static void grow_box(float min[3], float max[3], const struct RTCBuildPrimitive *p)
@@ -267,10 +268,12 @@ static enum status build_tiny(const struct RTCBuildPrimitive *primitives, uint32
 	out->depth = 1;
 	for (uint32_t i = 0; i < count; i++)
 		out->order[i] = i;
-	box_of(primitives, half, n->min0, n->max0);
 	n->count0 = half;
-	box_of(primitives + half, count - half, n->min1, n->max1);
 	n->count1 = count - half;
+	if (n->count0 > 0)
+		box_of(primitives, half, n->min0, n->max0);
+	if (n->count1 > 0)
+		box_of(primitives + half, count - half, n->min1, n->max1);
 	n->child1 = n->count1 > 0 ? half : 0;
 	return STATUS_OK;
 }

@@ -30,7 +30,7 @@ enum status gltf_find_json(const struct file_bytes *bytes, struct gltf_text *tex
 	const uint64_t length = le32(b + 8), json = le32(b + 12);
 	if (length > bytes->size)
 		return bad_glb(err, "it is shorter than its header says");
-	if (le32(b + 16) != 0x4E4F534Au || json > length - 20)
+	if (length < 20 || le32(b + 16) != 0x4E4F534Au || json > length - 20)
 		return bad_glb(err, "its JSON chunk does not fit into it");
 	text->json = (const char *)b + 20;
 	text->json_bytes = (size_t)json;

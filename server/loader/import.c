@@ -212,11 +212,15 @@ void import_warn(struct import *im, const char *format, ...)
 	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
-	if (im->info->warnings_count == LIMIT_WARNINGS) {
+	char clean[sizeof im->info->warnings[0]];
+	import_clean_text(clean, sizeof clean, text);
+	for (pb_size_t i = 0; i < im->info->warnings_count; i++)
+		if (strcmp(im->info->warnings[i], clean) == 0)
+			return;
+	if (im->info->warnings_count == LIMIT_WARNINGS)
 		im->info->warnings_more++;
-		return;
-	}
-	import_clean_text(im->info->warnings[im->info->warnings_count++], sizeof im->info->warnings[0], text);
+	else
+		memcpy(im->info->warnings[im->info->warnings_count++], clean, sizeof clean);
 }
 
 void import_ignore(struct import *im, const char *feature)

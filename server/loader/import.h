@@ -79,7 +79,7 @@ enum status import_texture(struct import *import, const char *key, const uint8_t
 bool import_knows_image(const struct import *import, const char *key);
 enum status import_missing_image(struct import *import, const char *key, const char *why, struct error *err);
 
-// A sentence for `describe`. The 33rd and later are only counted.
+// A sentence for `describe`, once. The 33rd and later are only counted.
 void import_warn(struct import *import, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 // A feature of the file that the renderer leaves out, by name, once.

@@ -90,7 +90,9 @@ static void warn_undefined(struct obj_files *files, const struct aiScene *scene)
 		aiGetMaterialString(scene->mMaterials[i], AI_MATKEY_NAME, &name);
 		for (unsigned k = 0; k < scene->mNumMeshes && !used; k++)
 			used = scene->mMeshes[k]->mMaterialIndex == i;
-		if (used && !mtl_notes_find(&files->notes, name.data))
+		if (used && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)
+			import_warn(files->import, "surfaces without a material are taken as grey");
+		else if (used && !mtl_notes_find(&files->notes, name.data))
 			import_warn(files->import, "material '%.60s' is not defined by an MTL file and is taken as grey",
 				    name.data);
 	}

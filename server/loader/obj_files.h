@@ -13,6 +13,7 @@ struct obj_files {
 	const char *name; // the scene file …
 	const struct file_bytes *bytes; // … and its content
 	struct mtl_notes notes;
+	bool library_missing;
 	struct error failure; // of an MTL: limit or memory; else OK
 };
 

@@ -90,7 +90,7 @@ enum status blob_check(const void *blob, size_t bytes, struct error *err);
 
 // Elements of a section of a checked blob. Nodes are numbered depth first (a node, its first child's tree, its second
 // child's tree) and leaf triangles in the order of their leaves. A child that is not there (a scene of one triangle, or of
-// none, has a single node with such) has an empty box, child 0 and count 0.
+// none, has a single node with such) is a point at infinity (min = max = +inf), child 0 and count 0.
 const void *blob_section(const struct blob_header *blob, enum blob_section section);
 uint32_t blob_count(const struct blob_header *blob, enum blob_section section);
 

@@ -141,7 +141,7 @@ struct walk {
 static bool box_is_empty(const float min[3], const float max[3])
 {
 	for (int i = 0; i < 3; i++)
-		if (!(isinf(min[i]) && min[i] > 0 && isinf(max[i]) && max[i] < 0))
+		if (!(isinf(min[i]) && min[i] > 0 && isinf(max[i]) && max[i] > 0))
 			return false;
 	return true;
 }
