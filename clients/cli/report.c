@@ -8,6 +8,18 @@ static bool is_simulated(const struct candil_effect_report *effect)
 	return effect->state == CANDIL_EFFECT_SIMULATED || effect->state == CANDIL_EFFECT_FORCED;
 }
 
+// Whether the daemon told of every source of light that it is left out.
+static bool is_unlit(const struct candil_accepted *accepted)
+{
+	const uint32_t sources = 1u << CANDIL_EFFECT_EMITTERS | 1u << CANDIL_EFFECT_LIGHTS | 1u << CANDIL_EFFECT_ENVIRONMENT;
+	uint32_t left_out = 0;
+	for (uint32_t i = 0; i < accepted->plan_count; i++) {
+		if (!is_simulated(&accepted->plan[i]) && (uint32_t)accepted->plan[i].effect < CANDIL_EFFECT_COUNT)
+			left_out |= 1u << accepted->plan[i].effect;
+	}
+	return (left_out & sources) == sources;
+}
+
 static void print_effects(const struct candil_accepted *accepted, bool simulated, FILE *stream)
 {
 	const char *separator = simulated ? "simulated  " : "left out   ";
@@ -59,8 +71,10 @@ void report_print(const struct report *r, FILE *stream)
 			"%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,0,1,0,%g)\n",
 			request->eye.x, request->eye.y, request->eye.z, request->target.x, request->target.y,
 			request->target.z, request->vfov_degrees);
+	if (is_unlit(&r->accepted))
+		fputs("light      nothing gives any, so all is black; --background 1,1,1 would\n", stream);
 	if (r->scene->warning_count > 0)
-		fprintf(stream, "scene      %" PRIu32 " warnings; see candil describe\n",
+		fprintf(stream, "warnings   %" PRIu32 " about the scene; see candil describe\n",
 			r->scene->warning_count + r->scene->warnings_more);
 }
 

@@ -169,7 +169,9 @@ void target_close(struct target *target)
 	if (target->client && target->temporary && !target->private_daemon) {
 		struct candil_error error;
 		candil_set_timeout(target->client, ANSWER_MS);
-		if (candil_unload(target->client, target->scene, &error) != CANDIL_STATUS_OK)
+		candil_status status = candil_unload(target->client, target->scene, &error);
+		// With the daemon gone, the scene is too.
+		if (status != CANDIL_STATUS_OK && status != CANDIL_STATUS_IO && status != CANDIL_STATUS_SHUTTING_DOWN)
 			fprintf(stderr, "candil: the scene %s stays loaded: %s\n", target->scene, error.text);
 	}
 	candil_disconnect(target->client);

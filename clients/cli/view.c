@@ -4,28 +4,49 @@
 
 static const double pi = 3.14159265358979323846;
 static const double vfov_degrees = 40.0;
+static const double margin = 1.04;
+
+static double dot(const struct candil_vec3 *a, const struct candil_vec3 *b)
+{
+	return a->x * b->x + a->y * b->y + a->z * b->z;
+}
+
+// How far from the centre the eye must be, on the side `back`, to have the eight corners of a box in view.
+static double fitting_distance(const struct candil_vec3 *half, const struct candil_vec3 *right, const struct candil_vec3 *up,
+			       const struct candil_vec3 *back, double tan_h, double tan_v)
+{
+	double distance = 0.0;
+	for (int i = 0; i < 8; i++) {
+		struct candil_vec3 corner = {i & 1 ? half->x : -half->x, i & 2 ? half->y : -half->y,
+					     i & 4 ? half->z : -half->z};
+		double sideways = fmax(fabs(dot(&corner, right)) / tan_h, fabs(dot(&corner, up)) / tan_v);
+		distance = fmax(distance, dot(&corner, back) + margin * sideways);
+	}
+	return distance;
+}
 
 void view_frame_bounds(const struct candil_scene_info *scene, struct candil_render_request *request)
 {
 	const struct candil_vec3 *low = &scene->bounds_min, *high = &scene->bounds_max;
-	double w = high->x - low->x, h = high->y - low->y, d = high->z - low->z;
-	double radius = 0.5 * sqrt(w * w + h * h + d * d);
-	struct candil_vec3 centre = {low->x + 0.5 * w, low->y + 0.5 * h, low->z + 0.5 * d};
-	if (!isfinite(radius) || radius <= 0.0) {
-		radius = 1.0;
-		if (!isfinite(centre.x) || !isfinite(centre.y) || !isfinite(centre.z))
-			centre = (struct candil_vec3){0, 0, 0};
-		w = h = d = 1.0;
+	struct candil_vec3 half = {0.5 * (high->x - low->x), 0.5 * (high->y - low->y), 0.5 * (high->z - low->z)};
+	struct candil_vec3 centre = {low->x + half.x, low->y + half.y, low->z + half.z};
+	double size = half.x + half.y + half.z;
+	if (!isfinite(size) || size <= 0.0 || !isfinite(centre.x + centre.y + centre.z)) {
+		half = (struct candil_vec3){1, 1, 1};
+		centre = (struct candil_vec3){0, 0, 0};
 	}
 	// A floor seen from its own height would be a line: up to 35 degrees above it. A wall along Z: from its side.
-	double elevation = 35.0 * (1.0 - fmin(1.0, 2.0 * h / fmax(w, d))) * pi / 180.0;
-	double azimuth = w < 0.1 * d ? 60.0 * pi / 180.0 : 0.0;
-	double half_v = 0.5 * vfov_degrees * pi / 180.0;
-	double half_h = atan(tan(half_v) * (double)request->width / (double)request->height);
-	double distance = 1.02 * radius / sin(fmin(half_v, half_h));
-	request->eye.x = centre.x + distance * cos(elevation) * sin(azimuth);
-	request->eye.y = centre.y + distance * sin(elevation);
-	request->eye.z = centre.z + distance * cos(elevation) * cos(azimuth);
+	double elevation = 35.0 * (1.0 - fmin(1.0, 2.0 * half.y / fmax(half.x, half.z))) * pi / 180.0;
+	double azimuth = half.x < 0.1 * half.z ? 60.0 * pi / 180.0 : 0.0;
+	const struct candil_vec3 back = {cos(elevation) * sin(azimuth), sin(elevation), cos(elevation) * cos(azimuth)};
+	const struct candil_vec3 right = {cos(azimuth), 0, -sin(azimuth)};
+	const struct candil_vec3 up = {-sin(elevation) * sin(azimuth), cos(elevation), -sin(elevation) * cos(azimuth)};
+	double tan_v = tan(0.5 * vfov_degrees * pi / 180.0);
+	double tan_h = tan_v * (double)request->width / (double)request->height;
+	double distance = fitting_distance(&half, &right, &up, &back, tan_h, tan_v);
+	request->eye.x = centre.x + distance * back.x;
+	request->eye.y = centre.y + distance * back.y;
+	request->eye.z = centre.z + distance * back.z;
 	request->target = centre;
 	request->up = (struct candil_vec3){0, 1, 0};
 	request->vfov_degrees = vfov_degrees;
