@@ -1,0 +1,17 @@
+// What the stand-ins for candil-worker and candil-loader share: they speak ipc.h, need no device and do as they are told, so
+// that the front's behaviour can be tested to the message.
+#ifndef CANDIL_TESTS_FAKE_H
+#define CANDIL_TESTS_FAKE_H
+
+#include <stdbool.h>
+
+// A number of the environment, or `otherwise`.
+unsigned long fake_number(const char *name, unsigned long otherwise);
+
+// Is any descriptor open but those up to `last`?
+bool fake_inherited(int last);
+
+// A sealed memfd of `bytes`: byte i is (i * 31 + seed) modulo 256. Ends the program on failure.
+int fake_memfd(unsigned long bytes, unsigned seed, bool seal);
+
+#endif

@@ -1,0 +1,220 @@
+// Stands in for candil-worker. A job takes one step a sample; its image is width × height bytes, byte i being
+// (i * 31 + seed) modulo 256. The environment says what goes wrong:
+//   FAKE_DIE_STEP=K    be killed on receiving the K-th STEP of this process, FAKE_DIE_TIMES (default 1) times over all
+//   FAKE_STATE=DIR     where those times are counted
+//   FAKE_STEP_US=N     a step takes so long (default 200)
+//   FAKE_MEMORY_JOBS=N there is memory for N jobs
+//   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
+//   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
+//   FAKE_OTHER_BUILD   be of another build
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "server/base/ipc.h"
+#include "server/base/memfd.h"
+#include "tests/daemon/fake.h"
+
+#define MAX 512
+
+struct job {
+	uint32_t id; // 0: free
+	candil_Render render;
+	uint32_t samples;
+};
+
+static struct job jobs[MAX];
+static uint64_t scenes[MAX];
+static unsigned long steps;
+
+static void answer(const void *message, size_t bytes, int fd)
+{
+	if (ipc_send(IPC_FD, message, bytes, fd, NULL) != STATUS_OK)
+		exit(0);
+}
+
+static struct job *find(uint32_t id)
+{
+	for (int i = 0; i < MAX; i++)
+		if (jobs[i].id == id)
+			return &jobs[i];
+	return NULL;
+}
+
+static unsigned long active(void)
+{
+	unsigned long count = 0;
+	for (int i = 0; i < MAX; i++)
+		count += jobs[i].id != 0;
+	return count;
+}
+
+static uint64_t *find_scene(uint64_t id)
+{
+	for (int i = 0; i < MAX; i++)
+		if (scenes[i] == id)
+			return &scenes[i];
+	return NULL;
+}
+
+static void on_scene(const struct ipc_scene *message, int fd)
+{
+	const void *map;
+	size_t bytes;
+	if (memfd_map_sealed(fd, &map, &bytes, NULL) != STATUS_OK)
+		exit(7);
+	munmap((void *)(uintptr_t)map, bytes);
+	*find_scene(0) = message->scene;
+}
+
+static void on_forget(const struct ipc_scene *message)
+{
+	uint64_t *scene = find_scene(message->scene);
+	if (!scene)
+		exit(6);
+	*scene = 0;
+}
+
+static void on_begin(const struct ipc_begin *message)
+{
+	struct ipc_begun begun = {.head = {.op = IPC_BEGUN, .job = message->head.job}};
+	if (getenv("FAKE_NO_DEVICE"))
+		error_set(&begun.error, STATUS_DEVICE, "there is no device");
+	else if (!find_scene(message->scene))
+		error_set(&begun.error, STATUS_INTERNAL, "the worker does not have the scene");
+	else if (active() >= fake_number("FAKE_MEMORY_JOBS", MAX - 1))
+		error_set(&begun.error, STATUS_MEMORY, "the device's memory is full");
+	if (begun.error.code == STATUS_OK) {
+		*find(0) = (struct job){.id = message->head.job, .render = message->render};
+		begun.accepted.technique = candil_Technique_TECHNIQUE_PT;
+		begun.accepted.samples = message->render.samples;
+		snprintf(begun.accepted.device, sizeof begun.accepted.device, "fake");
+	}
+	answer(&begun, sizeof begun, -1);
+}
+
+// One of the deaths that are due, counted over all workers by files.
+static bool death_is_due(void)
+{
+	char path[4096];
+	unsigned long times = fake_number("FAKE_DIE_TIMES", 1);
+	if (steps != fake_number("FAKE_DIE_STEP", 0))
+		return false;
+	for (unsigned long i = 0; i < times; i++) {
+		snprintf(path, sizeof path, "%s/death.%lu", getenv("FAKE_STATE"), i);
+		int fd = open(path, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
+		if (fd >= 0) {
+			close(fd);
+			return true;
+		}
+	}
+	return false;
+}
+
+static void on_step(const struct ipc_step *message)
+{
+	struct ipc_stepped stepped = {.head = {.op = IPC_STEPPED, .job = message->head.job}};
+	struct job *job = find(message->head.job);
+	steps++;
+	if (death_is_due())
+		raise(SIGKILL);
+	unsigned long us = fake_number("FAKE_STEP_US", 200);
+	usleep((useconds_t)us);
+	if (!job) {
+		error_set(&stepped.error, STATUS_INTERNAL, "no such job");
+	} else {
+		job->samples++;
+		stepped.samples_done = job->samples;
+		stepped.finished = job->samples == job->render.samples;
+		stepped.fraction = (double)job->samples / job->render.samples;
+		stepped.device_us = us;
+		stepped.device_bytes = active() * 1000;
+		if (getenv("FAKE_FAIL_STEP"))
+			error_set(&stepped.error, STATUS_DEVICE, "the device was lost");
+	}
+	answer(&stepped, sizeof stepped, -1);
+}
+
+static void on_read(const struct ipc_read *message)
+{
+	struct ipc_image image = {.head = {.op = IPC_IMAGE, .job = message->head.job}};
+	struct job *job = find(message->head.job);
+	int fd = -1;
+	image.frame.final = message->final != 0;
+	if (!job || getenv("FAKE_FAIL_IMAGE")) {
+		error_set(&image.error, STATUS_ENCODE, "the image could not be encoded");
+	} else {
+		image.frame.width = job->render.width;
+		image.frame.height = job->render.height;
+		image.frame.format = job->render.format;
+		image.frame.samples = job->samples;
+		image.frame.bytes = (uint64_t)job->render.width * job->render.height;
+		image.done.samples = job->samples;
+		image.done.stages_count = 1;
+		snprintf(image.done.stages[0].name, sizeof image.done.stages[0].name, "trace");
+		snprintf(image.done.device, sizeof image.done.device, "fake");
+		fd = fake_memfd(image.frame.bytes, (unsigned)job->render.seed, true);
+	}
+	answer(&image, sizeof image, fd);
+	if (fd >= 0)
+		close(fd);
+}
+
+static void on_message(const void *message, int fd)
+{
+	const struct ipc_head *head = message;
+	struct job *job;
+	switch ((enum ipc_op)head->op) {
+	case IPC_SCENE:
+		on_scene(message, fd);
+		return;
+	case IPC_FORGET:
+		on_forget(message);
+		return;
+	case IPC_BEGIN:
+		on_begin(message);
+		return;
+	case IPC_STEP:
+		on_step(message);
+		return;
+	case IPC_READ:
+		on_read(message);
+		return;
+	case IPC_END:
+		job = find(head->job);
+		if (job)
+			job->id = 0;
+		return;
+	default:
+		exit(5);
+	}
+}
+
+int main(void)
+{
+	static union {
+		uint64_t align;
+		uint8_t space[IPC_MAX_BYTES];
+	} inbox;
+	if (getenv("FAKE_EXIT"))
+		return 3;
+	struct ipc_ready ready = {.head = {.op = IPC_READY}};
+	snprintf(ready.build, sizeof ready.build, "%s", getenv("FAKE_OTHER_BUILD") ? "0.0" : ipc_build());
+	snprintf(ready.device, sizeof ready.device, "%s", fake_inherited(IPC_FD) ? "inherited descriptors" : "fake");
+	if (getenv("FAKE_NO_DEVICE"))
+		error_set(&ready.error, STATUS_DEVICE, "there is no device");
+	answer(&ready, sizeof ready, -1);
+	for (;;) {
+		size_t bytes;
+		int fd;
+		if (ipc_receive(IPC_FD, &inbox, sizeof inbox, &bytes, &fd, NULL) != STATUS_OK || bytes == 0)
+			return 0;
+		on_message(&inbox, fd);
+		if (fd >= 0)
+			close(fd);
+	}
+}

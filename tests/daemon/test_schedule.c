@@ -1,0 +1,139 @@
+// Whose slice is next: small before large, turns among equals, nobody starved.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "server/front/schedule.h"
+
+#define SLICE_US 50000u
+
+static void a_small_job_does_not_wait_for_a_large_one(void **state)
+{
+	struct turn large = {.attained_us = 60u * 60u * 1000000u}, small = {0};
+	struct turn *turns[] = {&large, &small};
+	uint64_t clock = 0;
+	(void)state;
+	for (int i = 0; i < 8; i++) {
+		assert_int_equal(schedule_pick(turns, 2, &clock), 1);
+		schedule_charge(&small, SLICE_US);
+	}
+}
+
+static void equals_take_turns(void **state)
+{
+	struct turn a = {0}, b = {0}, c = {0};
+	struct turn *turns[] = {&a, &b, &c};
+	uint64_t clock = 0;
+	unsigned had[3] = {0};
+	(void)state;
+	for (int i = 0; i < 300; i++) {
+		size_t picked = schedule_pick(turns, 3, &clock);
+		schedule_charge(turns[picked], SLICE_US);
+		had[picked]++;
+	}
+	for (int i = 0; i < 3; i++)
+		assert_int_equal(had[i], 100);
+}
+
+static void an_hour_does_not_wait_for_a_minute_to_catch_up(void **state)
+{
+	struct turn hour = {.attained_us = 3600000000u}, minute = {.attained_us = 60000000u};
+	struct turn *turns[] = {&hour, &minute};
+	uint64_t clock = 0;
+	unsigned had[2] = {0};
+	(void)state;
+	for (int i = 0; i < 100; i++) {
+		size_t picked = schedule_pick(turns, 2, &clock);
+		schedule_charge(turns[picked], SLICE_US);
+		had[picked]++;
+	}
+	assert_int_equal(had[0], 50);
+	assert_int_equal(had[1], 50);
+}
+
+// A new small job comes with every slice, for ever: the large one still gets its share.
+static void a_stream_of_small_jobs_starves_nobody(void **state)
+{
+	struct turn large = {.attained_us = 10000000};
+	uint64_t clock = 0;
+	unsigned served = 0, longest = 0, waited = 0;
+	(void)state;
+	for (int i = 0; i < 1000; i++) {
+		struct turn fresh = {0};
+		struct turn *turns[] = {&fresh, &large};
+		if (schedule_pick(turns, 2, &clock) == 1) {
+			schedule_charge(&large, SLICE_US);
+			served++;
+			waited = 0;
+		} else if (++waited > longest) {
+			longest = waited;
+		}
+	}
+	assert_true(longest <= SCHEDULE_PATIENCE);
+	assert_int_equal(served, 1000 / (SCHEDULE_PATIENCE + 1));
+}
+
+// Many that starve at once are served in the order in which they were left.
+static void the_starving_are_served_in_order(void **state)
+{
+	struct turn jobs[20] = {{0}};
+	struct turn *turns[20];
+	uint64_t clock = 0;
+	unsigned had[20] = {0};
+	(void)state;
+	for (int i = 0; i < 20; i++) {
+		turns[i] = &jobs[i];
+		jobs[i].attained_us = (uint64_t)i * 1000000000u;
+	}
+	for (int i = 0; i < 2000; i++) {
+		size_t picked = schedule_pick(turns, 20, &clock);
+		schedule_charge(turns[picked], SLICE_US);
+		had[picked]++;
+	}
+	for (int i = 0; i < 20; i++)
+		assert_true(had[i] >= 80);
+}
+
+static void the_same_calls_give_the_same_answers(void **state)
+{
+	size_t first[200];
+	(void)state;
+	for (int run = 0; run < 2; run++) {
+		struct turn a = {0}, b = {.attained_us = 300000}, c = {.attained_us = 5000000};
+		struct turn *turns[] = {&a, &b, &c};
+		uint64_t clock = 0;
+		for (int i = 0; i < 200; i++) {
+			size_t picked = schedule_pick(turns, 3, &clock);
+			schedule_charge(turns[picked], SLICE_US);
+			if (run == 0)
+				first[i] = picked;
+			else
+				assert_int_equal(picked, first[i]);
+		}
+	}
+}
+
+static void time_does_not_wrap(void **state)
+{
+	struct turn turn = {.attained_us = UINT64_MAX - 1};
+	(void)state;
+	schedule_charge(&turn, SLICE_US);
+	assert_true(turn.attained_us == UINT64_MAX);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(a_small_job_does_not_wait_for_a_large_one),
+	    cmocka_unit_test(equals_take_turns),
+	    cmocka_unit_test(an_hour_does_not_wait_for_a_minute_to_catch_up),
+	    cmocka_unit_test(a_stream_of_small_jobs_starves_nobody),
+	    cmocka_unit_test(the_starving_are_served_in_order),
+	    cmocka_unit_test(the_same_calls_give_the_same_answers),
+	    cmocka_unit_test(time_does_not_wrap),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,71 @@
+// UTF-8 as the standard has it: what is refused in names is replaced in others' sentences.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <string.h>
+
+#include "server/front/text.h"
+
+static const char *const unclean[] = {
+    "\x01",
+    "a\nb",
+    "\x1B[2J",
+    "\x7F",
+    "\x80", // a continuation without a beginning
+    "\xC3", // cut short
+    "\xC0\x80", // overlong zero
+    "\xE0\x80\xAF", // overlong '/'
+    "\xED\xA0\x80", // a surrogate
+    "\xF4\x90\x80\x80", // past the last code point
+    "\xF8\x88\x80\x80\x80",
+    "\xC2\x9B", // a control character of the second page
+};
+
+static void unclean_text_is_found_and_mended(void **state)
+{
+	(void)state;
+	for (size_t i = 0; i < sizeof unclean / sizeof *unclean; i++) {
+		char copy[16];
+		assert_false(text_is_clean(unclean[i]));
+		assert_false(text_is_name(unclean[i]));
+		strcpy(copy, unclean[i]);
+		text_clean(copy, sizeof copy);
+		assert_true(text_is_clean(copy));
+		assert_int_equal(strlen(copy), strlen(unclean[i]));
+	}
+}
+
+static void clean_text_is_left_alone(void **state)
+{
+	const char *const clean[] = {"", "box", "l\xC3\xA1mpara", "\xE2\x82\xAC", "\xF0\x9F\x8E\xA8", "\xF4\x8F\xBF\xBF"};
+	(void)state;
+	for (size_t i = 0; i < sizeof clean / sizeof *clean; i++) {
+		char copy[16];
+		assert_true(text_is_clean(clean[i]));
+		strcpy(copy, clean[i]);
+		text_clean(copy, sizeof copy);
+		assert_string_equal(copy, clean[i]);
+	}
+}
+
+static void a_missing_end_is_set(void **state)
+{
+	char text[4] = {'a', 'b', (char)0xC3, (char)0xA1};
+	(void)state;
+	text_clean(text, sizeof text);
+	assert_string_equal(text, "ab?");
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(unclean_text_is_found_and_mended),
+	    cmocka_unit_test(clean_text_is_left_alone),
+	    cmocka_unit_test(a_missing_end_is_set),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
