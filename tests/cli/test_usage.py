@@ -1,0 +1,118 @@
+"""The command line where no daemon, no device and no scene is needed: help, usage, outputs, exit codes."""
+import json
+import os
+import tempfile
+import unittest
+
+from common import CANDIL, environment, run, write_scene
+
+COMMANDS = ["ping", "doctor", "load", "unload", "scenes", "describe", "render", "compare", "stats"]
+
+
+class Usage(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.env = environment(self.folder.name)
+
+    def candil(self, *arguments):
+        return run(CANDIL, *arguments, env=self.env, cwd=self.folder.name)
+
+    def refused(self, code, *arguments):
+        result = self.candil(*arguments)
+        self.assertEqual(result.returncode, code, (arguments, result))
+        self.assertIn("candil", result.stderr)
+        return result
+
+    def test_every_command_explains_itself(self):
+        top = self.candil("--help")
+        self.assertEqual(top.returncode, 0)
+        for command in COMMANDS:
+            self.assertIn(command, top.stdout)
+            result = self.candil(command, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertTrue(result.stdout.startswith(f"Usage: candil {command}"), result.stdout)
+            self.assertIn("--json", result.stdout)
+            self.assertEqual(result.stderr, "")
+        for code in range(10):
+            self.assertIn(f"\n  {code}  ", top.stdout)
+        self.assertRegex(self.candil("--version").stdout, r"^candil \d+\.\d+\.\d+\n$")
+
+    def test_wrong_command_lines(self):
+        self.refused(2)
+        self.refused(2, "no-such-command")
+        self.refused(2, "--no-such-option", "ping")
+        self.refused(2, "ping", "one-too-many")
+        self.refused(2, "unload")
+        self.refused(2, "load", "a.gltf", "--up", "x")
+        self.refused(2, "load", "a.gltf", "--unit", "0")
+        self.refused(2, "render")
+        self.refused(2, "render", "a.gltf")
+        self.refused(2, "render", "-o", "a.png")
+        self.refused(2, "render", "a.gltf", "-o", "a.jpg")
+        for wrong in (["--size", "0x5"], ["--size", "5"], ["--size", "5x5x5"], ["--size", "-5x5"], ["--spp", "0"],
+                      ["--spp", "1e3"], ["--spp", "4294967296"], ["--seed", "x"], ["--camera", "1,2,3"], ["--camera", ""],
+                      ["--camera", "0,0,nan,0,0,0,0,1,0,40"], ["--background", "1,1"], ["--background", "1,1,inf"],
+                      ["--effects", "shiny"], ["--effects", "+shiny"], ["--technique", "magic"], ["--view", "pretty"],
+                      ["--exposure", "bright"], ["--set", "pt.depth"], ["--set", "=1"], ["--set", "pt.depth="],
+                      ["--aov", "id"], ["--half"], ["--format", "jpg"]):
+            self.refused(2, "render", "a.gltf", "-o", "a.png", *wrong)
+        for wrong in (["--aov", "colour"], ["--exposure", "1"], ["--view", "filmic"], ["--half", "--float"]):
+            self.refused(2, "render", "a.gltf", "-o", "a.exr", *wrong)
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_nobody_to_connect_to(self):
+        for command in (["ping"], ["stats"], ["scenes"], ["unload", "x"], ["describe", "x"],
+                        ["render", "x", "-o", "x.png"]):
+            self.refused(3, "--connect", "nobody.sock", *command)
+            self.refused(3, *command)
+            answer = json.loads(self.candil(*command, "--json").stdout)
+            self.assertEqual(answer["error"]["name"], "connect")
+            self.assertEqual(answer["exit"], 3)
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_missing_file_is_a_scene_error(self):
+        self.refused(4, "render", "missing.gltf", "-o", "x.png")
+        self.refused(4, "render", "./missing", "-o", "x.png")
+        self.refused(4, "describe", "missing.gltf")
+
+    def test_output_is_tried_before_anything_else(self):
+        scene = write_scene(self.folder.name)
+        before = sorted(os.listdir(self.folder.name))
+        # With --connect to nobody, 3 would come next.
+        self.refused(1, "--connect", "nobody.sock", "render", scene, "-o", "no/such/folder/x.png")
+        self.refused(1, "--connect", "nobody.sock", "render", scene, "-o", self.folder.name, "--format", "png")
+        answer = json.loads(self.candil("render", scene, "-o", "no/such/folder/x.png", "--json").stdout)
+        self.assertEqual(answer["exit"], 1)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), before)
+
+    def test_doctor_says_what_it_found(self):
+        result = self.candil("doctor", "--json")
+        found = json.loads(result.stdout)
+        self.assertEqual(result.returncode, 0 if found["ok"] else 5)
+        self.assertFalse(found["daemon"]["reachable"])
+        programs = {p["name"]: p for p in found["programs"]}
+        for name in ("candild", "candil-loader", "candil-worker", "candil-compare"):
+            self.assertTrue(programs[name]["works"], programs[name])
+        self.assertTrue(found["kernel"]["memfd_sealing"])
+        self.assertIn("worker", found)
+        text = self.candil("doctor")
+        self.assertEqual(text.returncode, result.returncode)
+        self.assertIn("A render can", text.stdout)
+
+    def test_doctor_names_what_is_missing(self):
+        # A candil alone, without its family.
+        lonely = os.path.join(self.folder.name, "bin")
+        os.mkdir(lonely)
+        with open(CANDIL, "rb") as source, open(os.path.join(lonely, "candil"), "wb") as copy:
+            copy.write(source.read())
+        os.chmod(os.path.join(lonely, "candil"), 0o755)
+        result = run(os.path.join(lonely, "candil"), "doctor", "--json", env=dict(self.env, PATH=lonely))
+        self.assertEqual(result.returncode, 5, result)
+        found = json.loads(result.stdout)
+        self.assertFalse(found["ok"])
+        self.assertEqual([p["works"] for p in found["programs"]], [False] * 4)
+
+
+if __name__ == "__main__":
+    unittest.main()
