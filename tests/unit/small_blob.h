@@ -1,0 +1,105 @@
+// A small sound blob in memory, for tests that then break it.
+#ifndef CANDIL_TESTS_SMALL_BLOB_H
+#define CANDIL_TESTS_SMALL_BLOB_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "server/scene/blob.h"
+
+#define SMALL_BLOB_ROOM 65536u
+
+struct small_blob {
+	_Alignas(BLOB_ALIGN) unsigned char bytes[SMALL_BLOB_ROOM];
+};
+
+static inline struct blob_header *small_header(struct small_blob *b)
+{
+	return (struct blob_header *)(void *)b->bytes;
+}
+
+static inline void *small_section(struct small_blob *b, enum blob_section s)
+{
+	return b->bytes + small_header(b)->sections[s].offset;
+}
+
+static inline void small_box(float min[3], float max[3], float x0, float x1)
+{
+	for (int c = 0; c < 3; c++) {
+		min[c] = c == 0 ? x0 : 0;
+		max[c] = c == 0 ? x1 : c == 1 ? 1.0f : 0;
+	}
+}
+
+// Four triangles side by side along x, three nodes, two materials, a texture, two emitters, a light of each kind, a camera.
+static inline void small_make(struct small_blob *b)
+{
+	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2};
+	struct blob_header *h = small_header(b);
+	uint64_t end = (sizeof *h + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
+	memset(b, 0, sizeof *b);
+	h->magic = BLOB_MAGIC;
+	h->format = BLOB_FORMAT;
+	h->header_bytes = sizeof *h;
+	for (unsigned s = 0; s < BLOB_SECTIONS; s++) {
+		h->sections[s] = (struct blob_range){end, counts[s]};
+		end += (counts[s] * blob_stride((enum blob_section)s) + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
+	}
+	h->total_bytes = end;
+	h->bvh_depth = 2;
+
+	struct vertex *v = small_section(b, BLOB_VERTICES);
+	struct triangle *t = small_section(b, BLOB_TRIANGLES);
+	struct leaf_triangle *l = small_section(b, BLOB_LEAF_TRIANGLES);
+	for (uint32_t i = 0; i < 4; i++) {
+		for (uint32_t k = 0; k < 3; k++) {
+			v[i * 3 + k].position[0] = (float)i + (k == 1 ? 0.5f : 0);
+			v[i * 3 + k].position[1] = k == 2 ? 1.0f : 0;
+			t[i].vertex[k] = i * 3 + k;
+		}
+		t[i].material = i / 2;
+		l[i].id = i;
+		l[i].material = i / 2;
+		memcpy(l[i].v0, v[i * 3].position, sizeof l[i].v0);
+		memcpy(l[i].v1, v[i * 3 + 1].position, sizeof l[i].v1);
+		memcpy(l[i].v2, v[i * 3 + 2].position, sizeof l[i].v2);
+	}
+	struct bvh_node *n = small_section(b, BLOB_NODES);
+	small_box(n[0].min0, n[0].max0, 0, 1.5f);
+	small_box(n[0].min1, n[0].max1, 2, 3.5f);
+	n[0].child0 = 1;
+	n[0].child1 = 2;
+	for (uint32_t i = 0; i < 2; i++) {
+		const float x = (float)i * 2;
+		small_box(n[1 + i].min0, n[1 + i].max0, x, x + 0.5f);
+		small_box(n[1 + i].min1, n[1 + i].max1, x + 1, x + 1.5f);
+		n[1 + i].child0 = i * 2;
+		n[1 + i].child1 = i * 2 + 1;
+		n[1 + i].count0 = n[1 + i].count1 = 1;
+	}
+	struct material *m = small_section(b, BLOB_MATERIALS);
+	m[0] = (struct material){.albedo = {.5f, .5f, .5f}, .emission_texture = NONE};
+	m[1] = (struct material){
+	    .emission = {1, 1, 1}, .albedo_texture = NONE, .emission_texture = NONE, .power_density = 3.14f};
+	struct texture_info *texture = small_section(b, BLOB_TEXTURES);
+	texture[0] = (struct texture_info){0, 3, 2, TEXTURE_SRGB};
+	struct emitter *e = small_section(b, BLOB_EMITTERS);
+	e[0] = (struct emitter){2, 1, 0, .5f};
+	e[1] = (struct emitter){3, 1, 1, .5f};
+	struct punctual_light *p = small_section(b, BLOB_LIGHTS);
+	for (uint32_t i = 0; i < 3; i++)
+		p[i] = (struct punctual_light){.kind = i,
+					       .direction = {0, 0, 1},
+					       .intensity = {1, 1, 1},
+					       .cos_inner = 1,
+					       .keep = 1,
+					       .alias = i,
+					       .pmf = .33f};
+	struct blob_camera *c = small_section(b, BLOB_CAMERAS);
+	c[0] = (struct blob_camera){.name = "camera", .forward = {0, 0, -1}, .up = {0, 1, 0}, .vfov_degrees = 40};
+	h->bounds_max[0] = 3.5f;
+	h->bounds_max[1] = 1;
+}
+
+#endif

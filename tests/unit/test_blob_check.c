@@ -1,0 +1,195 @@
+// blob_check takes a sound blob, and refuses it after any one thing in it was broken.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "tests/unit/small_blob.h"
+
+static struct small_blob blob;
+
+#define SECTION(type, section) ((struct type *)small_section(&blob, section))
+
+static int fresh(void **state)
+{
+	(void)state;
+	small_make(&blob);
+	return 0;
+}
+
+static enum status check(void)
+{
+	return blob_check(&blob, small_header(&blob)->total_bytes, NULL);
+}
+
+static void a_sound_blob_passes(void **state)
+{
+	struct error err = {0};
+	(void)state;
+	assert_int_equal(blob_check(&blob, small_header(&blob)->total_bytes, &err), STATUS_OK);
+	assert_string_equal(err.text, "");
+}
+
+// Each case breaks one thing, sees the blob refused, and makes it sound again.
+#define REFUSED(...) \
+	do { \
+		small_make(&blob); \
+		__VA_ARGS__; \
+		if (check() != STATUS_SCENE_INVALID) \
+			fail_msg("accepted after: %s", #__VA_ARGS__); \
+	} while (0)
+
+static void headers(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	(void)state;
+	REFUSED(h->magic++);
+	REFUSED(h->format++);
+	REFUSED(h->header_bytes--);
+	REFUSED(h->bvh_depth = 0);
+	REFUSED(h->bvh_depth = 1);
+	REFUSED(h->bvh_depth = 3);
+	REFUSED(h->bvh_depth = LIMIT_BVH_DEPTH + 1);
+	REFUSED(h->origin[1] = NAN);
+	REFUSED(h->bounds_min[2] = -INFINITY);
+	REFUSED(h->bounds_max[0] = NAN);
+	REFUSED(h->emitter_power = INFINITY);
+	REFUSED(h->light_power = -1);
+	small_make(&blob);
+	assert_int_equal(blob_check(&blob, h->total_bytes - 1, NULL), STATUS_SCENE_INVALID);
+	assert_int_equal(blob_check(&blob, h->total_bytes + 1, NULL), STATUS_SCENE_INVALID);
+	assert_int_equal(blob_check(&blob, sizeof *h - 1, NULL), STATUS_SCENE_INVALID);
+	assert_int_equal(blob_check(&blob, 0, NULL), STATUS_SCENE_INVALID);
+}
+
+static void sections(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	(void)state;
+	for (unsigned s = 0; s < BLOB_SECTIONS; s++) {
+		REFUSED(h->sections[s].offset += 4);
+		REFUSED(h->sections[s].offset = 0);
+		REFUSED(h->sections[s].offset = UINT64_MAX - BLOB_ALIGN + 1);
+		REFUSED(h->sections[s].offset = h->total_bytes);
+		REFUSED(h->sections[s].count = UINT64_MAX / 2);
+		REFUSED(h->sections[s].count = 1ull << 32);
+		REFUSED(h->sections[s].count = 60000);
+	}
+	REFUSED(h->sections[BLOB_NODES].count = 0);
+	REFUSED(h->sections[BLOB_MATERIALS].count = 0, h->sections[BLOB_MATERIAL_NAMES].count = 0);
+	REFUSED(h->sections[BLOB_MATERIAL_NAMES].count = 1);
+	REFUSED(h->sections[BLOB_LEAF_TRIANGLES].count = 3);
+}
+
+static void geometry(void **state)
+{
+	(void)state;
+	REFUSED(SECTION(vertex, BLOB_VERTICES)[11].position[0] = NAN);
+	REFUSED(SECTION(vertex, BLOB_VERTICES)[3].normal[1] = INFINITY);
+	REFUSED(SECTION(vertex, BLOB_VERTICES)[5].uv[1] = NAN);
+	REFUSED(SECTION(triangle, BLOB_TRIANGLES)[2].vertex[1] = 12);
+	REFUSED(SECTION(triangle, BLOB_TRIANGLES)[3].material = 2);
+	REFUSED(SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES)[1].id = 4);
+	REFUSED(SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES)[1].id = 0);
+	REFUSED(SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES)[1].material = 1);
+	REFUSED(SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES)[0].v0[2] = 1e-30f);
+	REFUSED(SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES)[0].v2[1] = nextafterf(1.0f, 2.0f));
+}
+
+static void tree(void **state)
+{
+	(void)state;
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[0].child0 = 0); // a cycle
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[0].child1 = 1); // a node twice
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[0].child1 = 3); // behind the nodes
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[1].child1 = 0); // a leaf twice
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[2].count1 = 2); // behind the leaves
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[2].count1 = UINT32_MAX);
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[2].count1 = 0); // a leaf as a node
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[0].count0 = 1); // a node as a leaf
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[1].min0[0] = NAN);
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[1].max1[2] = INFINITY);
+	REFUSED(SECTION(bvh_node, BLOB_NODES)[1].min1[1] = 2); // above its maximum
+	// A child that is not there, where more than one node is.
+	REFUSED(struct bvh_node *n = SECTION(bvh_node, BLOB_NODES);
+		for (int c = 0; c < 3; c++) n[2].min1[c] = n[2].max1[c] = INFINITY; n[2].child1 = n[2].count1 = 0);
+}
+
+static void colours(void **state)
+{
+	(void)state;
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].albedo_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].emission_texture = NONE - 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].albedo[2] = 1.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].albedo[2] = -0.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].albedo[2] = NAN);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[1].emission[0] = -1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[1].emission[0] = INFINITY);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[1].power_density = NAN);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[1].flags = 1u << 31);
+	REFUSED(memset(&SECTION(blob_name, BLOB_MATERIAL_NAMES)[1], 'x', sizeof(struct blob_name)));
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].offset = 1);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].offset = UINT32_MAX);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].width = 0);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].height = 3);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].width = LIMIT_TEXTURE_SIDE + 1);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].width = 0x80000001u,
+		SECTION(texture_info, BLOB_TEXTURES)[0].height = 2);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].flags = 3u << TEXTURE_WRAP_T_SHIFT);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].flags = 1u << 6);
+}
+
+static void lights_and_cameras(void **state)
+{
+	(void)state;
+	REFUSED(SECTION(emitter, BLOB_EMITTERS)[0].triangle = 4);
+	REFUSED(SECTION(emitter, BLOB_EMITTERS)[0].alias = 2);
+	REFUSED(SECTION(emitter, BLOB_EMITTERS)[0].keep = 1.5f);
+	REFUSED(SECTION(emitter, BLOB_EMITTERS)[0].pmf = NAN);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].kind = 3);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].alias = 3);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].keep = -0.1f);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].position[0] = NAN);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].direction[2] = INFINITY);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].intensity[0] = -1);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].cos_outer = 2);
+	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].eye[0] = NAN);
+	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].up[0] = INFINITY);
+	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].vfov_degrees = 180);
+	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].half_height = -1);
+	REFUSED(memset(SECTION(blob_camera, BLOB_CAMERAS)[0].name, 'x', LIMIT_NAME + 1));
+}
+
+static void a_missing_child_is_fine_in_a_tiny_scene(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	struct bvh_node *n = small_section(&blob, BLOB_NODES);
+	(void)state;
+	h->sections[BLOB_NODES].count = h->sections[BLOB_TRIANGLES].count = h->sections[BLOB_LEAF_TRIANGLES].count = 1;
+	h->sections[BLOB_EMITTERS].count = 0;
+	h->bvh_depth = 1;
+	n[0] = n[1];
+	n[0].child1 = n[0].count1 = 0;
+	for (int c = 0; c < 3; c++)
+		n[0].min1[c] = n[0].max1[c] = INFINITY;
+	assert_int_equal(check(), STATUS_OK);
+	n[0].child1 = 1;
+	assert_int_equal(check(), STATUS_SCENE_INVALID);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test_setup(a_sound_blob_passes, fresh),
+	    cmocka_unit_test_setup(headers, fresh),
+	    cmocka_unit_test_setup(sections, fresh),
+	    cmocka_unit_test_setup(geometry, fresh),
+	    cmocka_unit_test_setup(tree, fresh),
+	    cmocka_unit_test_setup(colours, fresh),
+	    cmocka_unit_test_setup(lights_and_cameras, fresh),
+	    cmocka_unit_test_setup(a_missing_child_is_fine_in_a_tiny_scene, fresh),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

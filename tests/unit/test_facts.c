@@ -1,0 +1,80 @@
+// Each fact follows from what the scene uses, and from nothing that it merely holds.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "server/scene/facts.h"
+#include "tests/unit/small_blob.h"
+
+static struct small_blob blob;
+
+static uint32_t facts(void)
+{
+	return facts_collect(small_header(&blob));
+}
+
+static int fresh(void **state)
+{
+	(void)state;
+	small_make(&blob);
+	return 0;
+}
+
+static void everything(void **state)
+{
+	(void)state;
+	assert_int_equal(facts(), FACT_TEXTURES | FACT_EMITTERS | FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS |
+				      FACT_DIRECTIONAL_LIGHTS | FACT_REFLECTS);
+}
+
+static void lights_by_kind(void **state)
+{
+	struct punctual_light *lights = small_section(&blob, BLOB_LIGHTS);
+	static const uint32_t facts_of[] = {FACT_POINT_LIGHTS, FACT_SPOT_LIGHTS, FACT_DIRECTIONAL_LIGHTS};
+	(void)state;
+	small_header(&blob)->sections[BLOB_LIGHTS].count = 1;
+	for (uint32_t kind = 0; kind < 3; kind++) {
+		lights[0].kind = kind;
+		assert_int_equal(facts() & (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS), facts_of[kind]);
+	}
+}
+
+static void emitters(void **state)
+{
+	(void)state;
+	small_header(&blob)->sections[BLOB_EMITTERS].count = 0;
+	assert_false(facts() & FACT_EMITTERS);
+}
+
+static void unused_materials_say_nothing(void **state)
+{
+	struct triangle *triangles = small_section(&blob, BLOB_TRIANGLES);
+	(void)state;
+	for (int i = 0; i < 4; i++)
+		triangles[i].material = 1; // black, untextured
+	assert_false(facts() & (FACT_TEXTURES | FACT_REFLECTS));
+	triangles[3].material = 0;
+	assert_int_equal(facts() & (FACT_TEXTURES | FACT_REFLECTS), FACT_TEXTURES | FACT_REFLECTS);
+}
+
+static void every_fact_has_a_name(void **state)
+{
+	(void)state;
+	for (uint32_t bit = 1; bit <= FACT_REFLECTS; bit <<= 1)
+		assert_non_null(fact_name((enum fact)bit));
+	assert_null(fact_name((enum fact)(FACT_REFLECTS << 1)));
+	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test_setup(everything, fresh), cmocka_unit_test_setup(lights_by_kind, fresh),
+	    cmocka_unit_test_setup(emitters, fresh),   cmocka_unit_test_setup(unused_materials_say_nothing, fresh),
+	    cmocka_unit_test(every_fact_has_a_name),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

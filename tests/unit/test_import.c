@@ -1,0 +1,238 @@
+// From an import to a blob's parts: text made clean, what is unsound dropped and counted, the origin where precision needs
+// it, emitter tables in proportion to power.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "server/loader/geometry.h"
+#include "server/loader/import.h"
+#include "server/loader/lights.h"
+
+static candil_SceneInfo info;
+static struct import import;
+
+static int fresh(void **state)
+{
+	(void)state;
+	memset(&info, 0, sizeof info);
+	import_init(&import, NULL, &info);
+	return 0;
+}
+
+static int finish(void **state)
+{
+	(void)state;
+	import_finish(&import);
+	return 0;
+}
+
+static void add_triangle(double x, double y, double z, double size, uint32_t material)
+{
+	const struct triangle t = {
+	    {(uint32_t)import.vertex_count, (uint32_t)import.vertex_count + 1, (uint32_t)import.vertex_count + 2}, material};
+	for (int k = 0; k < 3; k++) {
+		struct import_vertex v = {.position = {x + (k == 1 ? size : 0), y + (k == 2 ? size : 0), z}};
+		assert_int_equal(import_add_vertex(&import, &v, NULL), STATUS_OK);
+	}
+	assert_int_equal(import_add_triangle(&import, &t, NULL), STATUS_OK);
+}
+
+static void text_is_cleaned(void **state)
+{
+	char out[8];
+	(void)state;
+	import_clean_text(out, sizeof out, "plain");
+	assert_string_equal(out, "plain");
+	import_clean_text(out, sizeof out, "longer than it");
+	assert_string_equal(out, "longer ");
+	import_clean_text(out, sizeof out, "a\n\x1b\x7f");
+	assert_string_equal(out, "a???");
+	import_clean_text(out, sizeof out, "\xc3\xa9\xe2\x82\xac"); // é €
+	assert_string_equal(out, "\xc3\xa9\xe2\x82\xac");
+	import_clean_text(out, sizeof out, "12345\xe2\x82\xac"); // would be cut within
+	assert_string_equal(out, "12345");
+	import_clean_text(out, sizeof out, "\xff\xc0\xaf\xed\xa0\x80"); // no UTF-8
+	assert_string_equal(out, "??????");
+	import_clean_text(out, sizeof out, "\xe2");
+	assert_string_equal(out, "?");
+}
+
+static void colours_are_made_fit(void **state)
+{
+	float v;
+	(void)state;
+	assert_true(import_fit(&v, 0.25, 1) && v == 0.25f);
+	assert_false(import_fit(&v, 2, 1));
+	assert_true(v == 1);
+	assert_false(import_fit(&v, -1, 1));
+	assert_true(v == 0);
+	assert_false(import_fit(&v, NAN, 1));
+	assert_true(v == 0);
+	assert_false(import_fit(&v, INFINITY, 1e12));
+	assert_true(v == 1e12f);
+}
+
+static void warnings_have_an_end(void **state)
+{
+	(void)state;
+	for (unsigned i = 0; i < LIMIT_WARNINGS + 5; i++)
+		import_warn(&import, "warning %u", i);
+	import_warn(&import, "warning 0");
+	assert_int_equal(info.warnings_count, LIMIT_WARNINGS);
+	assert_int_equal(info.warnings_more, 5);
+	for (unsigned i = 0; i < 100; i++)
+		import_ignore(&import, i % 2 ? "one" : "other");
+	assert_int_equal(info.ignored_count, 2);
+}
+
+static void unsound_triangles_are_dropped(void **state)
+{
+	struct geometry g;
+	(void)state;
+	add_triangle(0, 0, 0, 1, 0);
+	add_triangle(NAN, 0, 0, 1, 0);
+	add_triangle(0, INFINITY, 0, 1, 0);
+	add_triangle(0, 0, 1e13, 1, 0);
+	add_triangle(0, 0, 0, 0, 0);
+	add_triangle(1, 1, 1, 1, 0);
+	assert_int_equal(geometry_build(&import, &g, NULL), STATUS_OK);
+	assert_int_equal(g.triangle_count, 2);
+	assert_int_equal(info.dropped_non_finite, 3);
+	assert_int_equal(info.dropped_degenerate, 1);
+	assert_true(g.max[0] == 2 && g.max[1] == 2 && g.max[2] == 1 && g.min[0] == 0);
+	geometry_finish(&g);
+}
+
+static void normals_and_uvs_are_made_sound(void **state)
+{
+	struct geometry g;
+	(void)state;
+	add_triangle(0, 0, 0, 1, 0);
+	import.vertices[0].normal[1] = 4;
+	import.vertices[1].normal[0] = NAN;
+	import.vertices[2].uv[0] = INFINITY;
+	assert_int_equal(geometry_build(&import, &g, NULL), STATUS_OK);
+	assert_true(g.vertices[0].normal[1] == 1);
+	assert_true(g.vertices[1].normal[0] == 0 && g.vertices[1].normal[1] == 0);
+	assert_true(g.vertices[2].uv[0] == 0);
+	geometry_finish(&g);
+}
+
+static void origin_of(double x, double size, double origin[3], float first[3])
+{
+	struct geometry g;
+	fresh(NULL);
+	add_triangle(x, 0, 0, size, 0);
+	assert_int_equal(geometry_build(&import, &g, NULL), STATUS_OK);
+	memcpy(origin, g.origin, sizeof g.origin);
+	memcpy(first, g.vertices[0].position, sizeof g.vertices[0].position);
+	geometry_finish(&g);
+	import_finish(&import);
+}
+
+static void the_origin_moves_where_precision_needs_it(void **state)
+{
+	double origin[3];
+	float near_zero[3], far_off[3];
+	(void)state;
+	origin_of(0.3, 1, origin, near_zero);
+	assert_true(origin[0] == 0 && near_zero[0] == 0.3f);
+	origin_of(10, 1, origin, far_off); // 10 extents away: floats still have digits to spare
+	assert_true(origin[0] == 0 && far_off[0] == 10);
+	origin_of(1e5, 1, origin, far_off);
+	assert_true(origin[0] == 1e5 + 1 || origin[0] == 1e5);
+	assert_true((double)(float)origin[0] == origin[0]);
+	assert_true(origin[0] + (double)far_off[0] == 1e5);
+	origin_of(1e9, 1e-3, origin, far_off);
+	assert_true((double)(float)origin[0] == origin[0]);
+	origin_of(-1e5 + 0.25, 0.5, origin, far_off);
+	assert_true(origin[0] + (double)far_off[0] == -1e5 + 0.25);
+}
+
+static void emitters_go_by_power(void **state)
+{
+	struct emitter *once, *twice;
+	uint32_t count, again;
+	float power, doubled;
+	struct geometry g;
+	const struct material dark = {.albedo_texture = NONE, .emission_texture = NONE};
+	(void)state;
+	for (int i = 0; i < 4; i++) {
+		struct material m = dark;
+		m.emission[0] = m.emission[1] = m.emission[2] = (float)i; // the first is black
+		m.flags = i == 3 ? MATERIAL_EMITS_BOTH_SIDES : 0;
+		assert_int_equal(import_add_material(&import, &m, "m", NULL), STATUS_OK);
+		add_triangle(i, 0, 0, 1 + i, (uint32_t)i);
+	}
+	assert_int_equal(geometry_build(&import, &g, NULL), STATUS_OK);
+	lights_weigh_materials(&import);
+	assert_true(fabsf(import.materials[1].power_density - 3.14159265f) < 1e-5f);
+	assert_true(fabsf(import.materials[3].power_density - 6 * 3.14159265f) < 1e-5f);
+	assert_int_equal(lights_collect_emitters(import.materials, g.vertices, g.triangles, g.triangle_count, &once, &count,
+						 &power, NULL),
+			 STATUS_OK);
+	assert_int_equal(count, 3);
+	// area · radiance · sides: 2·1, 4.5·2, 8·3·2, of 59 in all
+	assert_true(fabs(once[0].pmf - 2 / 59.0) < 1e-6 && fabs(once[1].pmf - 9 / 59.0) < 1e-6 &&
+		    fabs(once[2].pmf - 48 / 59.0) < 1e-6);
+	assert_true(fabs(power - 59 * 3.14159265) < 1e-3);
+	for (int i = 0; i < 4; i++)
+		for (int c = 0; c < 3; c++)
+			import.materials[i].emission[c] *= 2;
+	lights_weigh_materials(&import);
+	assert_int_equal(lights_collect_emitters(import.materials, g.vertices, g.triangles, g.triangle_count, &twice, &again,
+						 &doubled, NULL),
+			 STATUS_OK);
+	assert_int_equal(again, count);
+	assert_memory_equal(once, twice, count * sizeof *once);
+	assert_true(doubled == 2 * power);
+	free(once);
+	free(twice);
+	geometry_finish(&g);
+}
+
+static void punctual_lights_go_by_power(void **state)
+{
+	struct punctual_light *table;
+	uint32_t count;
+	float power;
+	const double origin[3] = {1, 0, 0};
+	const double weights[3] = {4, 2 * (1 - 0.75), 9}; // in units of pi, with radius 3
+	(void)state;
+	for (uint32_t kind = 0; kind < 3; kind++) {
+		const struct import_light l = {
+		    .light = {.kind = kind, .intensity = {1, 1, 1}, .cos_inner = 1, .cos_outer = 0.5f},
+		    .position = {3, 2, 1}};
+		assert_int_equal(import_add_light(&import, &l, NULL), STATUS_OK);
+	}
+	const struct import_light black = {.light = {.kind = LIGHT_POINT}};
+	assert_int_equal(import_add_light(&import, &black, NULL), STATUS_OK);
+	assert_int_equal(lights_collect_punctual(&import, origin, 3, &table, &count, &power, NULL), STATUS_OK);
+	assert_int_equal(count, 3);
+	assert_true(table[0].position[0] == 2 && table[0].position[1] == 2);
+	for (int i = 0; i < 3; i++)
+		assert_true(fabs(table[i].pmf - weights[i] / 13.5) < 1e-6);
+	assert_true(fabs(power - 13.5 * 3.14159265) < 1e-4);
+	free(table);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(text_is_cleaned),
+	    cmocka_unit_test(colours_are_made_fit),
+	    cmocka_unit_test_setup_teardown(warnings_have_an_end, fresh, finish),
+	    cmocka_unit_test_setup_teardown(unsound_triangles_are_dropped, fresh, finish),
+	    cmocka_unit_test_setup_teardown(normals_and_uvs_are_made_sound, fresh, finish),
+	    cmocka_unit_test(the_origin_moves_where_precision_needs_it),
+	    cmocka_unit_test_setup_teardown(emitters_go_by_power, fresh, finish),
+	    cmocka_unit_test_setup_teardown(punctual_lights_go_by_power, fresh, finish),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
