@@ -29,7 +29,7 @@ def box(material, centre, half, degrees):
     quad(material, corner(-1, 2, 1), corner(1, 2, 1), corner(1, 2, -1), corner(-1, 2, -1))
 
 
-def lathe(material, origin, profile, segments=40, stretch=0.0):
+def lathe(material, origin, profile, segments=28, stretch=0.0):
     """Turn a profile of (radius, height), from its lower outside upwards. `stretch` pulls one side of it out to a spout."""
     positions, normals, triangles = [], [], []
     rings = len(profile)
@@ -58,8 +58,8 @@ materials = [
     {"name": "clay", "colour": (0.60, 0.16, 0.08)},
     {"name": "teal", "colour": (0.08, 0.30, 0.34)},
     {"name": "brass", "colour": (0.56, 0.36, 0.11)},
-    {"name": "skylight", "colour": (0, 0, 0), "emission": (1.0, 0.93, 0.82), "strength": 9},
-    {"name": "flame", "colour": (0, 0, 0), "emission": (1.0, 0.55, 0.18), "strength": 160},
+    {"name": "skylight", "colour": (0, 0, 0), "emission": (1.0, 0.93, 0.82), "strength": 15},
+    {"name": "flame", "colour": (0, 0, 0), "emission": (1.0, 0.55, 0.18), "strength": 26},
 ]
 
 quad(WHITE, (-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1))          # floor
@@ -74,7 +74,7 @@ lamp = (0.32, 0.541, 0.24)
 lathe(BRASS, lamp, [(0.001, 0.0), (0.09, 0.0), (0.095, 0.01), (0.05, 0.03), (0.035, 0.06), (0.06, 0.085), (0.12, 0.105),
                     (0.155, 0.14), (0.16, 0.17), (0.15, 0.172), (0.14, 0.145), (0.10, 0.12), (0.001, 0.112)], stretch=0.55)
 lathe(FLAME, (lamp[0] + 0.215, lamp[1] + 0.165, lamp[2]),
-      [(0.0005, 0.0), (0.012, 0.008), (0.017, 0.024), (0.014, 0.045), (0.007, 0.066), (0.0005, 0.085)], segments=20)
+      [(0.0005, 0.0), (0.02, 0.014), (0.026, 0.036), (0.021, 0.065), (0.011, 0.096), (0.0005, 0.125)], segments=12)
 
 data = bytearray()
 views, accessors, primitives = [], [], []
@@ -122,7 +122,7 @@ scene = {
     "scenes": [{"nodes": [0, 1]}],
     "nodes": [{"name": "room", "mesh": 0}, {"name": "view", "camera": 0, "translation": [0, 1, 4.2]}],
     "cameras": [{"name": "view", "type": "perspective",
-                 "perspective": {"yfov": 2 * math.atan(1.04 / 3.2), "aspectRatio": 1, "znear": 0.01}}],
+                 "perspective": {"yfov": 2 * math.atan(0.985 / 3.2), "aspectRatio": 1, "znear": 0.01}}],
     "meshes": [{"primitives": primitives}],
     "materials": [gltf_material(m) for m in materials],
     "accessors": accessors,
