@@ -18,7 +18,8 @@ static enum exit_code print_help(void)
 		printf("  %-9s %s\n", commands[i]->name, commands[i]->summary);
 	printf("\nADDR is a socket's path; without it, $XDG_RUNTIME_DIR/candil.sock.\n"
 	       "Every command takes --json: one JSON object on standard output, also on failure ({\"error\": {\"code\",\n"
-	       "\"name\", \"message\"}, \"exit\"}). Times in it are in microseconds, lengths in metres.\n\n%s",
+	       "\"name\", \"message\"}, \"exit\"}), wrong command lines aside. Keys stay as they are; new ones may come.\n"
+	       "Keys that end in _us are microseconds; lengths are metres.\n\n%s",
 	       cli_exit_codes);
 	return cli_flush(stdout, EXIT_DONE);
 }

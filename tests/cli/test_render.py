@@ -110,6 +110,7 @@ class Render(unittest.TestCase):
         result = self.render(self.scene, "/dev/null", "--format", "png")
         self.assertEqual(result.returncode, 0, result)
         self.assertFalse(os.path.isfile("/dev/null"))
+        self.assertEqual(self.render(self.scene, "/dev/full", "--format", "png").returncode, 1)
 
     def start_endless(self, *more, env=None):
         output = self.path("endless.png")
