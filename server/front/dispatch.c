@@ -68,8 +68,7 @@ static enum status find_source(const struct message *m, const char *path, struct
 		return source_beneath(source, m->service->scene_root, path, err);
 	int folder = reader_claim_fd(&m->session->reader);
 	if (folder < 0)
-		return error_set(err, STATUS_BAD_MESSAGE,
-				 "flag FD is set but no descriptor came with the header's first byte");
+		return error_set(err, STATUS_BAD_MESSAGE, "flag FD is set but no descriptor came with the header");
 	return source_given(source, folder, path, err);
 }
 

@@ -27,7 +27,7 @@ uint8_t *reader_space(struct reader *reader, size_t *bytes)
 
 void reader_take_fd(struct reader *reader, int fd)
 {
-	if (reader->in_body || reader->have > 0 || reader->fd >= 0)
+	if (reader->in_body || reader->fd >= 0)
 		close(fd);
 	else
 		reader->fd = fd;

@@ -15,7 +15,7 @@ struct reader {
 	struct header header;
 	bool in_body;
 	uint8_t *body; // header.length bytes; NULL if there are none
-	int fd; // came with the header's first byte; -1: none
+	int fd; // came with the header; -1: none
 };
 
 void reader_init(struct reader *reader);
@@ -24,8 +24,9 @@ void reader_finish(struct reader *reader);
 // Where the next bytes go, and how many at most (never 0 between reader_next and a complete message).
 uint8_t *reader_space(struct reader *reader, size_t *bytes);
 
-// A descriptor came with bytes that are about to be taken. It is kept if the message begins with them and none was kept
-// yet; else it is closed, for nobody expects it.
+// A descriptor came with bytes that are about to be taken. It is kept if they are of the header and none was kept yet; else
+// it is closed, for nobody expects it. (The first byte alone is no rule that could be held to: the kernel gives a descriptor
+// with whichever read takes bytes of the message that carried it.)
 void reader_take_fd(struct reader *reader, int fd);
 
 // `bytes` were written to reader_space(). *complete: header and body are there. Any status but OK is header_decode's, or

@@ -53,6 +53,7 @@ int main(int argc, char *argv[])
 	const char *file = argument(argc, argv, "--file");
 	snprintf(loaded.info.light_units, sizeof loaded.info.light_units, "up %s unit %s", argument(argc, argv, "--up"),
 		 argument(argc, argv, "--unit"));
+	snprintf(loaded.build, sizeof loaded.build, "%s", ipc_build());
 	read_orders(file, orders, sizeof orders);
 	sscanf(orders, "%31s %lu", word, &bytes);
 	describe(file);
@@ -61,7 +62,8 @@ int main(int argc, char *argv[])
 			pause();
 	if (!strcmp(word, "die"))
 		raise(SIGKILL);
-	snprintf(loaded.build, sizeof loaded.build, "%s", strcmp(word, "other-build") ? ipc_build() : "0.0");
+	if (!strcmp(word, "other-build"))
+		snprintf(loaded.build, sizeof loaded.build, "0.0");
 	if (!strcmp(word, "refuse"))
 		error_set(&loaded.error, STATUS_SCENE_INVALID, "the file is not to my taste");
 	if (!strcmp(word, "dirty"))

@@ -130,17 +130,17 @@ static void descriptors_are_kept_or_closed(void **state)
 	uint8_t bytes[64];
 	bool complete;
 	(void)state;
-	message(bytes, "");
+	message(bytes, "body");
 	reader_init(&reader);
 	int kept = some_fd(), second = some_fd();
 	reader_take_fd(&reader, kept);
 	reader_take_fd(&reader, second);
 	assert_false(is_open(second)); // one is enough
-	give(&reader, bytes, 1, &complete);
+	give(&reader, bytes, CANDIL_HEADER_BYTES, &complete);
 	int late = some_fd();
 	reader_take_fd(&reader, late);
-	assert_false(is_open(late)); // not with the first byte
-	give(&reader, bytes + 1, CANDIL_HEADER_BYTES - 1, &complete);
+	assert_false(is_open(late)); // not with the header
+	give(&reader, bytes + CANDIL_HEADER_BYTES, 4, &complete);
 	assert_true(complete);
 	assert_int_equal(reader_claim_fd(&reader), kept);
 	assert_int_equal(reader_claim_fd(&reader), -1);

@@ -193,7 +193,8 @@ class Daemon:
             if self.process.poll() is not None:
                 raise RuntimeError(f"candild ended with {self.process.returncode}:\n{self.log_text()}")
             try:
-                socket.socket(socket.AF_UNIX, socket.SOCK_STREAM).connect(self.socket)
+                with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+                    probe.connect(self.socket)
                 return self
             except OSError:
                 time.sleep(0.01)

@@ -1,0 +1,192 @@
+"""Start, socket, users, signals, private connections; and what the front must not be linked with."""
+import os
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import unittest
+
+import wire
+from fakes import LIBEXEC, FakeCase, endless, render
+from wire import pb
+
+CANDILD = os.path.join(wire.BUILD, "bin", "candild")
+NOBODY = 65534
+
+
+class Socket(FakeCase):
+    def test_mode(self):
+        self.assertEqual(stat.S_IMODE(os.stat(self.daemon.socket).st_mode), 0o600)
+
+    def second_daemon(self, path):
+        return subprocess.run([CANDILD, "--socket", path, "--libexec", LIBEXEC], stderr=subprocess.PIPE,
+                              timeout=wire.PATIENCE, text=True, check=False)
+
+    def test_a_living_socket_is_left_alone(self):
+        second = self.second_daemon(self.daemon.socket)
+        self.assertEqual(second.returncode, 1)
+        self.assertIn("answers", second.stderr)
+        self.assert_serves()
+
+    def test_a_file_is_left_alone(self):
+        path = os.path.join(self.daemon.folder, "precious")
+        with open(path, "w") as file:
+            file.write("data")
+        self.assertEqual(self.second_daemon(path).returncode, 1)
+        with open(path) as file:
+            self.assertEqual(file.read(), "data")
+
+    def test_a_dead_socket_is_replaced(self):
+        path = os.path.join(self.daemon.folder, "dead.sock")
+        with socket.socket(socket.AF_UNIX) as dead:
+            dead.bind(path)
+        other = wire.Daemon(libexec=LIBEXEC)
+        other.socket = path
+        with other, other.connect() as connection:
+            self.assertEqual(connection.ask(wire.PING).kind, wire.PONG)
+
+    def test_a_path_too_long(self):
+        self.assertEqual(self.second_daemon("/" + "x" * 200).returncode, 1)
+
+    @unittest.skipIf(os.geteuid() != 0, "only root can become another user")
+    def test_another_user_is_refused(self):
+        os.chmod(self.daemon.folder, 0o755)
+        os.chmod(self.daemon.socket, 0o666)
+        sock = socket.socket(socket.AF_UNIX)
+        child = os.fork()
+        if child == 0:
+            # The credentials that count are those at the time of connecting.
+            os.setresuid(NOBODY, NOBODY, NOBODY)
+            sock.connect(self.daemon.socket)
+            connection = wire.Connection(sock=sock, greet=False)
+            try:
+                connection.send(wire.HELLO, pb.Hello(version_min=1, version_max=1))
+            except OSError:
+                pass
+            replies = connection.drained()
+            os._exit(0 if [reply.body.name for reply in replies] == ["not-allowed"] else 1)
+        sock.close()
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        self.assert_serves()
+
+
+class Signals(FakeCase):
+    def leave(self, how):
+        connection, loading, silent = self.with_box(), self.connect(), self.connect(greet=False)
+        self.write("slow.gltf", "hang")
+        job = connection.send(wire.RENDER, endless())
+        connection.receive(wire.ACCEPTED, job)
+        load = loading.send_load("slow", self.scenes, "slow.gltf")
+        wire.wait_for(lambda: loading.stats().loader_pid, "the loader runs")
+        children = [loading.stats().worker_pid, loading.stats().loader_pid]
+        self.daemon.process.send_signal(how)
+        self.assert_error(connection.follow(job)[-1], "shutting-down")
+        self.assert_error(loading.receive_for(load), "shutting-down")
+        self.assertEqual(connection.drained(), [])
+        self.assertEqual(silent.drained(), [])
+        self.assertEqual(self.daemon.process.wait(wire.PATIENCE), 0)
+        self.assertFalse(os.path.exists(self.daemon.socket))
+        for pid in children:
+            wire.wait_for(lambda pid=pid: not running(pid), "the child has ended")
+
+    def test_term(self):
+        self.leave(signal.SIGTERM)
+
+    def test_int(self):
+        self.leave(signal.SIGINT)
+
+    def test_a_client_that_does_not_read_delays_it_little(self):
+        connection = self.with_box()
+        connection.send(wire.RENDER, render(width=4000, height=4000))
+        other = self.connect()
+        wire.wait_for(lambda: other.stats().buffered_bytes > 0, "the image waits")
+        self.daemon.process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.daemon.process.wait(wire.PATIENCE), 0)
+
+    def test_killed_front_takes_its_worker_along(self):
+        connection = self.with_box()
+        connection.follow(connection.send(wire.RENDER, render()))
+        worker = connection.stats().worker_pid
+        self.daemon.process.kill()
+        self.daemon.process.wait()
+        wire.wait_for(lambda: not running(worker), "the worker has ended")
+        self.daemon.start()  # on the socket that the dead one left
+
+
+def running(pid):
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+class Private(unittest.TestCase):
+    def setUp(self):
+        self.ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+        environment = {key: value for key, value in os.environ.items() if key != "XDG_RUNTIME_DIR"}
+        self.process = subprocess.Popen([CANDILD, "--private-fd", str(theirs.fileno()), "--libexec", LIBEXEC],
+                                        pass_fds=[theirs.fileno()], env=environment, stderr=subprocess.DEVNULL)
+        theirs.close()
+        self.addCleanup(self.finish)
+
+    def finish(self):
+        self.ours.close()
+        self.assertEqual(self.process.wait(wire.PATIENCE), 0)
+
+    def test_serves_until_it_closes(self):
+        connection = wire.Connection(sock=self.ours)
+        with open(os.path.join(os.environ["CANDIL_BUILD"], "tests", "private.gltf"), "w") as file:
+            file.write("ok")
+        connection.load("box", os.path.dirname(file.name), "private.gltf")
+        self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.assertIsNone(self.process.poll())
+
+    def test_ends_after_a_broken_stream(self):
+        connection = wire.Connection(sock=self.ours)
+        connection.sock.sendall(b"x" * 16)
+        self.assertEqual([reply.body.name for reply in connection.drained()], ["bad-magic"])
+        self.assertEqual(self.process.wait(wire.PATIENCE), 0)
+
+    def test_ends_in_the_middle_of_a_job(self):
+        connection = wire.Connection(sock=self.ours)
+        connection.send(wire.RENDER, endless())
+
+
+class Program(unittest.TestCase):
+    def run_it(self, *arguments, **keywords):
+        return subprocess.run([CANDILD, *arguments], capture_output=True, text=True, timeout=wire.PATIENCE,
+                              check=False, **keywords)
+
+    def test_help_and_version(self):
+        shown = self.run_it("--help")
+        self.assertEqual(shown.returncode, 0)
+        for option in ("--socket", "--scene", "--scene-root", "--device", "--require-gpu", "--memory-budget", "--slice",
+                       "--libexec", "--private-fd"):
+            self.assertIn(option, shown.stdout)
+        self.assertTrue(self.run_it("--version").stdout.startswith("candild "))
+
+    def test_wrong_arguments(self):
+        for arguments in (["--frobnicate"], ["--socket", "x", "--slice", "0"], ["scene.gltf"]):
+            refused = self.run_it(*arguments)
+            self.assertEqual(refused.returncode, 2)
+            self.assertTrue(refused.stderr.startswith("candild: "))
+
+    def test_nowhere_to_listen(self):
+        environment = {key: value for key, value in os.environ.items() if key != "XDG_RUNTIME_DIR"}
+        refused = self.run_it(env=environment)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("--socket", refused.stderr)
+
+    def test_links_no_device_and_no_parser(self):
+        needed = subprocess.run(["readelf", "-d", CANDILD], capture_output=True, text=True, check=True).stdout
+        libraries = [line.split("[")[1].split("]")[0] for line in needed.splitlines() if "(NEEDED)" in line]
+        self.assertTrue(libraries)
+        allowed = ("libc.so", "libm.so", "libprotobuf-nanopb.so", "libasan.so", "libubsan.so")
+        for library in libraries:
+            self.assertTrue(library.startswith(allowed), f"{library} is linked into the front")
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
