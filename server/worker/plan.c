@@ -37,14 +37,21 @@ const char *effect_name(candil_Effect effect)
 	return "unknown";
 }
 
-static bool shines(const struct plan *p)
+static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts);
+
+// Whether some light is there, and not switched off.
+static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
-	return plan_has(p, candil_Effect_EFFECT_EMITTERS) || plan_has(p, candil_Effect_EFFECT_LIGHTS) ||
-	       plan_has(p, candil_Effect_EFFECT_ENVIRONMENT);
+	static const candil_Effect lights[] = {candil_Effect_EFFECT_EMITTERS, candil_Effect_EFFECT_LIGHTS,
+					       candil_Effect_EFFECT_ENVIRONMENT};
+	for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
+		if (called_for(lights[i], r, p, facts) && !(r->effects_off >> lights[i] & 1u))
+			return true;
+	return false;
 }
 
-// Whether the scene and the request's own values call for an effect. Bounces come last: they need light to bounce.
-static bool called_for(candil_Effect effect, const struct plan *p, uint32_t facts)
+// Whether the scene and the request's own values call for an effect.
+static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	switch (effect) {
 	case candil_Effect_EFFECT_TEXTURES:
@@ -56,7 +63,7 @@ static bool called_for(candil_Effect effect, const struct plan *p, uint32_t fact
 	case candil_Effect_EFFECT_ENVIRONMENT:
 		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0;
 	case candil_Effect_EFFECT_BOUNCES:
-		return p->depth > 1 && facts & FACT_REFLECTS && shines(p);
+		return p->depth > 1 && facts & FACT_REFLECTS && shines(r, p, facts);
 	}
 	return false;
 }
@@ -66,7 +73,7 @@ static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
 	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
 		const struct effect_rule *rule = &rules[i];
 		const uint32_t bit = 1u << rule->effect;
-		const bool called = called_for(rule->effect, p, facts);
+		const bool called = called_for(rule->effect, r, p, facts);
 		candil_EffectReport *report = &p->reports[p->report_count++];
 		*report = (candil_EffectReport)candil_EffectReport_init_zero;
 		report->effect = rule->effect;
@@ -98,7 +105,7 @@ struct option_rule {
 };
 
 static const struct option_rule options[] = {
-	{"pt.depth", 0, LIMIT_DEPTH, offsetof(struct plan, depth)},
+	{"pt.depth", 1, LIMIT_DEPTH, offsetof(struct plan, depth)},
 	{"pt.segment", 1, LIMIT_DEPTH + 1, offsetof(struct plan, segment)},
 };
 

@@ -31,9 +31,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	if (size > 0 && write(pair[1], data, size) != (ssize_t)size)
 		return 0;
 	shutdown(pair[1], SHUT_WR);
-	if (candil_connect_fd(pair[0], &client, NULL) == CANDIL_OK) {
+	if (candil_connect_fd(pair[0], &client, NULL) == CANDIL_STATUS_OK) {
 		submit(client);
-		for (int i = 0; i < 100 && candil_process(client, NULL) == CANDIL_OK; i++)
+		for (int i = 0; i < 100 && candil_process(client, NULL) == CANDIL_STATUS_OK; i++)
 			while (candil_next_event(client, &event))
 				continue;
 		while (candil_next_event(client, &event))

@@ -1,0 +1,107 @@
+"""Only what the scene calls for: an effect that a scene lacks is left out, and forcing it on changes nothing; one that is
+switched off draws its stated substitute."""
+import tempfile
+import unittest
+
+import numpy
+
+import make
+from render import Daemon
+
+EFFECTS = ("textures", "emitters", "lights", "environment", "bounces")
+
+
+def setUpModule():
+    global daemon, folder
+    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
+    daemon = Daemon().__enter__()
+
+
+def tearDownModule():
+    daemon.__exit__(None, None, None)
+    folder.cleanup()
+
+
+def states(picture):
+    return {e["name"]: e["state"] for e in picture.report["effects"]}
+
+
+class Forced(unittest.TestCase):
+    def check(self, scene, arguments=(), **more):
+        auto = daemon.render(scene, spp=8, arguments=list(arguments), **more)
+        forced = daemon.render(scene, spp=8, arguments=[*arguments, "--effects", "all"], **more)
+        absent = [e for e in EFFECTS if states(auto)[e] == "absent"]
+        self.assertGreater(len(absent), 0)
+        for effect in EFFECTS:
+            self.assertEqual(states(forced)[effect], "forced" if effect in absent else "simulated")
+        scale = numpy.maximum(numpy.abs(auto.radiance), 1e-3)
+        self.assertLessEqual(float((numpy.abs(forced.radiance - auto.radiance) / scale).max()), 1e-5)
+        return absent
+
+    def test_each_effect_is_absent_somewhere_and_inert_there(self):
+        absent = set()
+        absent |= set(self.check(make.cornell(folder.name)))
+        absent |= set(self.check(make.lit_floor(folder.name, "point")))
+        absent |= set(self.check(make.textured_quad(folder.name), ["--background", "1,1,1"]))
+        absent |= set(self.check(make.unlit(folder.name)))
+        self.assertEqual(absent, set(EFFECTS))
+
+
+class Off(unittest.TestCase):
+    def test_textures_off_shows_factors(self):
+        scene = make.textured_quad(folder.name)
+        on = daemon.render(scene, spp=8, arguments=["--background", "1,1,1"])
+        off = daemon.render(scene, spp=8, arguments=["--background", "1,1,1", "--effects", "-textures"])
+        self.assertEqual(states(off)["textures"], "switched-off")
+        self.assertGreater(float(numpy.abs(on.radiance - 1).max()), 0.9)
+        self.assertLess(float(numpy.abs(off.radiance - 1).max()), 0.005)
+
+    def test_emitters_off_is_black(self):
+        off = daemon.render(make.cornell(folder.name), spp=4, arguments=["--effects", "-emitters"])
+        self.assertEqual(float(off.radiance.max()), 0)
+
+    def test_lights_off_is_black(self):
+        off = daemon.render(make.lit_floor(folder.name, "spot"), spp=4, arguments=["--effects", "-lights"])
+        self.assertEqual(float(off.radiance.max()), 0)
+
+    def test_environment_off_is_black(self):
+        off = daemon.render(make.unlit(folder.name), spp=4, arguments=["--background", "1,1,1", "--effects", "-environment"])
+        self.assertEqual(float(off.radiance.max()), 0)
+
+    def test_bounces_off_is_depth_one(self):
+        scene = make.cornell(folder.name)
+        off = daemon.render(scene, spp=4, arguments=["--effects", "-bounces"])
+        direct = daemon.render(scene, spp=4, options={"pt.depth": 1})
+        self.assertTrue(numpy.array_equal(off.radiance, direct.radiance))
+        self.assertGreater(float(off.radiance.max()), 0)
+
+
+class Plan(unittest.TestCase):
+    def test_every_effect_has_a_reason(self):
+        picture = daemon.render(make.cornell(folder.name), spp=1)
+        self.assertEqual(set(states(picture)), set(EFFECTS))
+        for effect in picture.report["effects"]:
+            self.assertGreater(len(effect["why"]), 5)
+
+    def test_unknown_option_is_refused(self):
+        status, _, text = daemon.candil("render", make.cornell(folder.name), "-o", folder.name + "/x.png", "--set", "pt.colour=3",
+                                        check=False)
+        self.assertNotEqual(status, 0)
+        self.assertIn("pt.colour", text)
+
+    def test_aovs_only_when_asked(self):
+        scene = make.cornell(folder.name)
+        plain = daemon.render(scene, spp=1)
+        self.assertEqual(set(plain.channels), set("RGB"))
+        self.assertNotIn("aov", [s["name"] for s in plain.report["stages"]])
+        full = daemon.render(scene, spp=1, arguments=["--aov", "depth,normal,albedo,id"])
+        self.assertEqual(set(full.channels), {"R", "G", "B", "Z", "N.X", "N.Y", "N.Z", "albedo.R", "albedo.G", "albedo.B", "id"})
+        self.assertTrue(numpy.array_equal(plain.radiance, full.radiance))
+        # The back wall is 4.9 in front of the camera at every one of its pixels: depth is along the axis, not the ray.
+        middle = full.channels["Z"][20, 30:34]
+        self.assertTrue(numpy.allclose(middle, 4.9, rtol=1e-5), middle)
+        self.assertTrue(numpy.allclose(full.channels["N.Z"][20, 30:34], 1, atol=1e-6))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,142 @@
+"""Pictures whose every pixel is known beforehand. Nothing else about the path tracer is believed before these hold."""
+import math
+import tempfile
+import unittest
+
+import numpy
+
+import make
+from render import Daemon
+from writers import Gltf, icosphere
+
+
+def setUpModule():
+    global daemon, folder
+    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
+    daemon = Daemon().__enter__()
+
+
+def tearDownModule():
+    daemon.__exit__(None, None, None)
+    folder.cleanup()
+
+
+def smooth_sphere():
+    """A coarse sphere whose normals pretend that it is round: shading and true normals differ by up to 20 degrees."""
+    g = Gltf()
+    positions, triangles = icosphere(1)
+    g.node(mesh=g.mesh(positions, triangles, g.material("white", (1, 1, 1)), normals=positions))
+    g.camera((0, 0, 4), (0, 0, 0), 40)
+    return g.save(folder.name, "smooth.gltf")
+
+
+def worst(picture, expected):
+    """The largest relative error of any pixel and channel."""
+    return float(numpy.abs(picture.radiance / expected - 1).max())
+
+
+class Furnace(unittest.TestCase):
+    def test_convex_body_vanishes_in_a_white_world(self):
+        picture = daemon.render(make.furnace(folder.name), spp=64, arguments=["--background", "1,1,1"])
+        self.assertLess(worst(picture, 1.0), 0.005)
+
+    def test_smooth_normals_lose_no_energy(self):
+        picture = daemon.render(smooth_sphere(), spp=64, arguments=["--background", "1,1,1"])
+        # A facet seen past its own horizon may reflect to a neighbour once more; albedo 1 gives that back too.
+        self.assertLess(worst(picture, 1.0), 0.005)
+
+    def test_grey_body_reflects_its_albedo(self):
+        picture = daemon.render(make.furnace(folder.name, albedo=0.25, name="grey.gltf"), spp=16,
+                                arguments=["--background", "2,2,2"])
+        middle = picture.radiance[28:36, 28:36]
+        self.assertLess(float(numpy.abs(middle / 0.5 - 1).max()), 0.005)
+
+
+class ClosedSphere(unittest.TestCase):
+    """Albedo rho, inward emission 1 - rho: radiance 1, and 1 - rho^(N+1) after N scattering events."""
+
+    def check(self, rho, depth, spp, tolerance):
+        scene = make.closed_sphere(folder.name, rho=rho)
+        picture = daemon.render(scene, size=(32, 32), spp=spp, options={"pt.depth": depth})
+        expected = 1 - rho ** (depth + 1)
+        mean = float(picture.radiance.mean(dtype=numpy.float64))
+        print(f"closed sphere rho {rho} depth {depth}: mean {mean:.5f}, expected {expected:.5f}")
+        self.assertLess(abs(mean / expected - 1), tolerance)
+        return picture
+
+    def test_half(self):
+        picture = self.check(0.5, 7, 64, 0.005)
+        self.assertLess(worst(picture, 1.0), 0.06)
+        self.assertLess(abs(float(picture.radiance.mean()) - 1), 0.01)
+
+    def test_bright_walls(self):
+        picture = self.check(0.95, 90, 64, 0.01)
+        self.assertLess(abs(float(picture.radiance.mean()) - 1), 0.01)
+
+    def test_truncated_series(self):
+        for rho, depth in ((0.5, 1), (0.5, 2), (0.5, 4), (0.95, 1), (0.95, 5), (0.95, 20)):
+            with self.subTest(rho=rho, depth=depth):
+                self.check(rho, depth, 64, 0.01)
+
+
+class Irradiance(unittest.TestCase):
+    def check(self, scene, expected):
+        # Straight down the axis would look at the lamp's back: from the side, at a spot of some centimetres.
+        camera = (0, 0.5, 3, 0, 0, 0, 0, 1, 0, 0.25)
+        picture = daemon.render(scene, size=(8, 8), spp=1024, camera=camera, options={"pt.depth": 1})
+        irradiance = picture.radiance.mean(dtype=numpy.float64) * math.pi / 0.5
+        print(f"irradiance {irradiance:.5f}, expected {expected:.5f}")
+        self.assertLess(abs(irradiance / expected - 1), 0.005)
+
+    def test_square_lamp(self):
+        # Form factor of a square from a point under its centre: 4 / (2 pi) * 2 * a/sqrt(1+a^2) atan(a/sqrt(1+a^2)), a = 1/2.
+        a = 0.5 / math.sqrt(1.25)
+        expected = 4 * a * math.atan(a)
+        self.assertLess(abs(expected - 0.75227), 1e-5)
+        self.check(make.lamp_over_floor(folder.name), expected)
+
+    def test_disc_lamp(self):
+        self.check(make.disc_lamp(folder.name), math.pi / 5)
+
+    def test_point_light(self):
+        # Intensity I at height 2, straight above: E = I / 4.
+        self.check(make.lit_floor(folder.name, "point", 3.0), 0.75)
+
+    def test_spot_light(self):
+        # On its axis a spot is a point light.
+        self.check(make.lit_floor(folder.name, "spot", 3.0), 0.75)
+
+    def test_directional_light(self):
+        self.check(make.lit_floor(folder.name, "directional", 3.0), 3.0)
+
+
+class Exact(unittest.TestCase):
+    def test_no_light_is_black(self):
+        picture = daemon.render(make.unlit(folder.name), spp=8)
+        self.assertEqual(float(picture.radiance.max()), 0.0)
+        self.assertEqual(float(picture.radiance.min()), 0.0)
+
+    def test_doubled_emission_doubles_every_pixel(self):
+        once = daemon.render(make.cornell(folder.name, radiance=15.0, name="once.gltf"), spp=8)
+        twice = daemon.render(make.cornell(folder.name, radiance=30.0, name="twice.gltf"), spp=8)
+        self.assertGreater(float(once.radiance.max()), 0.0)
+        self.assertTrue(numpy.array_equal(twice.radiance, 2 * once.radiance))
+
+    def test_sealed_room_stays_dark(self):
+        for scale in (1e-3, 1.0, 1e3):
+            for rotated in (0.0, 30.0):
+                with self.subTest(scale=scale, rotated=rotated):
+                    scene = make.sealed_room(folder.name, scale=scale, rotated=rotated,
+                                             name=f"sealed_{scale}_{rotated}.gltf")
+                    picture = daemon.render(scene, size=(64, 64), spp=64)
+                    self.assertEqual(float(picture.radiance.max()), 0.0)
+
+    def test_nothing_is_not_finite(self):
+        for scene in (make.cornell(folder.name), make.closed_sphere(folder.name), make.lamp_over_floor(folder.name)):
+            picture = daemon.render(scene, spp=8)
+            self.assertTrue(bool(numpy.isfinite(picture.radiance).all()))
+            self.assertEqual(picture.report["non_finite_samples"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
