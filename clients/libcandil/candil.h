@@ -76,13 +76,13 @@ typedef enum candil_status {
 	// The daemon's own trouble, and this side's.
 	CANDIL_STATUS_INTERNAL = 80,
 	CANDIL_STATUS_SHUTTING_DOWN = 81,
-	CANDIL_STATUS_CONNECT = 82,   // no daemon answers, or it refused the handshake
-	CANDIL_STATUS_IO = 83,        // the connection broke
+	CANDIL_STATUS_CONNECT = 82, // no daemon answers, or it refused the handshake
+	CANDIL_STATUS_IO = 83, // the connection broke
 } candil_status;
 
 struct candil_error {
 	candil_status code;
-	char text[256];       // what is wrong and what to do, one sentence
+	char text[256]; // what is wrong and what to do, one sentence
 };
 
 // "scene-not-found": the stable name of a status; "unknown" for a number that is none. Static.
@@ -97,7 +97,7 @@ typedef struct candil_client candil_client;
 
 // What the daemon said in its hello.
 struct candil_server {
-	uint32_t version;                    // of the protocol
+	uint32_t version; // of the protocol
 	char name[64];
 	uint64_t max_message_bytes;
 	uint64_t max_pixels;
@@ -136,18 +136,18 @@ struct candil_vec3 {
 enum candil_up { CANDIL_UP_DEFAULT = 0, CANDIL_UP_Y = 1, CANDIL_UP_Z = 2 };
 
 struct candil_load_request {
-	const char *name;         // 1…63 bytes: the scene's name in the daemon
-	const char *server_path;  // relative to the daemon's --scene-root; or NULL and
-	const char *file;         // a file of this machine: its folder is opened here and goes along as a descriptor. Files that
-	                          // the scene names are read beneath that folder only
-	enum candil_up up;        // OBJ only: which axis points up
-	double metres_per_unit;   // OBJ only: 0 means 1
+	const char *name; // 1…63 bytes: the scene's name in the daemon
+	const char *server_path; // relative to the daemon's --scene-root; or NULL and
+	const char *file; // a file of this machine: its folder is opened here and goes along as a descriptor. Files that
+			  // the scene names are read beneath that folder only
+	enum candil_up up; // OBJ only: which axis points up
+	double metres_per_unit; // OBJ only: 0 means 1
 };
 
 struct candil_camera_info {
 	char name[64];
-	struct candil_vec3 eye, target, up;   // metres, world space
-	double vfov_degrees;                  // 0: orthographic
+	struct candil_vec3 eye, target, up; // metres, world space
+	double vfov_degrees; // 0: orthographic
 };
 
 struct candil_scene_info {
@@ -156,7 +156,7 @@ struct candil_scene_info {
 	char hash[40];
 	uint64_t blob_bytes;
 	uint32_t triangles, materials, textures, emissive_triangles, punctual_lights;
-	uint32_t camera_count;                // in the scene; may exceed camera_list_count
+	uint32_t camera_count; // in the scene; may exceed camera_list_count
 	uint32_t camera_list_count;
 	struct candil_camera_info cameras[32];
 	struct candil_vec3 bounds_min, bounds_max, origin;
@@ -164,11 +164,11 @@ struct candil_scene_info {
 	uint32_t dropped_degenerate, dropped_non_finite, dropped_out_of_range, missing_textures;
 	uint32_t warning_count;
 	char warnings[32][256];
-	uint32_t warnings_more;               // that did not fit
+	uint32_t warnings_more; // that did not fit
 	uint32_t ignored_count;
-	char ignored[32][64];                 // features of the file that the renderer leaves out
+	char ignored[32][64]; // features of the file that the renderer leaves out
 	uint32_t fact_count;
-	char facts[16][32];                   // what the plan goes by: "textures", "emitters"…
+	char facts[16][32]; // what the plan goes by: "textures", "emitters"…
 	uint64_t load_us;
 	char light_units[128];
 };
@@ -178,7 +178,7 @@ struct candil_scene_entry {
 	uint32_t triangles;
 	uint64_t blob_bytes;
 	bool loading;
-	uint32_t jobs;                        // that use it now
+	uint32_t jobs; // that use it now
 };
 
 struct candil_scene_list {
@@ -208,10 +208,10 @@ enum candil_effect {
 
 enum candil_effect_state {
 	CANDIL_EFFECT_SIMULATED = 0,
-	CANDIL_EFFECT_ABSENT = 1,         // the scene has none
+	CANDIL_EFFECT_ABSENT = 1, // the scene has none
 	CANDIL_EFFECT_SWITCHED_OFF = 2,
-	CANDIL_EFFECT_FORCED = 3,         // the scene has none, the request says on
-	CANDIL_EFFECT_UNSUPPORTED = 4,    // the technique cannot
+	CANDIL_EFFECT_FORCED = 3, // the scene has none, the request says on
+	CANDIL_EFFECT_UNSUPPORTED = 4, // the technique cannot
 };
 
 enum candil_format { CANDIL_FORMAT_EXR_HALF = 0, CANDIL_FORMAT_EXR_FLOAT = 1, CANDIL_FORMAT_PNG = 2 };
@@ -233,33 +233,33 @@ CANDIL_API const char *candil_format_name(enum candil_format format);
 CANDIL_API const char *candil_view_name(enum candil_view view);
 
 struct candil_option {
-	const char *name;     // "pt.depth"
+	const char *name; // "pt.depth"
 	const char *value;
 };
 
 struct candil_render_request {
-	const char *scene;               // name of a loaded scene
+	const char *scene; // name of a loaded scene
 	enum candil_technique technique;
-	uint32_t width, height;          // pixels
-	uint32_t samples;                // per pixel
-	uint32_t first_sample;           // renders of disjoint ranges can be merged
+	uint32_t width, height; // pixels
+	uint32_t samples; // per pixel
+	uint32_t first_sample; // renders of disjoint ranges can be merged
 	uint64_t seed;
-	const char *camera_name;         // a camera of the scene; or NULL and
-	bool has_camera;                 //   the four fields below (metres, world space); neither: the scene's first camera
+	const char *camera_name; // a camera of the scene; or NULL and
+	bool has_camera; //   the four fields below (metres, world space); neither: the scene's first camera
 	struct candil_vec3 eye, target, up;
 	double vfov_degrees;
-	uint32_t effects_on;             // bits: on whatever the scene holds
-	uint32_t effects_off;            // bits: off. In neither: as the scene calls for
-	uint32_t aovs;                   // CANDIL_AOV_… bits
+	uint32_t effects_on; // bits: on whatever the scene holds
+	uint32_t effects_off; // bits: off. In neither: as the scene calls for
+	uint32_t aovs; // CANDIL_AOV_… bits
 	enum candil_format format;
-	double exposure_ev;              // PNG only
-	enum candil_view view;           // PNG only
-	bool progressive;                // intermediate images before the final one
+	double exposure_ev; // PNG only
+	enum candil_view view; // PNG only
+	bool progressive; // intermediate images before the final one
 	const struct candil_option *options;
-	size_t option_count;             // 0…16
+	size_t option_count; // 0…16
 	bool has_background;
-	struct candil_vec3 background;   // W/(m² sr), what rays meet that leave the scene; absent: black
-	uint32_t progress_ms;            // least time between two progress events; 0: 100
+	struct candil_vec3 background; // W/(m² sr), what rays meet that leave the scene; absent: black
+	uint32_t progress_ms; // least time between two progress events; 0: 100
 };
 
 // 512x512, 64 samples, float EXR, technique and effects automatic, the scene's first camera. `scene` is left NULL.
@@ -277,13 +277,13 @@ struct candil_accepted {
 	uint32_t plan_count;
 	struct candil_effect_report plan[16];
 	char device[128];
-	uint64_t job_bytes;              // device memory the job takes
+	uint64_t job_bytes; // device memory the job takes
 	uint32_t samples, depth;
 };
 
 struct candil_progress {
-	uint32_t samples_done, samples;  // per pixel
-	double fraction;                 // 0…1
+	uint32_t samples_done, samples; // per pixel
+	double fraction; // 0…1
 	uint64_t device_us, elapsed_us;
 };
 
@@ -296,22 +296,22 @@ struct candil_done {
 	uint32_t samples;
 	uint32_t stage_count;
 	struct candil_stage stages[16];
-	uint64_t elapsed_us;             // in the daemon
-	double estimated_relmse;         // negative: unknown
-	uint64_t non_finite_samples;     // found on the device, taken as zero
+	uint64_t elapsed_us; // in the daemon
+	double estimated_relmse; // negative: unknown
+	uint64_t non_finite_samples; // found on the device, taken as zero
 	uint64_t rays;
 	uint32_t slices, retries;
 	char device[128];
-	char reason[64];                 // why it ended: "samples"
+	char reason[64]; // why it ended: "samples"
 };
 
 // An encoded image file, whole: EXR or PNG bytes, to be written to a file as they are.
 struct candil_image {
-	const uint8_t *data;             // the owner is said where the image comes from
-	size_t bytes;                    // at most 64 a pixel and 4 MiB
+	const uint8_t *data; // the owner is said where the image comes from
+	size_t bytes; // at most 64 a pixel and 4 MiB
 	enum candil_format format;
 	uint32_t width, height, samples;
-	bool final;                      // false: an intermediate one
+	bool final; // false: an intermediate one
 };
 
 struct candil_stats {
@@ -353,12 +353,12 @@ CANDIL_API candil_status candil_stats(candil_client *client, struct candil_stats
 struct candil_callbacks {
 	int (*accepted)(void *user, const struct candil_accepted *accepted);
 	int (*progress)(void *user, const struct candil_progress *progress);
-	int (*image)(void *user, const struct candil_image *image);   // intermediate images, of a progressive render
+	int (*image)(void *user, const struct candil_image *image); // intermediate images, of a progressive render
 	void *user;
 };
 
 struct candil_render_result {
-	struct candil_image image;       // the final one; `data` is the caller's, to be freed with candil_free
+	struct candil_image image; // the final one; `data` is the caller's, to be freed with candil_free
 	struct candil_accepted accepted;
 	struct candil_done done;
 };
@@ -386,7 +386,7 @@ CANDIL_API candil_status candil_process(candil_client *client, struct candil_err
 // Queue a request and write its id to *id. Nothing is sent before candil_process. Fails with BAD_ARGUMENT (a string is too
 // long or missing), TOO_MANY_JOBS (64 requests are open), SCENE_FILE (a local file cannot be opened), MEMORY, IO.
 CANDIL_API candil_status candil_submit_ping(candil_client *client, const void *payload, size_t bytes, uint32_t *id,
-					    struct candil_error *error);   // payload: at most 256 bytes, comes back
+					    struct candil_error *error); // payload: at most 256 bytes, comes back
 CANDIL_API candil_status candil_submit_load(candil_client *client, const struct candil_load_request *request, uint32_t *id,
 					    struct candil_error *error);
 CANDIL_API candil_status candil_submit_unload(candil_client *client, const char *name, uint32_t *id,
@@ -403,22 +403,22 @@ CANDIL_API candil_status candil_submit_stats(candil_client *client, uint32_t *id
 CANDIL_API candil_status candil_cancel(candil_client *client, uint32_t id, struct candil_error *error);
 
 enum candil_event_kind {
-	CANDIL_EVENT_PONG = 1,     // pong             ends a ping
-	CANDIL_EVENT_SCENE,        // scene            ends a load or a describe
-	CANDIL_EVENT_OK,           //                  ends an unload
-	CANDIL_EVENT_SCENES,       // scenes           ends a list
-	CANDIL_EVENT_ACCEPTED,     // accepted         of a render: once
-	CANDIL_EVENT_PROGRESS,     // progress         of a render: any number
-	CANDIL_EVENT_IMAGE,        // image            of a render: intermediate ones, then one that is final
-	CANDIL_EVENT_DONE,         // done             ends a render; the final image came before it
-	CANDIL_EVENT_STATS,        // stats            ends a stats request
-	CANDIL_EVENT_ERROR,        // error            ends any request
+	CANDIL_EVENT_PONG = 1, // pong             ends a ping
+	CANDIL_EVENT_SCENE, // scene            ends a load or a describe
+	CANDIL_EVENT_OK, //                  ends an unload
+	CANDIL_EVENT_SCENES, // scenes           ends a list
+	CANDIL_EVENT_ACCEPTED, // accepted         of a render: once
+	CANDIL_EVENT_PROGRESS, // progress         of a render: any number
+	CANDIL_EVENT_IMAGE, // image            of a render: intermediate ones, then one that is final
+	CANDIL_EVENT_DONE, // done             ends a render; the final image came before it
+	CANDIL_EVENT_STATS, // stats            ends a stats request
+	CANDIL_EVENT_ERROR, // error            ends any request
 };
 
 struct candil_event {
 	enum candil_event_kind kind;
-	uint32_t id;               // the request's
-	bool ends_request;         // no event with this id will follow
+	uint32_t id; // the request's
+	bool ends_request; // no event with this id will follow
 	union {
 		struct {
 			size_t bytes;
@@ -428,7 +428,7 @@ struct candil_event {
 		struct candil_scene_list scenes;
 		struct candil_accepted accepted;
 		struct candil_progress progress;
-		struct candil_image image;   // data: the client's, valid until the next candil_next_event or candil_disconnect
+		struct candil_image image; // data: the client's, valid until the next candil_next_event or candil_disconnect
 		struct candil_done done;
 		struct candil_stats stats;
 		struct candil_error error;

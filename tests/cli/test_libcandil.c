@@ -1,5 +1,4 @@
-// libcandil against a daemon that this program plays itself: it writes replies into the other end of a socket pair before
-// or while the library reads. Request ids count up from the hello, which is 1.
+// libcandil against a daemon that this program plays itself.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +9,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <pb_decode.h>
-#include <pb_encode.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,134 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "candil.pb.h"
-#include "clients/libcandil/candil.h"
-#include "protocol/header.h"
-#include "protocol/limits.h"
-
-struct fake {
-	int peer;
-	candil_client *client;
-};
-
-static void put(int fd, const void *bytes, size_t count)
-{
-	assert_int_equal(send(fd, bytes, count, MSG_NOSIGNAL), (ssize_t)count);
-}
-
-static size_t frame(uint8_t *out, enum message_type type, uint32_t id, const void *body, size_t bytes)
-{
-	struct header h = {CANDIL_VERSION, (uint8_t)type, 0, (uint32_t)bytes, id};
-	header_encode(&h, out);
-	if (bytes > 0)
-		memcpy(out + CANDIL_HEADER_BYTES, body, bytes);
-	return CANDIL_HEADER_BYTES + bytes;
-}
-
-static void put_raw(int fd, enum message_type type, uint32_t id, const void *body, size_t bytes)
-{
-	uint8_t out[CANDIL_HEADER_BYTES + LIMIT_MESSAGE_BYTES];
-	put(fd, out, frame(out, type, id, body, bytes));
-}
-
-static size_t encode(uint8_t *out, size_t capacity, const pb_msgdesc_t *fields, const void *message)
-{
-	pb_ostream_t stream = pb_ostream_from_buffer(out, capacity);
-	assert_true(pb_encode(&stream, fields, message));
-	return stream.bytes_written;
-}
-
-static void put_message(int fd, enum message_type type, uint32_t id, const pb_msgdesc_t *fields, const void *message)
-{
-	uint8_t body[LIMIT_MESSAGE_BYTES];
-	put_raw(fd, type, id, body, encode(body, sizeof(body), fields, message));
-}
-
-static void put_error(int fd, uint32_t id, uint32_t code, const char *text)
-{
-	candil_Error e = {.code = code};
-	snprintf(e.message, sizeof(e.message), "%s", text);
-	put_message(fd, MESSAGE_ERROR, id, candil_Error_fields, &e);
-}
-
-static void put_image(int fd, uint32_t id, uint32_t side, uint64_t bytes, bool final)
-{
-	candil_ImageFrame image = {.final = final,
-				   .format = candil_Format_FORMAT_EXR_FLOAT,
-				   .width = side,
-				   .height = side,
-				   .samples = 4,
-				   .bytes = bytes};
-	put_message(fd, MESSAGE_IMAGE, id, candil_ImageFrame_fields, &image);
-}
-
-static void put_done(int fd, uint32_t id)
-{
-	candil_Done done = {.samples = 4, .rays = 77, .estimated_relmse = 0.25, .stages_count = 1};
-	strcpy(done.stages[0].name, "trace");
-	done.stages[0].us = 1234;
-	put_message(fd, MESSAGE_DONE, id, candil_Done_fields, &done);
-}
-
-// Drop what the client sent; returns how many bytes that was.
-static size_t drain(int fd)
-{
-	uint8_t bytes[65536];
-	size_t all = 0;
-	ssize_t got;
-	while ((got = recv(fd, bytes, sizeof(bytes), MSG_DONTWAIT)) > 0)
-		all += (size_t)got;
-	return all;
-}
-
-static struct fake start(void)
-{
-	int ends[2];
-	struct fake f;
-	assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends), 0);
-	f.peer = ends[1];
-	candil_HelloReply hello = {.version = CANDIL_VERSION, .server = "fake", .max_pixels = 1000};
-	put_message(f.peer, MESSAGE_HELLO_REPLY, 1, candil_HelloReply_fields, &hello);
-	struct candil_error error;
-	assert_int_equal(candil_connect_fd(ends[0], &f.client, &error), CANDIL_STATUS_OK);
-	assert_true(drain(f.peer) > CANDIL_HEADER_BYTES);
-	return f;
-}
-
-static void stop(struct fake *f)
-{
-	candil_disconnect(f->client);
-	if (f->peer >= 0)
-		close(f->peer);
-}
-
-static uint32_t submit_render(candil_client *client, uint32_t side)
-{
-	struct candil_render_request request;
-	uint32_t id = 0;
-	candil_render_request_init(&request);
-	request.scene = "box";
-	request.width = request.height = side;
-	assert_int_equal(candil_submit_render(client, &request, &id, NULL), CANDIL_STATUS_OK);
-	return id;
-}
-
-// The next event, which must be there or arrive with what was sent already.
-static struct candil_event expect(struct fake *f, enum candil_event_kind kind, uint32_t id)
-{
-	struct candil_event event;
-	candil_process(f->client, NULL);
-	assert_true(candil_next_event(f->client, &event));
-	assert_int_equal(event.kind, kind);
-	assert_int_equal(event.id, id);
-	return event;
-}
-
-static void fill(uint8_t *bytes, size_t count, unsigned seed)
-{
-	for (size_t i = 0; i < count; i++)
-		bytes[i] = (uint8_t)(i * 31 + i / 251 + seed);
-}
+#include "tests/cli/fake_server.h"
 
 static void test_hello_says_what_the_daemon_is(void **state)
 {
@@ -318,137 +189,6 @@ static void test_last_words_are_heard(void **state)
 	struct candil_event event = expect(&f, CANDIL_EVENT_ERROR, id);
 	assert_int_equal(event.u.error.code, CANDIL_STATUS_SHUTTING_DOWN);
 	stop(&f);
-}
-
-// What a hostile daemon might say to render 2 (64x64): each ends the connection, and the request with it.
-static void hostile(void (*say)(int peer, uint32_t id))
-{
-	struct fake f = start();
-	uint32_t id = submit_render(f.client, 64);
-	candil_process(f.client, NULL);
-	say(f.peer, id);
-	struct candil_event event = expect(&f, CANDIL_EVENT_ERROR, id);
-	assert_true(event.u.error.code != CANDIL_STATUS_OK);
-	assert_true(strlen(event.u.error.text) > 10);
-	assert_int_equal(candil_process(f.client, NULL), event.u.error.code);
-	stop(&f);
-}
-
-static void say_huge_image(int peer, uint32_t id)
-{
-	put_image(peer, id, 64, UINT64_MAX, true);
-}
-static void say_empty_image(int peer, uint32_t id)
-{
-	put_image(peer, id, 64, 0, true);
-}
-static void say_other_size(int peer, uint32_t id)
-{
-	put_image(peer, id, 65, 10, true);
-}
-static void say_chunk_without_image(int peer, uint32_t id)
-{
-	put_raw(peer, MESSAGE_FRAME_CHUNK, id, "abc", 3);
-}
-static void say_chunk_too_long(int peer, uint32_t id)
-{
-	put_image(peer, id, 64, 2, true);
-	put_raw(peer, MESSAGE_FRAME_CHUNK, id, "abc", 3);
-}
-static void say_image_in_image(int peer, uint32_t id)
-{
-	put_image(peer, id, 64, 20, false);
-	put_image(peer, id, 64, 20, true);
-}
-static void say_done_without_image(int peer, uint32_t id)
-{
-	put_done(peer, id);
-}
-static void say_wrong_reply(int peer, uint32_t id)
-{
-	put_raw(peer, MESSAGE_OK, id, NULL, 0);
-}
-static void say_garbage_message(int peer, uint32_t id)
-{
-	put_raw(peer, MESSAGE_PROGRESS, id, "\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff", 11);
-}
-static void say_bad_magic(int peer, uint32_t id)
-{
-	(void)id;
-	put(peer, "JUNKJUNKJUNKJUNK", 16);
-}
-static void say_long_length(int peer, uint32_t id)
-{
-	struct header h = {CANDIL_VERSION, MESSAGE_PROGRESS, 0, UINT32_MAX, id};
-	uint8_t out[CANDIL_HEADER_BYTES];
-	header_encode(&h, out);
-	put(peer, out, sizeof(out));
-}
-
-static void test_hostile_replies(void **state)
-{
-	(void)state;
-	hostile(say_huge_image);
-	hostile(say_empty_image);
-	hostile(say_other_size);
-	hostile(say_chunk_without_image);
-	hostile(say_chunk_too_long);
-	hostile(say_image_in_image);
-	hostile(say_done_without_image);
-	hostile(say_wrong_reply);
-	hostile(say_garbage_message);
-	hostile(say_bad_magic);
-	hostile(say_long_length);
-}
-
-static void test_strange_but_harmless_replies_are_passed_over(void **state)
-{
-	(void)state;
-	struct fake f = start();
-	uint32_t id;
-	candil_submit_unload(f.client, "box", &id, NULL);
-	put_raw(f.peer, MESSAGE_FRAME_CHUNK, 999, "abc", 3);
-	put_raw(f.peer, (enum message_type)0xC0, id, "later", 5);
-	put_done(f.peer, 4711);
-	put_raw(f.peer, MESSAGE_OK, id, NULL, 0);
-	assert_true(expect(&f, CANDIL_EVENT_OK, id).ends_request);
-	stop(&f);
-}
-
-// A valid conversation with random bytes changed: whatever happens, no crash, no leak, and an end.
-static void test_mutated_replies(void **state)
-{
-	(void)state;
-	uint32_t random = 12345;
-	for (int round = 0; round < 3000; round++) {
-		struct fake f = start();
-		uint32_t id = submit_render(f.client, 8);
-		uint8_t out[4096], body[512];
-		candil_Progress progress = {.samples_done = 1, .samples = 4, .fraction = 0.5};
-		candil_ImageFrame image = {true, 0, candil_Format_FORMAT_EXR_FLOAT, 8, 8, 4, 300};
-		candil_Done done = {.samples = 4, .stages_count = 2};
-		size_t n = frame(out, MESSAGE_PROGRESS, id, body, encode(body, 512, candil_Progress_fields, &progress));
-		image.final = true;
-		image.index = 0;
-		n += frame(out + n, MESSAGE_IMAGE, id, body, encode(body, 512, candil_ImageFrame_fields, &image));
-		fill(body, 300, 3);
-		n += frame(out + n, MESSAGE_FRAME_CHUNK, id, body, 300);
-		n += frame(out + n, MESSAGE_DONE, id, body, encode(body, 512, candil_Done_fields, &done));
-		for (int change = 0; change < 1 + round % 4; change++) {
-			random = random * 1664525u + 1013904223u;
-			out[(random >> 8) % n] = (uint8_t)(random >> 24);
-		}
-		put(f.peer, out, n);
-		close(f.peer);
-		f.peer = -1;
-		candil_process(f.client, NULL);
-		struct candil_event event;
-		bool ended = false;
-		while (candil_next_event(f.client, &event))
-			ended = ended || event.ends_request;
-		assert_true(ended);
-		stop(&f);
-	}
 }
 
 static void test_blocking_render(void **state)
@@ -639,9 +379,6 @@ int main(void)
 	    cmocka_unit_test(test_one_byte_at_a_time),
 	    cmocka_unit_test(test_peer_gone_ends_every_request),
 	    cmocka_unit_test(test_last_words_are_heard),
-	    cmocka_unit_test(test_hostile_replies),
-	    cmocka_unit_test(test_strange_but_harmless_replies_are_passed_over),
-	    cmocka_unit_test(test_mutated_replies),
 	    cmocka_unit_test(test_blocking_render),
 	    cmocka_unit_test(test_callback_cancels),
 	    cmocka_unit_test(test_blocking_calls_refuse_beside_open_requests),
