@@ -21,7 +21,7 @@ class Stalled(FakeCase):
         before = self.daemon.rss_kib()
         stalled, other = self.with_box(), self.connect()
         job = stalled.send(wire.RENDER, render(width=8000, height=8000, samples=1, seed=5))
-        wire.wait_for(lambda: other.stats().buffered_bytes > 128 * 1024, "the image waits")
+        wire.wait_for(lambda: other.stats().buffered_bytes > 0, "the image waits")
         for _ in range(5):
             self.assertEqual(other.follow(other.send(wire.RENDER, render()))[-1].kind, wire.DONE)
         self.assert_bounded(before)
@@ -36,7 +36,7 @@ class Stalled(FakeCase):
         before = self.daemon.rss_kib()
         stalled, other = self.with_box(), self.connect()
         jobs = [stalled.send(wire.RENDER, render(width=1000, height=1000, samples=1)) for _ in range(16)]
-        wire.wait_for(lambda: other.stats().buffered_bytes > 128 * 1024, "images wait")
+        wire.wait_for(lambda: other.stats().buffered_bytes > 0, "images wait")
         self.assertEqual(other.follow(other.send(wire.RENDER, render()))[-1].kind, wire.DONE)
         self.assert_bounded(before)
         for job in jobs:
@@ -46,7 +46,7 @@ class Stalled(FakeCase):
         before = self.daemon.rss_kib()
         stalled, other = self.with_box(), self.connect()
         stalled.send(wire.RENDER, endless(width=1000, height=1000, progressive=True))
-        wire.wait_for(lambda: other.stats().buffered_bytes > 128 * 1024, "previews wait")
+        wire.wait_for(lambda: other.stats().buffered_bytes > 0, "previews wait")
         slices = other.stats().slices
         wire.wait_for(lambda: other.stats().slices > slices + 50, "the job goes on")
         self.assert_bounded(before)

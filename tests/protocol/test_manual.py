@@ -1,0 +1,91 @@
+"""PROTOCOL.md names every message, field, number, code and limit; its example is what goes over the wire."""
+import os
+import re
+import unittest
+
+import wire
+from fakes import FakeCase
+from wire import pb
+
+FOLDER = os.path.join(os.environ["CANDIL_SOURCE"], "protocol")
+
+
+def read(name):
+    with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
+        return file.read()
+
+
+MANUAL = read("PROTOCOL.md")
+
+
+def rows():
+    """The cells of every table's rows."""
+    return [[cell.strip().strip("`") for cell in line.strip("|").split("|")]
+            for line in MANUAL.splitlines() if line.startswith("|")]
+
+
+class Manual(unittest.TestCase):
+    def test_every_message_type_and_its_number(self):
+        types = re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("header.h"), re.MULTILINE)
+        self.assertGreater(len(types), 20)
+        table = {row[0]: row[1] for row in rows() if re.fullmatch(r"0x\w\w", row[1])}
+        self.assertEqual(table, dict(types))
+
+    def test_wire_py_agrees(self):
+        for name, number in re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("header.h"), re.MULTILINE):
+            self.assertEqual(getattr(wire, name), int(number, 16), name)
+
+    def test_every_status(self):
+        statuses = re.findall(r'X\((\w+), (\d+), "([\w-]+)"\)', read("status.h"))
+        self.assertGreater(len(statuses), 30)
+        self.assertEqual([tuple(row[:3]) for row in rows() if len(row) == 4 and row[1].isdigit()], statuses)
+
+    def test_every_limit_and_its_value(self):
+        limits = re.findall(r"^#define (LIMIT_\w+)\s+(\(.*?\)|\S+)", read("limits.h"), re.MULTILINE)
+        self.assertGreater(len(limits), 40)
+        table = {row[0]: row[1].replace(",", "") for row in rows() if row[0].startswith("LIMIT_")}
+        for name, value in limits:
+            self.assertIn(name, table)
+            self.assertEqual(float(table[name]), float(eval(re.sub(r"(?<=\d)(ull|u)\b", "", value))), name)
+        self.assertEqual(set(table), {name for name, _ in limits})
+
+    def test_every_message_and_field(self):
+        words = set(re.findall(r"\w+", MANUAL))
+
+        def check(message):
+            self.assertIn(message.name, words)
+            for field in message.fields:
+                self.assertIn(f"`{field.name}`", MANUAL, f"{message.name}.{field.name}")
+            for nested in message.nested_types:
+                check(nested)
+
+        for message in pb.DESCRIPTOR.message_types_by_name.values():
+            check(message)
+        for enum in pb.DESCRIPTOR.enum_types_by_name.values():
+            for value in enum.values:
+                self.assertIn(value.name, words)
+
+
+class Example(FakeCase):
+    arguments = ()
+
+    def prepare(self):
+        self.daemon.arguments += ["--scene-root", self.scenes]
+
+    def test_the_bytes_of_the_exchange(self):
+        blocks = re.findall(r"^C  ((?:[0-9A-F]{2} )+).*\n   ((?:[0-9A-F]{2} )+)", MANUAL, re.MULTILINE)
+        self.assertEqual(len(blocks), 3)
+        connection = self.connect(greet=False)
+        kinds = []
+        for header, body in blocks:
+            data = bytes.fromhex(header + body)
+            self.assertEqual(len(data), 16 + int.from_bytes(data[8:12], "little"))
+            connection.sock.sendall(data)
+            kinds.append(connection.receive().kind)
+        self.assertEqual(kinds, [wire.HELLO_REPLY, wire.SCENE_INFO, wire.ACCEPTED])
+        (frame, data), = wire.images(connection.follow(3))
+        self.assertEqual((frame.width, frame.height, frame.format, len(data)), (4, 4, pb.FORMAT_PNG, 16))
+
+
+if __name__ == "__main__":
+    unittest.main()
