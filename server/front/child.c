@@ -139,34 +139,49 @@ void child_reap(struct child *child, struct loop *loop, char *how, size_t capaci
 
 struct abandoned {
 	struct child child;
-	struct loop *loop;
+	struct children *children;
+	struct abandoned *next;
 };
+
+void children_init(struct children *children, struct loop *loop)
+{
+	*children = (struct children){.loop = loop};
+}
 
 static void collect(void *owner, uint32_t events)
 {
 	struct abandoned *gone = owner;
+	struct abandoned **link = &gone->children->first;
 	char how[64];
 	(void)events;
-	child_reap(&gone->child, gone->loop, how, sizeof how);
+	while (*link != gone)
+		link = &(*link)->next;
+	*link = gone->next;
+	child_reap(&gone->child, gone->children->loop, how, sizeof how);
 	free(gone);
 }
 
-void child_abandon(struct child *child, struct loop *loop)
+void children_finish(struct children *children)
+{
+	while (children->first)
+		collect(children->first, 0);
+}
+
+void child_abandon(struct child *child, struct children *children)
 {
 	if (child->pid <= 0)
 		return;
 	child_kill(child);
-	drop(loop, &child->socket);
-	loop_forget(loop, child->pidfd);
+	drop(children->loop, &child->socket);
+	loop_forget(children->loop, child->pidfd);
 	struct abandoned *gone = calloc(1, sizeof *gone);
-	if (gone) {
-		*gone = (struct abandoned){.child = *child, .loop = loop};
-		if (loop_watch(loop, child->pidfd, EPOLLIN, collect, gone, NULL) != STATUS_OK) {
-			close(child->pidfd);
-			free(gone);
-		}
+	if (gone && loop_watch(children->loop, child->pidfd, EPOLLIN, collect, gone, NULL) == STATUS_OK) {
+		*gone = (struct abandoned){.child = *child, .children = children, .next = children->first};
+		children->first = gone;
 	} else {
+		// It stays uncollected until we end, which is better than to wait for it here.
 		close(child->pidfd);
+		free(gone);
 	}
 	child_init(child);
 }

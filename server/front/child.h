@@ -15,6 +15,18 @@ struct child {
 	int socket; // SOCK_SEQPACKET, non-blocking; -1: none
 };
 
+// Children that were let go and have not been collected yet.
+struct abandoned;
+struct children {
+	struct loop *loop;
+	struct abandoned *first;
+};
+
+void children_init(struct children *children, struct loop *loop);
+
+// Forget those that are left: they have been killed, and whoever comes after us collects them.
+void children_finish(struct children *children);
+
 void child_init(struct child *child);
 
 // Start argv[0] (a path; argv ends with NULL). `folder` < 0: none. It runs in its own process group, so that a terminal's
@@ -29,6 +41,6 @@ void child_kill(const struct child *child);
 void child_reap(struct child *child, struct loop *loop, char *how, size_t capacity);
 
 // Kill it and let go: the loop collects it whenever it has ended. Never blocks.
-void child_abandon(struct child *child, struct loop *loop);
+void child_abandon(struct child *child, struct children *children);
 
 #endif

@@ -15,16 +15,16 @@
 #include "server/base/memfd.h"
 #include "server/front/text.h"
 
-void loader_init(struct loader *loader, struct loop *loop, loader_done *done, void *owner)
+void loader_init(struct loader *loader, struct children *children, loader_done *done, void *owner)
 {
-	*loader = (struct loader){.loop = loop, .done = done, .owner = owner};
+	*loader = (struct loader){.loop = children->loop, .children = children, .done = done, .owner = owner};
 	child_init(&loader->child);
 }
 
 void loader_stop(struct loader *loader)
 {
 	loop_timer_stop(loader->loop, &loader->timer);
-	child_abandon(&loader->child, loader->loop);
+	child_abandon(&loader->child, loader->children);
 }
 
 static void fail(struct loader *loader, const struct error *err)

@@ -16,13 +16,14 @@ typedef void loader_done(void *owner, const struct ipc_loaded *loaded, int blob)
 
 struct loader {
 	struct loop *loop;
+	struct children *children;
 	struct child child;
 	struct loop_timer timer;
 	loader_done *done;
 	void *owner;
 };
 
-void loader_init(struct loader *loader, struct loop *loop, loader_done *done, void *owner);
+void loader_init(struct loader *loader, struct children *children, loader_done *done, void *owner);
 
 // Start `libexec`/candil-loader on a file. It has LIMIT_LOAD_SECONDS.
 enum status loader_start(struct loader *loader, const char *libexec, const struct source *source, candil_UpAxis up,

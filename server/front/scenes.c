@@ -7,10 +7,10 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
-void scenes_init(struct scenes *scenes, struct loop *loop, const char *libexec, const struct scenes_events *events,
+void scenes_init(struct scenes *scenes, struct children *children, const char *libexec, const struct scenes_events *events,
 		 void *owner)
 {
-	*scenes = (struct scenes){.loop = loop, .libexec = libexec, .events = events, .owner = owner, .next_id = 1};
+	*scenes = (struct scenes){.children = children, .libexec = libexec, .events = events, .owner = owner, .next_id = 1};
 }
 
 static bool is_loading(const struct scene *scene)
@@ -178,7 +178,7 @@ enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct s
 	s->metres_per_unit = load->metres_per_unit;
 	s->asked_us = clock_us();
 	s->table = scenes;
-	loader_init(&s->loader, scenes->loop, loaded, s);
+	loader_init(&s->loader, scenes->children, loaded, s);
 	struct scene **link = &scenes->first;
 	while (*link)
 		link = &(*link)->next;

@@ -50,7 +50,7 @@ struct scenes_events {
 };
 
 struct scenes {
-	struct loop *loop;
+	struct children *children;
 	const char *libexec;
 	const struct scenes_events *events;
 	void *owner;
@@ -60,7 +60,7 @@ struct scenes {
 	uint64_t loader_failures;
 };
 
-void scenes_init(struct scenes *scenes, struct loop *loop, const char *libexec, const struct scenes_events *events,
+void scenes_init(struct scenes *scenes, struct children *children, const char *libexec, const struct scenes_events *events,
 		 void *owner);
 void scenes_finish(struct scenes *scenes);
 

@@ -296,10 +296,11 @@ static enum status set_up(struct service *service, struct error *err)
 	enum status status = loop_create(&service->loop, err);
 	if (status != STATUS_OK)
 		return status;
+	children_init(&service->children, service->loop);
 	sessions_init(&service->sessions, service->loop, &session_events, service);
-	scenes_init(&service->scenes, service->loop, service->options->libexec, &scenes_events, service);
+	scenes_init(&service->scenes, &service->children, service->options->libexec, &scenes_events, service);
 	jobs_init(&service->jobs, &service->worker, service->options->slice_ms);
-	status = worker_init(&service->worker, service->loop, service->options, &worker_events, service, err);
+	status = worker_init(&service->worker, &service->children, service->options, &worker_events, service, err);
 	if (status == STATUS_OK)
 		status = watch_signals(service, err);
 	if (status == STATUS_OK)
@@ -319,6 +320,7 @@ static void tear_down(struct service *service)
 	worker_finish(&service->worker);
 	scenes_finish(&service->scenes);
 	sessions_finish(&service->sessions);
+	children_finish(&service->children);
 	net_close(&service->listener);
 	if (service->signal_fd >= 0)
 		close(service->signal_fd);

@@ -14,6 +14,7 @@ struct service {
 	struct listener listener;
 	int signal_fd;
 	int scene_root; // O_PATH; -1: none
+	struct children children;
 	struct sessions sessions;
 	struct scenes scenes;
 	struct jobs jobs;

@@ -364,7 +364,7 @@ static enum status launch(struct worker *worker, struct error *err)
 	if (status == STATUS_OK)
 		status = loop_watch(worker->loop, worker->child.pidfd, EPOLLIN, ended, worker, err);
 	if (status != STATUS_OK)
-		child_abandon(&worker->child, worker->loop);
+		child_abandon(&worker->child, worker->children);
 	return status;
 }
 
@@ -382,16 +382,17 @@ static void start(void *owner)
 	expect_answer(worker); // READY is due as an answer is
 }
 
-enum status worker_init(struct worker *worker, struct loop *loop, const struct options *options,
+enum status worker_init(struct worker *worker, struct children *children, const struct options *options,
 			const struct worker_events *events, void *owner, struct error *err)
 {
-	*worker = (struct worker){.loop = loop, .options = options, .events = events, .owner = owner};
+	*worker = (struct worker){
+	    .loop = children->loop, .children = children, .options = options, .events = events, .owner = owner};
 	child_init(&worker->child);
 	worker->inbox = malloc(IPC_MAX_BYTES);
 	if (!worker->inbox)
 		return error_set(err, STATUS_MEMORY, "no memory for the worker's messages");
 	// From the loop, not from here: the owner is not yet complete.
-	loop_timer_set(loop, &worker->restart, 0, start, worker);
+	loop_timer_set(worker->loop, &worker->restart, 0, start, worker);
 	return STATUS_OK;
 }
 
@@ -401,7 +402,7 @@ void worker_finish(struct worker *worker)
 		return;
 	loop_timer_stop(worker->loop, &worker->restart);
 	loop_timer_stop(worker->loop, &worker->watchdog);
-	child_abandon(&worker->child, worker->loop);
+	child_abandon(&worker->child, worker->children);
 	drop_parcels(worker);
 	free(worker->inbox);
 	worker->inbox = NULL;

@@ -31,6 +31,7 @@ struct parcel; // a message that waits
 
 struct worker {
 	struct loop *loop;
+	struct children *children;
 	const struct options *options;
 	const struct worker_events *events;
 	void *owner;
@@ -56,7 +57,7 @@ struct worker {
 };
 
 // The worker is started at once, or its first attempt's failure handled as a loss.
-enum status worker_init(struct worker *worker, struct loop *loop, const struct options *options,
+enum status worker_init(struct worker *worker, struct children *children, const struct options *options,
 			const struct worker_events *events, void *owner, struct error *err);
 
 // Kill it. No event is called.

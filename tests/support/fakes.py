@@ -42,9 +42,12 @@ class FakeCase(unittest.TestCase):
 
     def stop(self):
         """Whatever a test did, the daemon ends in good order: under the sanitizers that includes its leaks."""
-        folder_log = self.daemon.log_text()
-        status = self.daemon.stop()
-        self.assertEqual(status, 0, folder_log)
+        status = self.daemon.end()
+        log = self.daemon.log_text()
+        self.daemon.stop()
+        self.assertEqual(status, 0, log)
+        self.assertNotIn("Sanitizer", log)
+        self.assertNotIn("runtime error", log)
 
     def write(self, name, text):
         path = os.path.join(self.scenes, name)

@@ -220,8 +220,8 @@ class Daemon:
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
 
-    def stop(self, how=signal.SIGTERM):
-        """End it, give its exit status, remove its folder. Twice is allowed."""
+    def end(self, how=signal.SIGTERM):
+        """End it and give its exit status; its folder stays. Twice is allowed."""
         if self.process and self.process.poll() is None:
             self.process.send_signal(how)
             try:
@@ -229,8 +229,13 @@ class Daemon:
             except subprocess.TimeoutExpired:
                 self.process.kill()
                 self.process.wait()
-        shutil.rmtree(self.folder, ignore_errors=True)
         return self.process.returncode if self.process else None
+
+    def stop(self, how=signal.SIGTERM):
+        """End it, give its exit status, remove its folder. Twice is allowed."""
+        status = self.end(how)
+        shutil.rmtree(self.folder, ignore_errors=True)
+        return status
 
     def __enter__(self):
         return self.start()
