@@ -185,11 +185,13 @@ static void warn_all(struct import *im, const struct blob_header *h)
 {
 	const candil_SceneInfo *info = im->info;
 	if (info->dropped_degenerate)
-		import_warn(im, "%u triangles without an area were left out", info->dropped_degenerate);
+		import_warn(im, "triangles left out because they have no area: %u", info->dropped_degenerate);
 	if (info->dropped_non_finite)
-		import_warn(im, "%u triangles with a position that is not finite were left out", info->dropped_non_finite);
+		import_warn(im, "triangles left out because a position is not finite or beyond 1e12 m: %u",
+			    info->dropped_non_finite);
 	if (info->dropped_out_of_range)
-		import_warn(im, "%u triangles that name a vertex out of range were left out", info->dropped_out_of_range);
+		import_warn(im, "triangles left out because they name a vertex that is not there: %u",
+			    info->dropped_out_of_range);
 	if (blob_count(h, BLOB_TRIANGLES) == 0)
 		import_warn(im, "the scene has no triangle");
 	if (im->source_extent > 0 && im->source_reach / im->source_extent > 1e4)

@@ -286,7 +286,7 @@ void import_clean_text(char *out, size_t room, const char *text)
 		if (length > 0)
 			memcpy(out + used, s, length);
 		else
-			out[used] = '?';
+			out[used] = *s == '\n' || *s == '\t' ? ' ' : '?';
 		used += step;
 		s += step;
 	}

@@ -5,6 +5,7 @@
 #include <assimp/scene.h>
 #include <ctype.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "server/loader/obj_files.h"
@@ -22,6 +23,28 @@ static enum status check_text(const struct file_bytes *bytes, struct error *err)
 		if (!isspace(b[i]))
 			return STATUS_OK;
 	return error_set(err, STATUS_SCENE_INVALID, "the OBJ file is empty");
+}
+
+// assimp 5.2 passes over a vertex with a number like ".5", without its zero, and every index behind it then names another
+// vertex. Give it the text with the zero. out->data is NULL where there is nothing to mend.
+static enum status mend_numbers(const struct file_bytes *in, struct file_bytes *out, struct error *err)
+{
+	size_t bare = 0;
+	*out = (struct file_bytes){0};
+	for (size_t i = 1; i + 1 < in->size; i++)
+		bare += in->data[i] == '.' && isblank(in->data[i - 1]) && isdigit(in->data[i + 1]);
+	if (bare == 0)
+		return STATUS_OK;
+	out->data = malloc(in->size + bare + 1);
+	if (!out->data)
+		return error_set(err, STATUS_MEMORY, "no memory for the text of the OBJ file");
+	for (size_t i = 0; i < in->size; i++) {
+		if (in->data[i] == '.' && i > 0 && isblank(in->data[i - 1]) && i + 1 < in->size && isdigit(in->data[i + 1]))
+			out->data[out->size++] = '0';
+		out->data[out->size++] = in->data[i];
+	}
+	out->data[out->size] = 0;
+	return STATUS_OK;
 }
 
 static bool colour_of(const struct aiMaterial *m, const char *key, float out[3], double limit)
@@ -184,9 +207,10 @@ static enum status add_scene(struct obj_files *files, const struct aiScene *scen
 enum status obj_import(struct import *im, const char *name, const struct file_bytes *bytes, struct error *err)
 {
 	struct obj_files files;
-	if (check_text(bytes, err) != STATUS_OK)
+	struct file_bytes mended;
+	if (check_text(bytes, err) != STATUS_OK || mend_numbers(bytes, &mended, err) != STATUS_OK)
 		return err->code;
-	obj_files_init(&files, im, name, bytes);
+	obj_files_init(&files, im, name, mended.data ? &mended : bytes);
 	const struct aiScene *scene = aiImportFileEx(name, aiProcess_Triangulate, &files.io);
 	enum status status = STATUS_OK;
 	if (files.failure.code != STATUS_OK) {
@@ -201,5 +225,6 @@ enum status obj_import(struct import *im, const char *name, const struct file_by
 	}
 	aiReleaseImport(scene);
 	obj_files_finish(&files);
+	file_bytes_finish(&mended);
 	return status;
 }

@@ -69,14 +69,6 @@ static const char *plain_name(const char *name)
 	return name;
 }
 
-// Where a library is missing assimp tries the scene's own name with .mtl, which nobody asked for.
-static bool is_fallback(const struct obj_files *files, const char *name)
-{
-	const char *dot = strrchr(files->name, '.');
-	const size_t stem = dot ? (size_t)(dot - files->name) : strlen(files->name);
-	return strncmp(name, files->name, stem) == 0 && strcmp(name + stem, ".mtl") == 0;
-}
-
 static bool read_mtl(struct obj_files *files, const char *name, struct open_file *f)
 {
 	struct error why;
@@ -88,7 +80,7 @@ static bool read_mtl(struct obj_files *files, const char *name, struct open_file
 	}
 	if (status == STATUS_SCENE_LIMIT || status == STATUS_MEMORY)
 		files->failure = why;
-	else if (!files->library_missing || !is_fallback(files, name))
+	else if (!files->library_missing) // once it misses one, assimp tries names that nobody wrote
 		import_warn(files->import, "material library left out, its materials are taken as grey: %s", why.text);
 	files->library_missing = true;
 	return false;

@@ -52,7 +52,7 @@ static void text_is_cleaned(void **state)
 	import_clean_text(out, sizeof out, "longer than it");
 	assert_string_equal(out, "longer ");
 	import_clean_text(out, sizeof out, "a\n\x1b\x7f");
-	assert_string_equal(out, "a???");
+	assert_string_equal(out, "a ??");
 	import_clean_text(out, sizeof out, "\xc3\xa9\xe2\x82\xac"); // é €
 	assert_string_equal(out, "\xc3\xa9\xe2\x82\xac");
 	import_clean_text(out, sizeof out, "12345\xe2\x82\xac"); // would be cut within

@@ -1,0 +1,247 @@
+"""What the loader makes of sound scenes: counts, bounds, cameras, lights, units and orientation, as `--describe` shows them and
+as they lie in the blob."""
+import json
+import math
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.join(os.environ["CANDIL_SOURCE"], "tests", "scenes"))
+import make  # noqa: E402
+from writers import Gltf, Obj, look_at, png, quad, save  # noqa: E402
+
+LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
+SECTIONS = ["nodes", "leaf_triangles", "triangles", "vertices", "materials", "textures", "texels", "emitters", "lights",
+            "cameras", "names"]
+FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fIIf2f", "textures": "<4I", "texels": "<I",
+           "emitters": "<IfIf", "lights": "<3fI3ff3fffIff"}
+NONE = 0xFFFFFFFF
+
+
+class Blob:
+    """The sections of a blob that the tests read, as lists of tuples (server/scene/blob.h)."""
+
+    def __init__(self, data):
+        self.data = data
+        ranges = struct.unpack_from("<%dQ" % (2 * len(SECTIONS)), data, 24)
+        for i, name in enumerate(SECTIONS):
+            if name in FORMATS:
+                size = struct.calcsize(FORMATS[name])
+                setattr(self, name, [struct.unpack_from(FORMATS[name], data, ranges[2 * i] + k * size)
+                                     for k in range(ranges[2 * i + 1])])
+
+    def corner(self, triangle, k):
+        return self.vertices[self.triangles[triangle][k]]
+
+    def normal(self, triangle):
+        a, b, c = (self.corner(triangle, k)[:3] for k in range(3))
+        u, v = [b[i] - a[i] for i in range(3)], [c[i] - a[i] for i in range(3)]
+        return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+
+
+class Load(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def load(self, path, *more):
+        blob = os.path.join(self.folder, "blob")
+        command = [LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--blob", blob]
+        done = subprocess.run(command + list(more), capture_output=True, timeout=120, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(blob, "rb") as file:
+            return json.loads(done.stdout), Blob(file.read())
+
+    def near(self, got, want, places=6):
+        self.assertEqual(len(got), len(want))
+        for g, w in zip(got, want):
+            self.assertAlmostEqual(g, w, places, (got, want))
+
+    def test_every_scene_loads_without_a_warning(self):
+        for name, write in make.SCENES.items():
+            info, _ = self.load(write(self.folder))
+            if name != "offset_in_vertices":
+                self.assertEqual(info["warnings"], [], name)
+            self.assertEqual(info["ignored"], [], name)
+            self.assertEqual(info["dropped_degenerate"] + info["dropped_non_finite"] + info["dropped_out_of_range"], 0, name)
+
+    def test_the_same_file_gives_the_same_blob(self):
+        path = make.cornell(self.folder)
+        self.assertEqual(self.load(path)[1].data, self.load(path)[1].data)
+
+    def test_gltf_and_glb_say_the_same(self):
+        one, a = self.load(make.furnace(self.folder))
+        two, b = self.load(make.furnace_glb(self.folder))
+        self.assertEqual(one["hash"], two["hash"])
+        self.assertEqual(a.data, b.data)
+
+    def test_hierarchy(self):
+        info, blob = self.load(make.hierarchy(self.folder))
+        got = sorted(tuple(round(x, 5) for x in v[:3]) for v in blob.vertices)
+        self.assertEqual(got, sorted([(1, 2, 3), (1, 4, 3), (-1, 2, 3), (1, 2, 4)]))
+        self.assertEqual(info["origin"], [0, 0, 0])
+
+    def test_negative_scale_keeps_the_front(self):
+        _, blob = self.load(make.negative_scale(self.folder))
+        normal = blob.normal(blob.emitters[0][0])
+        self.assertGreater(normal[1], 0)
+        self.assertEqual((normal[0], normal[2]), (0, 0))
+
+    def test_normals_go_by_the_inverse_transpose(self):
+        for scale in ([1, 4, 1], [-1, 4, 1], [1, 4, -1], [-1, -4, -1]):
+            g = Gltf()
+            slope = math.sqrt(0.5)
+            mesh = g.mesh([[0, 0, 0], [0, 0, 1], [1, -1, 0]], [(0, 1, 2)], g.material("m"), normals=[[slope, slope, 0]] * 3)
+            g.node(mesh=mesh, scale=scale)
+            _, blob = self.load(g.save(self.folder, "slope.gltf"))
+            normal = blob.normal(0)
+            length = math.sqrt(sum(x * x for x in normal))
+            self.near(blob.corner(0, 0)[3:6], [x / length for x in normal])
+
+    def test_strips_and_fans_keep_their_winding(self):
+        for mode, positions in ((5, [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]), (6, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])):
+            g = Gltf()
+            g.place(positions, [(0, 1, 2), (3,)])
+            g.json["meshes"][0]["primitives"][0]["mode"] = mode
+            _, blob = self.load(g.save(self.folder, "strip.gltf"))
+            self.assertEqual(len(blob.triangles), 2)
+            for i in range(2):
+                self.assertGreater(blob.normal(i)[2], 0)
+
+    def test_offset_by_node_keeps_every_bit(self):
+        info, far = self.load(make.offset_by_node(self.folder))
+        _, near = self.load(make.offset_by_node(self.folder, offset=(0, 0, 0)))
+        self.assertEqual(info["origin"][0], 1e5)
+        self.assertEqual(info["warnings"], [])
+        shift = info["origin"]
+        for a, b in zip(far.vertices, near.vertices):
+            self.near(a[:3], (b[0], b[1] - shift[1], b[2] - shift[2]), 12)
+
+    def test_offset_in_vertices_is_said(self):
+        info, _ = self.load(make.offset_in_vertices(self.folder))
+        self.assertIn("put the offset into a node", info["warnings"][0])
+
+    def test_cameras(self):
+        g = Gltf()
+        g.place(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)))
+        g.camera((1, 2, 3), (1, 2, -4), 50, name="straight")
+        wide = g.add("cameras", {"type": "orthographic", "orthographic": {"xmag": 4, "ymag": 2, "znear": 0, "zfar": 9}})
+        g.node(camera=wide, name="flat", matrix=look_at((0, 9, 0), (0, 0, 0), (0, 0, -1)))
+        info, _ = self.load(g.save(self.folder, "cameras.gltf"))
+        straight, flat = info["cameras"]
+        self.assertEqual((straight["name"], flat["name"]), ("straight", "flat"))
+        self.near(straight["eye"], (1, 2, 3))
+        self.near(straight["target"], (1, 2, 2))
+        self.near(straight["up"], (0, 1, 0))
+        self.assertAlmostEqual(straight["vfov_degrees"], 50, 9)
+        self.near(flat["target"], (0, 8, 0))
+        self.near(flat["up"], (0, 0, -1))
+        self.assertEqual(flat["vfov_degrees"], 0)
+
+    def test_punctual_lights(self):
+        for kind, number in (("point", 0), ("spot", 1), ("directional", 2)):
+            info, blob = self.load(make.lit_floor(self.folder, kind, 3.0))
+            light = blob.lights[0]
+            self.assertEqual(light[3], number)
+            self.near(light[8:11], (3, 3, 3))
+            self.assertEqual(light[13], 0)
+            self.assertEqual(light[14], 1.0)
+            if kind != "directional":
+                self.near(light[:3], (0, 2, 0))
+            if kind != "point":
+                self.near(light[4:7], (0, -1, 0))
+            if kind == "spot":
+                self.near((light[11], light[7]), (math.cos(math.radians(15)), math.cos(math.radians(30))))
+            self.assertIn(kind + " lights", info["facts"])
+            self.assertIn("1 cd as 1 W/sr", info["light_units"])
+
+    def test_emission(self):
+        info, blob = self.load(make.cornell(self.folder, 15.0))
+        lamp = blob.materials[-1]
+        self.near(lamp[4:7], (15, 15, 15), 5)
+        self.assertAlmostEqual(lamp[9], 15 * math.pi, 4)
+        self.assertEqual([e[3] for e in blob.emitters], [0.5, 0.5])
+        _, twice = self.load(make.cornell(self.folder, 30.0))
+        self.assertEqual(blob.emitters, twice.emitters)
+
+    def test_double_sided_emitters_weigh_twice(self):
+        g = Gltf()
+        g.place(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), g.material("one", emission=(1, 1, 1)))
+        g.place(*quad((2, 0, 0), (3, 0, 0), (3, 1, 0), (2, 1, 0)), g.material("two", emission=(1, 1, 1), both_sides=True))
+        _, blob = self.load(g.save(self.folder, "sides.gltf"))
+        self.near([e[3] for e in blob.emitters], [1 / 6, 1 / 6, 1 / 3, 1 / 3])
+        self.assertEqual([m[8] for m in blob.materials], [0, 1])
+
+    def test_texture(self):
+        _, blob = self.load(make.textured_quad(self.folder, magFilter=9728, wrapS=33071, wrapT=33648))
+        offset, width, height, flags = blob.textures[0]
+        self.assertEqual((width, height), (2, 2))
+        self.assertEqual(flags, 1 | 2 << 2 | 1 << 4 | 1 << 5)  # clamp, mirror, nearest, sRGB
+        self.assertEqual(blob.texels, [(0xFF0000FF,), (0xFF00FF00,), (0xFFFF0000,), (0xFFFFFFFF,)])
+        self.assertEqual(blob.materials[0][3], 0)
+        self.near(blob.corner(0, 0)[6:8], (0, 1))
+
+    def test_textures_share_their_texels(self):
+        g = Gltf()
+        image = png(3, 1, lambda x, y: (x, x, x))
+        one = g.image(image, magFilter=9728)
+        two = g.add("textures", {"source": g.json["textures"][one]["source"]})
+        for texture in (one, two):
+            g.place(*quad((0, 0, texture), (1, 0, texture), (1, 1, texture), (0, 1, texture)), g.material("m", texture=texture))
+        _, blob = self.load(g.save(self.folder, "shared.gltf"))
+        self.assertEqual(len(blob.textures), 2)
+        self.assertEqual(len(blob.texels), 3)
+
+    def test_obj(self):
+        info, blob = self.load(make.cornell_obj(self.folder))
+        one, _ = self.load(make.cornell(self.folder))
+        for key in ("triangles", "emissive_triangles", "bounds_min", "bounds_max"):
+            self.assertEqual(info[key], one[key], key)
+        for e in blob.emitters:
+            self.assertLess(blob.normal(e[0])[1], 0)  # the lamp looks down
+
+    def test_obj_axes_and_units(self):
+        o = Obj()
+        o.material("m", (.5, .5, .5))
+        o.mesh([(0, 0, 0), (1, 0, 0), (0, 2, 3)], [(0, 1, 2)], "m")
+        path = o.save(self.folder, "axes.obj")
+        info, _ = self.load(path, "--up", "z", "--unit", "0.5")
+        self.near(info["bounds_min"], (0, 0, -1))
+        self.near(info["bounds_max"], (0.5, 1.5, 0))
+        info, _ = self.load(path, "--up", "y")
+        self.near(info["bounds_max"], (1, 2, 3))
+
+    def test_mtl(self):
+        save(self.folder, "picture.png", png(1, 2, lambda x, y: (255, 0, 0) if y == 0 else (0, 0, 255)))
+        o = Obj()
+        o.material("lamp", (.25, .5, .75), (17, 12, 4))
+        o.material("picture", (1, 1, 1), None, "map_Kd picture.png", "Ns 10", "illum 1")
+        o.lines += ["vt 0 0", "vt 1 0", "vt 1 1"]
+        o.mesh([(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 1, 2)], "lamp")
+        o.lines += ["usemtl picture", "f 1/1 2/2 3/3"]
+        info, blob = self.load(o.save(self.folder, "mtl.obj"))
+        materials = {blob.triangles[i][3] for i in range(2)}
+        lamp, picture = sorted((blob.materials[m] for m in materials), key=lambda m: -m[4])
+        self.near(lamp[:3], (.25, .5, .75))
+        self.near(lamp[4:7], (17, 12, 4))
+        self.assertEqual(lamp[8], 0)
+        self.assertEqual(picture[3], 0)
+        self.assertEqual(blob.texels, [(0xFF0000FF,), (0xFFFF0000,)])
+        textured = next(i for i in range(2) if blob.triangles[i][3] == blob.materials.index(picture))
+        self.near(blob.corner(textured, 0)[6:8], (0, 1))  # vt 0 0 is the lower left: our last row
+        self.near(blob.corner(textured, 2)[6:8], (1, 0))
+        self.assertEqual(info["ignored"], ["Ns"])
+
+    def test_wrong_arguments(self):
+        for arguments in ([], ["--describe"], ["--file", "x"] + ["--up", "x"], ["--describe", "--dir", ".", "--file", "x", "--unit", "0"],
+                          ["--describe", "--dir", "/nonexistent", "--file", "x"], ["--describe", "--dir", ".", "--file", "x", "y"]):
+            done = subprocess.run([LOADER] + arguments, capture_output=True, timeout=60)
+            self.assertEqual(done.returncode, 2, arguments)
+
+
+if __name__ == "__main__":
+    unittest.main()
