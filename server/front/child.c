@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -17,6 +18,7 @@
 
 // Descriptors are moved above those that the child expects before they are put there, so that none overwrites another.
 #define SAFE_FD 16
+#define LAST_WAIT_MS 1000
 
 extern char **environ;
 
@@ -163,8 +165,11 @@ static void collect(void *owner, uint32_t events)
 
 void children_finish(struct children *children)
 {
-	while (children->first)
+	while (children->first) {
+		struct pollfd ended = {.fd = children->first->child.pidfd, .events = POLLIN};
+		poll(&ended, 1, LAST_WAIT_MS);
 		collect(children->first, 0);
+	}
 }
 
 void child_abandon(struct child *child, struct children *children)

@@ -24,7 +24,8 @@ struct children {
 
 void children_init(struct children *children, struct loop *loop);
 
-// Forget those that are left: they have been killed, and whoever comes after us collects them.
+// Collect those that are left. They have been killed, so this takes moments; one that will not end within a second is left
+// to whoever collects orphans.
 void children_finish(struct children *children);
 
 void child_init(struct child *child);

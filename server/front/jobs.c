@@ -355,7 +355,10 @@ static void step(struct jobs *jobs)
 	struct job *active[LIMIT_JOBS];
 	struct turn *turns[LIMIT_JOBS];
 	size_t count = 0;
-	if (jobs->stepping)
+	// While a BEGIN is outstanding no STEP is put behind it: the new job, which may be a small one, would wait for one
+	// more slice of a large one. With step before begin in each dispatch, the two take turns and neither holds up the
+	// other.
+	if (jobs->stepping || jobs->beginning)
 		return;
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i]->state == JOB_ACTIVE) {
@@ -376,8 +379,8 @@ void jobs_dispatch(struct jobs *jobs)
 	if (jobs->worker->state != WORKER_READY)
 		return;
 	read_final(jobs);
-	begin(jobs);
 	step(jobs);
+	begin(jobs);
 }
 
 void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
