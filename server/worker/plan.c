@@ -98,32 +98,61 @@ static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
 	}
 }
 
+// An option takes a number from least to most, or, where `words` are given, one of them: its place is the value.
 struct option_rule {
 	const char *name;
 	uint32_t least, most;
+	const char *const *words;
 	size_t offset;   // of the uint32_t in struct plan
 };
 
+static const char *const traversals[] = {"auto", "single", "packet", NULL};
+
 static const struct option_rule options[] = {
-	{"pt.depth", 1, LIMIT_DEPTH, offsetof(struct plan, depth)},
-	{"pt.segment", 1, LIMIT_DEPTH + 1, offsetof(struct plan, segment)},
+	{"pt.depth", 1, LIMIT_DEPTH, NULL, offsetof(struct plan, depth)},
+	{"pt.segment", 1, LIMIT_DEPTH + 1, NULL, offsetof(struct plan, segment)},
+	{"pt.traversal", 0, 0, traversals, offsetof(struct plan, traversal)},
 };
+
+static enum status option_word(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
+{
+	for (uint32_t i = 0; rule->words[i]; i++)
+		if (!strcmp(rule->words[i], text)) {
+			*value = i;
+			return STATUS_OK;
+		}
+	char known[96] = "";
+	for (uint32_t i = 0; rule->words[i]; i++)
+		snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", rule->words[i]);
+	return error_set(err, STATUS_BAD_ARGUMENT, "option %s is one of %s, not '%s'", rule->name, known, text);
+}
+
+static enum status option_number(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
+{
+	char *end;
+	unsigned long v = strtoul(text, &end, 10);
+	if (text[0] < '0' || text[0] > '9' || *end || v < rule->least || v > rule->most)
+		return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a whole number from %u to %u, not '%s'", rule->name,
+				 rule->least, rule->most, text);
+	*value = (uint32_t)v;
+	return STATUS_OK;
+}
 
 static enum status plan_option(const candil_Option *o, struct plan *p, struct error *err)
 {
+	char known[128] = "";
 	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
-		if (strcmp(options[i].name, o->name) != 0)
+		const struct option_rule *rule = &options[i];
+		snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", rule->name);
+		if (strcmp(rule->name, o->name) != 0)
 			continue;
-		char *end;
-		unsigned long v = strtoul(o->value, &end, 10);
-		if (o->value[0] < '0' || o->value[0] > '9' || *end || v < options[i].least || v > options[i].most)
-			return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a whole number from %u to %u, not '%s'",
-					 o->name, options[i].least, options[i].most, o->value);
-		const uint32_t value = (uint32_t)v;
-		memcpy((char *)p + options[i].offset, &value, sizeof value);
-		return STATUS_OK;
+		uint32_t value = 0;
+		enum status s = rule->words ? option_word(rule, o->value, &value, err) : option_number(rule, o->value, &value, err);
+		if (s == STATUS_OK)
+			memcpy((char *)p + rule->offset, &value, sizeof value);
+		return s;
 	}
-	return error_set(err, STATUS_BAD_ARGUMENT, "there is no option '%s': known are pt.depth and pt.segment", o->name);
+	return error_set(err, STATUS_BAD_ARGUMENT, "there is no option '%s': known are %s", o->name, known);
 }
 
 // ---- camera -----------------------------------------------------------------------------------------------------------

@@ -18,6 +18,8 @@ struct plan_camera {
 	bool orthographic;
 };
 
+enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
+
 struct plan {
 	candil_Technique technique;
 	uint32_t width, height;
@@ -26,6 +28,7 @@ struct plan {
 	uint64_t seed;
 	uint32_t depth;              // scattering events at most
 	uint32_t segment;            // pt: events in one dispatch at most; 0: as the device bears
+	uint32_t traversal;          // pt: enum plan_traversal
 	uint32_t effects;            // bits 1 << candil_Effect: what runs
 	uint32_t aovs;               // AOV_*
 	struct plan_camera camera;

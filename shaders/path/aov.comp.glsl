@@ -1,12 +1,14 @@
 // What the ray through a pixel's middle meets: depth, normal, albedo, id. Run once, and only if the request names one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 
 #include "common/camera.glsl"
 #include "common/surface.glsl"
 #include "trace/traverse.glsl"
 
-layout(local_size_x = TILE_SIDE, local_size_y = TILE_SIDE) in;
+layout(local_size_x = TILE_PIXELS) in;
 
 layout(push_constant) uniform Push {
 	path_push push;
@@ -17,10 +19,8 @@ layout(std430, set = 0, binding = BIND_AOV) writeonly buffer Aov {
 
 void main()
 {
-	uint tile = push.first_tile + gl_WorkGroupID.x;
-	uvec2 pixel = uvec2(tile % job.tiles_x, tile / job.tiles_x) * TILE_SIDE + gl_LocalInvocationID.xy;
-	if (pixel.x >= job.width || pixel.y >= job.height)
-		return;
+	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x);
+	bool mine = pixel.x < job.width && pixel.y < job.height;
 	vec3 origin, direction;
 	camera_ray(vec2(pixel) + 0.5, origin, direction);
 	ray_hit hit;
@@ -28,7 +28,10 @@ void main()
 	vec3 normal = vec3(0.0);
 	vec3 albedo = vec3(0.0);
 	uint id = 0u;
-	if (trace_closest(origin, direction, hit)) {
+	bool found = trace_closest(origin, direction, mine ? INFINITY : -1.0, hit);
+	if (!mine)
+		return;
+	if (found) {
 		surface s = surface_at(hit.id, hit.uv, direction);
 		depth = hit.t * dot(direction, to_vec3(job.forward));
 		normal = s.shading;

@@ -5,13 +5,16 @@
 // BIND_PATHS and goes on in the next dispatch, bit for bit as if it had not been interrupted: some drivers end long loops.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_vote : require
 
 #include "common/camera.glsl"
 #include "common/light.glsl"
 #include "path/accumulate.glsl"
 #include "trace/traverse.glsl"
 
-layout(local_size_x = TILE_SIDE, local_size_y = TILE_SIDE) in;
+layout(local_size_x = TILE_PIXELS) in;
 
 layout(push_constant) uniform Push {
 	path_push push;
@@ -29,20 +32,6 @@ layout(constant_id = SPEC_RESUMED) const bool RESUMED = true;
 // Events before which a path is never ended by chance.
 const uint ROULETTE_FROM = 4u;
 
-void path_start(uvec2 pixel, sampler_state rnd, out path_state p)
-{
-	vec3 origin, direction;
-	camera_ray(vec2(pixel) + sample_2d(rnd, SET_PIXEL), origin, direction);
-	p.origin = float[3](origin.x, origin.y, origin.z);
-	p.direction = float[3](direction.x, direction.y, direction.z);
-	p.event = 0u;
-	p.pdf = 0.0;
-	p.throughput = float[3](1.0, 1.0, 1.0);
-	p.radiance = float[3](0.0, 0.0, 0.0);
-	p.rays = 0u;
-	p.reserved = 0u;
-}
-
 // Weight of radiance that the BSDF's sampling found on an emissive triangle. The camera's ray is the only way there.
 float emission_weight(uint event, float pdf_bsdf, float pdf_area, float t, float cos_light)
 {
@@ -52,67 +41,94 @@ float emission_weight(uint event, float pdf_bsdf, float pdf_area, float t, float
 	return power_weight(min(r, 1e18));
 }
 
-void path_run(inout path_state p, sampler_state rnd)
-{
-	vec3 origin = to_vec3(p.origin);
-	vec3 direction = to_vec3(p.direction);
-	vec3 throughput = to_vec3(p.throughput);
-	vec3 radiance = to_vec3(p.radiance);
-	float pdf = p.pdf;
-	uint event = p.event;
-	uint last = event + push.event_count;
-	bool alive = true;
+// What a path carries while it runs, out of and into its struct path_state.
+struct walker {
+	vec3 origin;
+	vec3 direction;
+	vec3 throughput;
+	vec3 radiance;
+	float pdf;
+	uint event;
+	uint rays;
+	bool alive;
+};
 
-	while (alive && event < last) {
+// A scattering event: light by one sample, then the next direction. `l.t_max` is -1 where no light can come.
+void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l)
+{
+	uint set = p.event * SETS_PER_EVENT;
+	vec2 chance = sample_2d(rnd, set + SET_CHANCE);
+	p.origin = s.position + s.offset * s.geometric;
+	l.t_max = -1.0;
+	if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
+		uvec2 pick = sample_bits(rnd, set + SET_PICK);
+		if (sample_light(s, p.origin, chance.y, pick, sample_2d(rnd, set + SET_LIGHT), l))
+			l.contribution *= p.throughput;
+		else
+			l.t_max = -1.0;
+	}
+	p.direction = lambert_sample(s, sample_2d(rnd, set + SET_BSDF));
+	p.pdf = lambert_pdf(s, p.direction);
+	p.throughput *= s.albedo;
+	p.event++;
+	if (p.event >= ROULETTE_FROM) {
+		float stay = min(1.0, max(p.throughput.r, max(p.throughput.g, p.throughput.b)));
+		p.alive = chance.x < stay;
+		p.throughput /= stay;
+	}
+}
+
+// What the path's ray met: its light, and whether there is a surface to scatter at.
+bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
+{
+	if (!found) {
+		if (EFFECT_ENVIRONMENT)
+			p.radiance += p.throughput * to_vec3(job.background);
+		return false;
+	}
+	s = surface_at(hit.id, hit.uv, p.direction);
+	if (EFFECT_EMITTERS) {
+		float c = abs(dot(s.geometric, p.direction));
+		p.radiance += p.throughput * s.emission * emission_weight(p.event, p.pdf, s.emission_pdf, hit.t, c);
+	}
+	uint most = EFFECT_BOUNCES ? job.depth : min(job.depth, 1u);
+	return p.event < most && max(s.albedo.r, max(s.albedo.g, s.albedo.b)) > 0.0;
+}
+
+// Up to push.event_count events. All lanes of a subgroup go round together, so that they trace together; those whose path
+// has ended trace nothing.
+void path_run(inout walker p, sampler_state rnd)
+{
+	uint rounds = 0u;
+	bool more = subgroupAny(p.alive);
+	while (more) {
+		bool running = p.alive;
 		ray_hit hit;
-		bool found = trace_closest(origin, direction, hit);
-		p.rays++;
-		if (!found) {
-			if (EFFECT_ENVIRONMENT)
-				radiance += throughput * to_vec3(job.background);
-			alive = false;
-		} else {
-			surface s = surface_at(hit.id, hit.uv, direction);
-			if (EFFECT_EMITTERS) {
-				float c = abs(dot(s.geometric, direction));
-				radiance += throughput * s.emission * emission_weight(event, pdf, s.emission_pdf, hit.t, c);
-			}
-			uint most = EFFECT_BOUNCES ? job.depth : min(job.depth, 1u);
-			alive = event < most && max(s.albedo.r, max(s.albedo.g, s.albedo.b)) > 0.0;
-			if (alive) {
-				uint set = event * SETS_PER_EVENT;
-				vec2 chance = sample_2d(rnd, set + SET_CHANCE);
-				origin = s.position + s.offset * s.geometric;
-				if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
-					light_sample l;
-					uvec2 pick = sample_bits(rnd, set + SET_PICK);
-					vec2 u = sample_2d(rnd, set + SET_LIGHT);
-					if (sample_light(s, origin, chance.y, pick, u, l)) {
-						p.rays++;
-						if (!trace_any(origin, l.segment, l.t_max))
-							radiance += throughput * l.contribution;
-					}
-				}
-				direction = lambert_sample(s, sample_2d(rnd, set + SET_BSDF));
-				pdf = lambert_pdf(s, direction);
-				throughput *= s.albedo;
-				event++;
-				if (event >= ROULETTE_FROM) {
-					float stay = min(1.0, max(throughput.r, max(throughput.g, throughput.b)));
-					alive = chance.x < stay;
-					throughput /= stay;
-				}
+		bool found = trace_closest(p.origin, p.direction, running ? INFINITY : -1.0, hit);
+		light_sample l;
+		l.t_max = -1.0;
+		l.segment = vec3(0.0, 0.0, 1.0);
+		l.contribution = vec3(0.0);
+		if (running) {
+			p.rays++;
+			surface s;
+			p.alive = arrive(p, found, hit, s);
+			if (p.alive)
+				scatter(p, s, rnd, l);
+		}
+		if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
+			bool shadowed = trace_any(p.origin, l.segment, l.t_max);
+			if (l.t_max > 0.0) {
+				p.rays++;
+				if (!shadowed)
+					p.radiance += l.contribution;
 			}
 		}
+		rounds++;
+		more = rounds < push.event_count && subgroupAny(p.alive);
 	}
-	// A driver that cut the loop short left it with work to do and events to spend.
-	trace_cut = trace_cut || (alive && event < last);
-	p.origin = float[3](origin.x, origin.y, origin.z);
-	p.direction = float[3](direction.x, direction.y, direction.z);
-	p.throughput = float[3](throughput.r, throughput.g, throughput.b);
-	p.radiance = float[3](radiance.r, radiance.g, radiance.b);
-	p.pdf = pdf;
-	p.event = alive ? event : PATH_DONE;
+	// A driver that cut the loop short left it with work to do and rounds to spend.
+	trace_cut = trace_cut || (p.alive && rounds < push.event_count);
 }
 
 bool finite(vec3 c)
@@ -122,35 +138,69 @@ bool finite(vec3 c)
 	return all(notEqual(e, uvec3(0x7f800000u)));
 }
 
+walker path_start(uvec2 pixel, sampler_state rnd)
+{
+	walker p;
+	camera_ray(vec2(pixel) + sample_2d(rnd, SET_PIXEL), p.origin, p.direction);
+	p.throughput = vec3(1.0);
+	p.radiance = vec3(0.0);
+	p.pdf = 0.0;
+	p.event = 0u;
+	p.rays = 0u;
+	p.alive = true;
+	return p;
+}
+
+walker path_load(uint slot)
+{
+	path_state s = paths[slot];
+	return walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event, s.rays,
+		      s.event != PATH_DONE);
+}
+
+void path_store(uint slot, walker p)
+{
+	paths[slot].origin = float[3](p.origin.x, p.origin.y, p.origin.z);
+	paths[slot].event = p.alive ? p.event : PATH_DONE;
+	paths[slot].direction = float[3](p.direction.x, p.direction.y, p.direction.z);
+	paths[slot].pdf = p.pdf;
+	paths[slot].throughput = float[3](p.throughput.r, p.throughput.g, p.throughput.b);
+	paths[slot].rays = p.rays;
+	paths[slot].radiance = float[3](p.radiance.r, p.radiance.g, p.radiance.b);
+}
+
+void path_finish(uint pixel, walker p)
+{
+	if (!finite(p.radiance)) {
+		atomicAdd(counters.non_finite, 1u);
+		p.radiance = vec3(0.0);
+	}
+	accumulate(pixel, push.sample_half, p.radiance);
+	atomicAdd(counters.rays, p.rays);
+}
+
 void main()
 {
-	uint tile = push.first_tile + gl_WorkGroupID.x;
-	uvec2 pixel = uvec2(tile % job.tiles_x, tile / job.tiles_x) * TILE_SIDE + gl_LocalInvocationID.xy;
-	if (gl_WorkGroupID.x >= push.tile_count || pixel.x >= job.width || pixel.y >= job.height)
-		return;
-	uint slot = gl_WorkGroupID.x * (TILE_SIDE * TILE_SIDE) + gl_LocalInvocationIndex;
+	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x);
+	bool mine = gl_WorkGroupID.x < push.tile_count && pixel.x < job.width && pixel.y < job.height;
+	uint slot = gl_WorkGroupID.x * TILE_PIXELS + gl_LocalInvocationIndex;
 	uint index = pixel.y * job.width + pixel.x;
 	sampler_state rnd = sampler_make(index, push.sample_half, push.sample_index, job.seed[0], job.seed[1]);
 
-	path_state p;
+	walker p;
 	if (RESUMED && push.first_event != 0u)
-		p = paths[slot];
+		p = path_load(slot);
 	else
-		path_start(pixel, rnd, p);
-	if (p.event == PATH_DONE)
-		return;
+		p = path_start(pixel, rnd);
+	p.alive = p.alive && mine;
+	bool had_work = p.alive;
 	path_run(p, rnd);
+	if (!had_work)
+		return;
 	if (trace_cut)
 		atomicAdd(counters.cut, 1u);
-	if (p.event == PATH_DONE) {
-		vec3 radiance = to_vec3(p.radiance);
-		if (!finite(radiance)) {
-			atomicAdd(counters.non_finite, 1u);
-			radiance = vec3(0.0);
-		}
-		accumulate(index, push.sample_half, radiance);
-		atomicAdd(counters.rays, p.rays);
-	}
+	if (!p.alive)
+		path_finish(index, p);
 	if (RESUMED)
-		paths[slot] = p;
+		path_store(slot, p);
 }

@@ -39,11 +39,14 @@
 #define SPEC_EFFECTS 5
 // And of how a path is run.
 #define SPEC_RESUMED 5
-#define SPEC_COUNT 6
+#define SPEC_PACKET 6         // walk the tree by subgroups
+#define SPEC_WIDTH 7          // lanes of a subgroup
+#define SPEC_COUNT 8
 
 #define ACCUMULATOR_FLOATS 12
 #define AOV_WORDS 8
 #define TILE_SIDE 8           // pixels; one workgroup
+#define TILE_PIXELS 64
 
 // Everything about a job that stays the same from dispatch to dispatch.
 struct pt_job {
@@ -102,7 +105,7 @@ struct cast_ray {
 	float origin[3];
 	float t_max;
 	float direction[3];
-	uint any;                  // 1: any hit will do
+	uint reserved;
 };
 LAYOUT_ASSERT(cast_ray, 32)
 

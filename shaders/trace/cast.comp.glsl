@@ -1,6 +1,8 @@
 // Rays from a buffer, hits into another: the traversal by itself, for tests and measurements.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 
 #include "trace/traverse.glsl"
 
@@ -8,7 +10,8 @@ layout(local_size_x = 64) in;
 
 layout(push_constant) uniform Push {
 	uint first;
-	uint count;
+	uint count;      // > 0
+	uint any;        // 1: any hit will do
 } push;
 layout(std430, set = 0, binding = BIND_RAYS) readonly buffer Rays {
 	cast_ray rays[];
@@ -19,17 +22,17 @@ layout(std430, set = 0, binding = BIND_HITS) writeonly buffer Hits {
 
 void main()
 {
-	if (gl_GlobalInvocationID.x >= push.count)
-		return;
-	uint i = push.first + gl_GlobalInvocationID.x;
+	bool mine = gl_GlobalInvocationID.x < push.count;
+	uint i = push.first + min(gl_GlobalInvocationID.x, push.count - 1u);
 	cast_ray ray = rays[i];
 	ray_hit hit;
-	if (ray.any != 0u) {
-		hit.id = trace_any(to_vec3(ray.origin), to_vec3(ray.direction), ray.t_max) ? 0u : NONE;
+	if (push.any != 0u) {
+		hit.id = trace_any(to_vec3(ray.origin), to_vec3(ray.direction), mine ? ray.t_max : -1.0) ? 0u : NONE;
 		hit.t = 0.0;
 		hit.uv = vec2(0.0);
 	} else {
-		trace_closest(to_vec3(ray.origin), to_vec3(ray.direction), hit);
+		trace_closest(to_vec3(ray.origin), to_vec3(ray.direction), mine ? ray.t_max : -1.0, hit);
 	}
-	hits[i] = cast_hit(hit.t, trace_cut ? NONE - 1u : hit.id, hit.uv.x, hit.uv.y);
+	if (mine)
+		hits[i] = cast_hit(hit.t, trace_cut ? NONE - 1u : hit.id, hit.uv.x, hit.uv.y);
 }

@@ -20,7 +20,7 @@ static const struct shader cast_shader = {.name = "cast",
 					  .code = shader_cast_comp,
 					  .bytes = sizeof shader_cast_comp,
 					  .bindings = BIND_CAST_COUNT,
-					  .push_bytes = 8};
+					  .push_bytes = 12};
 
 static uint64_t random_state = 1;
 
@@ -63,7 +63,6 @@ static void make_ray(const struct blob_header *b, uint32_t i, struct cast_ray *r
 	for (int c = 0; c < 3; c++)
 		r->origin[c] = i % 3 == 1 ? on[c] + 1e-3f * extent * r->direction[c] : on[c] - extent * r->direction[c];
 	r->t_max = INFINITY;
-	r->any = 0;
 }
 
 static RTCScene judge_make(RTCDevice device, const struct blob_header *b)
@@ -103,16 +102,24 @@ static struct RTCRayHit judge_hit(RTCScene scene, const struct cast_ray *r)
 	return h;
 }
 
+struct how {
+	bool packet;
+	bool any;
+};
+
 static enum status cast_all(struct device *d, struct resident_scene *scene, const struct cast_ray *rays, struct cast_hit *hits,
-			    struct error *err)
+			    const struct how *how, struct error *err)
 {
 	struct pipeline *pipeline;
 	struct binding_set set = {0};
 	struct buffer in = {0}, out = {0};
+	uint32_t constants[SPEC_COUNT] = {0};
+	constants[SPEC_PACKET] = how->packet;
+	constants[SPEC_WIDTH] = d->info.subgroup;
 	const uint32_t bits = 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES;
 	enum status s = resident_upload(scene, d, bits, err);
 	if (s == STATUS_OK)
-		s = pipeline_get(d, &cast_shader, NULL, 0, &pipeline, err);
+		s = pipeline_get(d, &cast_shader, constants, SPEC_COUNT, &pipeline, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&in, d, rays, RAYS * sizeof *rays, err);
 	if (s == STATUS_OK)
@@ -126,7 +133,7 @@ static enum status cast_all(struct device *d, struct resident_scene *scene, cons
 	buffers[BIND_HITS] = &out;
 	s = binding_set_init(&set, d, pipeline, buffers, &in, err);
 	for (uint32_t first = 0; first < RAYS && s == STATUS_OK; first += RAYS_PER_DISPATCH) {
-		const uint32_t push[2] = {first, RAYS_PER_DISPATCH};
+		const uint32_t push[3] = {first, RAYS_PER_DISPATCH, how->any};
 		s = command_begin(d, err);
 		if (s != STATUS_OK)
 			break;
@@ -238,6 +245,32 @@ static void compare(const struct blob_header *b, RTCScene judge, const struct ca
 	}
 }
 
+struct arrays {
+	struct cast_ray *rays;
+	struct cast_hit *hits, *any;
+};
+
+static bool test_walk(struct device *device, struct resident_scene *resident, RTCScene judge, struct arrays *a, bool packet,
+		      const char *file)
+{
+	struct error err = {0};
+	struct tally t = {0};
+	enum status s = cast_all(device, resident, a->rays, a->hits, &(struct how){packet, false}, &err);
+	if (s == STATUS_OK)
+		s = cast_all(device, resident, a->rays, a->any, &(struct how){packet, true}, &err);
+	if (s == STATUS_OK)
+		compare(resident->blob, judge, a->rays, a->hits, a->any, &t);
+	const uint32_t allowed = t.rays[0] / 100000;
+	bool good = s == STATUS_OK && t.hits[0] > RAYS / 3 && t.differ[0] <= allowed && t.unexplained[0] == 0 &&
+		    t.unexplained[1] == 0 && t.any_differs == 0;
+	printf("%s %s, %s: %u triangles; %u rays, %u hit, %u at the same place another triangle, %u differ (%u allowed), %u unexplained; "
+	       "%u rays on edges, %u hit, %u same place, %u differ, %u unexplained; %u any-hits differ %s\n",
+	       good ? "ok" : "FAIL", file, packet ? "packets" : "single rays", blob_count(resident->blob, BLOB_TRIANGLES), t.rays[0],
+	       t.hits[0], t.same_place[0], t.differ[0], allowed, t.unexplained[0], t.rays[1], t.hits[1], t.same_place[1],
+	       t.differ[1], t.unexplained[1], t.any_differs, s == STATUS_OK ? "" : err.text);
+	return good;
+}
+
 static bool test_scene(struct device *device, RTCDevice embree, const char *loader, const char *file)
 {
 	struct loaded_scene scene;
@@ -247,33 +280,29 @@ static bool test_scene(struct device *device, RTCDevice embree, const char *load
 		return false;
 	}
 	struct resident_scene resident = {.blob = scene.blob, .bytes = scene.bytes, .fd = scene.fd};
-	struct cast_ray *rays = malloc(RAYS * sizeof *rays);
-	struct cast_hit *hits = malloc(RAYS * sizeof *hits), *any = malloc(RAYS * sizeof *any);
-	struct tally t = {0};
-	for (uint32_t i = 0; i < RAYS; i++)
-		make_ray(scene.blob, i, &rays[i]);
-	enum status s = cast_all(device, &resident, rays, hits, &err);
-	for (uint32_t i = 0; i < RAYS; i++)
-		rays[i].any = 1;
-	if (s == STATUS_OK)
-		s = cast_all(device, &resident, rays, any, &err);
+	struct arrays a = {malloc(RAYS * sizeof *a.rays), malloc(RAYS * sizeof *a.hits), malloc(RAYS * sizeof *a.any)};
+	struct cast_hit *single = malloc(RAYS * sizeof *single);
+	bool good = a.rays && a.hits && a.any && single;
+	for (uint32_t i = 0; good && i < RAYS; i++)
+		make_ray(scene.blob, i, &a.rays[i]);
 	RTCScene judge = judge_make(embree, scene.blob);
-	if (s == STATUS_OK)
-		compare(scene.blob, judge, rays, hits, any, &t);
-	const uint32_t allowed = t.rays[0] / 100000;
-	bool good = s == STATUS_OK && t.hits[0] > RAYS / 3 && t.differ[0] <= allowed && t.unexplained[0] == 0 &&
-		    t.unexplained[1] == 0 && t.any_differs == 0;
-	printf("%s %s: %u triangles; %u rays, %u hit, %u at the same place another triangle, %u differ (%u allowed), %u unexplained; "
-	       "%u rays on edges, %u hit, %u same place, %u differ, %u unexplained; %u any-hits differ %s\n",
-	       good ? "ok" : "FAIL", file, blob_count(scene.blob, BLOB_TRIANGLES), t.rays[0], t.hits[0], t.same_place[0],
-	       t.differ[0], allowed, t.unexplained[0], t.rays[1], t.hits[1], t.same_place[1], t.differ[1], t.unexplained[1], t.any_differs, s == STATUS_OK ? "" : err.text);
+	good = good && test_walk(device, &resident, judge, &a, false, file);
+	if (good && device->info.packets) {
+		memcpy(single, a.hits, RAYS * sizeof *single);
+		good = test_walk(device, &resident, judge, &a, true, file);
+		// Not almost the same: the same, t and barycentrics to the bit.
+		const bool same = !memcmp(single, a.hits, RAYS * sizeof *single);
+		printf("%s %s: packets and single rays find the same\n", same ? "ok" : "FAIL", file);
+		good = good && same;
+	}
 	rtcReleaseScene(judge);
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
 		buffer_finish(&resident.buffers[i], device);
 	loaded_scene_finish(&scene);
-	free(rays);
-	free(hits);
-	free(any);
+	free(a.rays);
+	free(a.hits);
+	free(a.any);
+	free(single);
 	return good;
 }
 

@@ -183,6 +183,13 @@ static enum status make_buffers(struct technique_job *j, struct error *err)
 	return s;
 }
 
+// Packets pay where a lane is a part of a CPU's vector; a GPU's lanes each fetch for themselves as quickly.
+static bool walks_in_packets(const struct device *device, const struct plan *plan)
+{
+	const bool wanted = plan->traversal == TRAVERSAL_PACKET || (plan->traversal == TRAVERSAL_AUTO && device->info.software);
+	return wanted && device->info.packets;
+}
+
 // Pipeline and bindings of one shader. A new pipeline runs once over nothing, so that the driver's compiler works now, under
 // its own name in the account, and not in some slice.
 static enum status make_pass(struct technique_job *j, const struct shader *shader, struct pass *pass, struct error *err)
@@ -192,6 +199,8 @@ static enum status make_pass(struct technique_job *j, const struct shader *shade
 	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
 		constants[i] = plan_has(&j->plan, (candil_Effect)i);
 	constants[SPEC_RESUMED] = j->segments > 1;
+	constants[SPEC_PACKET] = walks_in_packets(d, &j->plan);
+	constants[SPEC_WIDTH] = d->info.subgroup;
 	const uint64_t start = clock_us();
 	enum status s = pipeline_get(d, shader, constants, SPEC_COUNT, &pass->pipeline, err);
 	if (s != STATUS_OK)

@@ -90,6 +90,9 @@ static bool compute_family(VkPhysicalDevice physical, uint32_t *family)
 	return false;
 }
 
+static const VkSubgroupFeatureFlags needed_subgroup =
+	VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+
 static void check_usable(VkPhysicalDevice physical, const VkPhysicalDeviceProperties *p, struct device_info *info)
 {
 	uint32_t family;
@@ -102,6 +105,8 @@ static void check_usable(VkPhysicalDevice physical, const VkPhysicalDeviceProper
 	else if (p->limits.maxPerStageDescriptorStorageBuffers < STORAGE_BUFFERS_NEEDED)
 		snprintf(info->why_not, sizeof info->why_not, "%u storage buffers a stage are needed, it has %u",
 			 STORAGE_BUFFERS_NEEDED, p->limits.maxPerStageDescriptorStorageBuffers);
+	else if ((info->subgroup_operations & needed_subgroup) != needed_subgroup)
+		snprintf(info->why_not, sizeof info->why_not, "its subgroups cannot vote and shuffle in compute shaders");
 	else
 		info->usable = true;
 }
@@ -110,7 +115,8 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 {
 	VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
 	VkPhysicalDeviceIDProperties id = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, .pNext = &driver};
-	VkPhysicalDeviceProperties2 p = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &id};
+	VkPhysicalDeviceSubgroupProperties subgroup = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, .pNext = &id};
+	VkPhysicalDeviceProperties2 p = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
 	VkPhysicalDeviceMemoryProperties memory;
 	memset(info, 0, sizeof *info);
 	info->index = index;
@@ -133,6 +139,10 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 	for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
 		if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT && memory.memoryHeaps[i].size > info->memory_bytes)
 			info->memory_bytes = memory.memoryHeaps[i].size;
+	info->subgroup = subgroup.subgroupSize;
+	if (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT)
+		info->subgroup_operations = subgroup.supportedOperations;
+	info->packets = info->subgroup == 4 || info->subgroup == 8 || info->subgroup == 16;
 	check_usable(physical, &p.properties, info);
 }
 

@@ -24,6 +24,9 @@ struct device_info {
 	uint32_t api;                     // VK_API_VERSION
 	uint64_t memory_bytes;            // of the largest device-local heap
 	bool software;
+	uint32_t subgroup;                // lanes
+	VkSubgroupFeatureFlags subgroup_operations;   // in compute shaders
+	bool packets;                     // a subgroup has a width that a packet can be (4, 8 or 16 lanes)
 	bool usable;
 	char why_not[LIMIT_TEXT + 1];     // what it lacks, when not usable
 };

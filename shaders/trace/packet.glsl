@@ -1,0 +1,155 @@
+// Closest and any hit by packets: one subgroup walks one tree, with one stack, for its rays together. On software devices
+// a lane is a part of a vector register, so memory is read once for all lanes, and a loop that all take together costs
+// what one lane's would.
+//
+// Every lane of the subgroup must come here: lanes without a ray pass t_max = -1. Control flow is the same in all lanes.
+// A node's sixteen words are fetched by the lanes side by side and handed round by shuffles with constant lanes; votes are
+// one packed sum. The stack lies across the lanes too: entry i is word i / WIDTH of lane i mod WIDTH.
+#ifndef TRACE_PACKET_GLSL
+#define TRACE_PACKET_GLSL
+
+#include "common/scene.glsl"
+#include "trace/triangle.glsl"
+#include "trace/walk.glsl"
+
+// Lanes of a subgroup: 4, 8 or 16.
+layout(constant_id = SPEC_WIDTH) const uint WIDTH = 8u;
+
+// The words of BIND_NODES and BIND_LEAF_TRIANGLES, one by one.
+layout(std430, set = 0, binding = BIND_NODES) readonly buffer NodeWords {
+	uint node_words[];
+};
+layout(std430, set = 0, binding = BIND_LEAF_TRIANGLES) readonly buffer LeafWords {
+	uint leaf_words[];
+};
+
+#define PACKET_STACK_WORDS 12   // × 4 lanes: TRAVERSE_STACK entries at the least width
+
+// Word k of a fetch of up to sixteen, of which w[i] holds words i × WIDTH + lane.
+#define WORD(w, k) subgroupShuffle(w[(k) / WIDTH], (k) % WIDTH)
+#define WORD_VEC3(w, k) uintBitsToFloat(uvec3(WORD(w, (k)), WORD(w, (k) + 1u), WORD(w, (k) + 2u)))
+
+void fetch_node(uint index, uint lane, out uint w[4])
+{
+	w[0] = node_words[index * 16u + lane];
+	w[1] = WIDTH <= 8u ? node_words[index * 16u + WIDTH + lane] : 0u;
+	w[2] = WIDTH <= 4u ? node_words[index * 16u + 8u + lane] : 0u;
+	w[3] = WIDTH <= 4u ? node_words[index * 16u + 12u + lane] : 0u;
+}
+
+// Twelve words; lanes past the twelfth read the last again, so as not to leave the buffer.
+void fetch_triangle(uint index, uint lane, out uint w[4])
+{
+	w[0] = leaf_words[index * 12u + min(lane, 11u)];
+	w[1] = WIDTH <= 8u ? leaf_words[index * 12u + min(WIDTH + lane, 11u)] : 0u;
+	w[2] = WIDTH <= 4u ? leaf_words[index * 12u + 8u + lane] : 0u;
+	w[3] = 0u;
+}
+
+// The sum of a value over the lanes, in all of them.
+uint sum_lanes(uint v)
+{
+	v += subgroupShuffleXor(v, 1u);
+	v += subgroupShuffleXor(v, 2u);
+	if (WIDTH > 4u)
+		v += subgroupShuffleXor(v, 4u);
+	if (WIDTH > 8u)
+		v += subgroupShuffleXor(v, 8u);
+	return v;
+}
+
+struct packet_stack {
+	uint words[PACKET_STACK_WORDS];
+	uint top;
+};
+
+// Constant indices only: an array picked by a variable would live in memory.
+void stack_push(inout packet_stack s, uint lane, uint value)
+{
+	bool mine = s.top % WIDTH == lane;
+	uint word = s.top / WIDTH;
+	for (uint i = 0u; i < TRAVERSE_STACK / WIDTH; i++)
+		s.words[i] = mine && word == i ? value : s.words[i];
+	s.top++;
+}
+
+uint stack_pop(inout packet_stack s)
+{
+	if (s.top == 0u)
+		return TRAVERSE_DONE;
+	s.top--;
+	uint word = s.top / WIDTH;
+	uint v = s.words[0];
+	for (uint i = 1u; i < TRAVERSE_STACK / WIDTH; i++)
+		v = word == i ? s.words[i] : v;
+	return subgroupShuffle(v, s.top % WIDTH);
+}
+
+bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit hit)
+{
+	uint lane = gl_SubgroupInvocationID;
+	packet_stack stack;
+	stack.top = 0u;
+	for (uint i = 0u; i < PACKET_STACK_WORDS; i++)
+		stack.words[i] = 0u;
+	uint current = 0u;
+	vec3 inverse = safe_inverse(direction);
+	sheared_ray ray = shear_ray(origin, direction);
+	hit.t = t_max;
+	hit.id = NONE;
+	hit.uv = vec2(0.0);
+	hit.material = 0u;
+
+	while (current != TRAVERSE_DONE) {
+		while (current <= LEAF_INDEX_MASK) {
+			uint w[4];
+			fetch_node(current, lane, w);
+			float d0 = hit_box(WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), origin, inverse, hit.t);
+			float d1 = hit_box(WORD_VEC3(w, 8u), WORD_VEC3(w, 12u), origin, inverse, hit.t);
+			uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
+			uint c1 = WORD(w, 11u) | WORD(w, 15u) << LEAF_COUNT_SHIFT;
+			// A byte each: lanes that hit the first, the second; that are nearer to the second.
+			uint votes = (d0 < INFINITY ? 1u : 0u) | (d1 < INFINITY ? 0x100u : 0u) | (d1 < d0 ? 0x10000u : 0u) |
+				     (d0 < d1 ? 0x1000000u : 0u);
+			votes = sum_lanes(votes);
+			bool any0 = (votes & 0xffu) != 0u;
+			bool any1 = (votes & 0xff00u) != 0u;
+			bool swapped = !any0 || (any1 && (votes >> 16 & 0xffu) > votes >> 24);
+			if (any0 && any1)
+				stack_push(stack, lane, swapped ? c0 : c1);
+			if (any0 || any1)
+				current = swapped ? c1 : c0;
+			else
+				current = stack_pop(stack);
+		}
+		if (current == TRAVERSE_DONE)
+			break;
+		uint first = current & LEAF_INDEX_MASK;
+		uint last = first + (current >> LEAF_COUNT_SHIFT);
+		for (uint i = first; i < last; i++) {
+			uint w[4];
+			fetch_triangle(i, lane, w);
+			uint id = WORD(w, 3u);
+			uint material = WORD(w, 7u);
+			float t;
+			vec2 uv;
+			bool inside = hit_triangle(ray, WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), WORD_VEC3(w, 8u), t, uv);
+			bool nearer = inside && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE));
+			hit.t = nearer ? t : hit.t;
+			hit.id = nearer ? id : hit.id;
+			hit.uv = nearer ? uv : hit.uv;
+			hit.material = nearer ? material : hit.material;
+		}
+		if (any) {
+			// A ray that has its answer looks for nothing more.
+			hit.t = hit.id != NONE ? -1.0 : hit.t;
+			if (sum_lanes(hit.t > 0.0 ? 1u : 0u) == 0u)
+				return hit.id != NONE;
+		}
+		current = stack_pop(stack);
+	}
+	trace_cut = trace_cut || current != TRAVERSE_DONE;
+	return hit.id != NONE;
+}
+
+#endif

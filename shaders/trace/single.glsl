@@ -1,0 +1,68 @@
+// Closest and any hit, one ray a lane with a stack of its own: what a GPU does best, and the plain reference for packets.
+#ifndef TRACE_SINGLE_GLSL
+#define TRACE_SINGLE_GLSL
+
+#include "trace/triangle.glsl"
+#include "trace/walk.glsl"
+
+bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit hit)
+{
+	uint stack[TRAVERSE_STACK];
+	uint top = 0u;
+	uint current = 0u;
+	vec3 inverse = safe_inverse(direction);
+	sheared_ray ray = shear_ray(origin, direction);
+	hit.t = t_max;
+	hit.id = NONE;
+	hit.uv = vec2(0.0);
+	hit.material = 0u;
+
+	while (current != TRAVERSE_DONE) {
+		while (current <= LEAF_INDEX_MASK) {
+			vec4 n0 = nodes[current * 4u];
+			vec4 n1 = nodes[current * 4u + 1u];
+			vec4 n2 = nodes[current * 4u + 2u];
+			vec4 n3 = nodes[current * 4u + 3u];
+			float d0 = hit_box(n0.xyz, n1.xyz, origin, inverse, hit.t);
+			float d1 = hit_box(n2.xyz, n3.xyz, origin, inverse, hit.t);
+			uint c0 = floatBitsToUint(n0.w) | floatBitsToUint(n1.w) << LEAF_COUNT_SHIFT;
+			uint c1 = floatBitsToUint(n2.w) | floatBitsToUint(n3.w) << LEAF_COUNT_SHIFT;
+			bool hit0 = d0 < INFINITY;
+			bool hit1 = d1 < INFINITY;
+			bool swapped = d1 < d0;
+			if (hit0 || hit1) {
+				current = swapped ? c1 : c0;
+				if (hit0 && hit1)
+					stack[top++] = swapped ? c0 : c1;
+			} else {
+				current = top > 0u ? stack[--top] : TRAVERSE_DONE;
+			}
+		}
+		if (current == TRAVERSE_DONE)
+			break;
+		uint first = current & LEAF_INDEX_MASK;
+		uint last = first + (current >> LEAF_COUNT_SHIFT);
+		for (uint i = first; i < last; i++) {
+			vec4 v0 = leaf_triangles[i * 3u];
+			vec4 v1 = leaf_triangles[i * 3u + 1u];
+			vec4 v2 = leaf_triangles[i * 3u + 2u];
+			uint id = floatBitsToUint(v0.w);
+			float t;
+			vec2 uv;
+			if (hit_triangle(ray, v0.xyz, v1.xyz, v2.xyz, t, uv) &&
+			    (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE))) {
+				hit.t = t;
+				hit.id = id;
+				hit.uv = uv;
+				hit.material = floatBitsToUint(v1.w);
+			}
+		}
+		if (any && hit.id != NONE)
+			return true;
+		current = top > 0u ? stack[--top] : TRAVERSE_DONE;
+	}
+	trace_cut = trace_cut || current != TRAVERSE_DONE;
+	return hit.id != NONE;
+}
+
+#endif
