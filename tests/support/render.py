@@ -75,7 +75,7 @@ class Daemon:
         self.log.close()
         self.folder.cleanup()
         assert status == 0, f"candild ended with {status}: {text}"
-        for word in ("ERROR: AddressSanitizer", "runtime error:", "ERROR: LeakSanitizer"):
+        for word in ("ERROR: AddressSanitizer", "runtime error:", "ERROR: LeakSanitizer", "validation:"):
             assert word not in text, text
 
     def read_log(self):

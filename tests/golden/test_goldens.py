@@ -1,0 +1,95 @@
+"""Pictures of our own scenes against converged ones that were rendered once and looked at (goldens/*.exr).
+
+Goldens tell of change where no closed form reaches; tolerances allow for other devices' rounding and for the noise of a short
+render: each is compared at a few samples by its mean, and by relMSE against what so many samples must have.
+
+    test_goldens.py --update    render them anew (8,192 samples; then look at them before you commit them)
+"""
+import os
+import shutil
+import sys
+import tempfile
+import unittest
+
+import numpy
+
+import make
+from render import Daemon, Picture
+
+FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "goldens")
+GOLDEN_SPP = 8192
+SPP = 64
+SIZE = (64, 64)
+
+
+def spot(folder):
+    return make.lit_floor(folder, "spot", 8.0)
+
+
+# name: (scene, arguments, relMSE of a 64-sample render: measured, and then doubled)
+CASES = {
+    "cornell": (make.cornell, [], 4e-3),
+    "cornell_obj": (make.cornell_obj, ["--camera", "0,1,3.9,0,1,0,0,1,0,39"], 4e-3),
+    "spot": (spot, [], 1e-4),
+    "textured": (make.textured_quad, ["--background", "1,0.5,0.25"], 1e-4),
+    "hierarchy": (make.hierarchy, ["--background", "0.8,0.9,1"], 1e-4),
+    "negative_scale": (make.negative_scale, [], 2e-3),
+}
+
+
+def render(daemon, folder, name, spp):
+    scene, arguments, _ = CASES[name]
+    return daemon.render(scene(folder), size=SIZE, spp=spp, arguments=arguments)
+
+
+def relmse(picture, reference):
+    r = reference.radiance.astype(numpy.float64)
+    return float(((picture.radiance - r) ** 2 / (r * r + 0.01)).mean())
+
+
+class Goldens(unittest.TestCase):
+    def test_all(self):
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+            for name, (_, _, tolerance) in CASES.items():
+                with self.subTest(scene=name):
+                    golden = Picture(os.path.join(FOLDER, name + ".exr"), None)
+                    picture = render(daemon, folder, name, SPP)
+                    error = relmse(picture, golden)
+                    mean = float(picture.radiance.mean(dtype=numpy.float64) / golden.radiance.mean(dtype=numpy.float64) - 1)
+                    print(f"{name}: relMSE {error:.2e} (at most {tolerance:.0e}), mean {100 * mean:+.3f} %, estimated relMSE "
+                          f"{picture.report['estimated_relmse']:.2e}")
+                    self.assertLess(error, tolerance)
+                    self.assertLess(abs(mean), 0.01)
+
+    def test_the_error_is_known(self):
+        """What the two half sequences estimate is what the golden says, within a factor of 1.5, averaged over seeds."""
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+            golden = Picture(os.path.join(FOLDER, "cornell.exr"), None)
+            scene = make.cornell(folder)
+            estimated = actual = 0
+            for seed in range(4):
+                picture = daemon.render(scene, size=SIZE, spp=32, arguments=["--seed", str(seed)])
+                estimated += picture.report["estimated_relmse"]
+                actual += relmse(picture, golden)
+            print(f"estimated over true relMSE: {estimated / actual:.2f}")
+            self.assertLess(estimated / actual, 1.5)
+            self.assertGreater(estimated / actual, 1 / 1.5)
+
+
+def update(names):
+    os.makedirs(FOLDER, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+        for name in names or CASES:
+            scene, arguments, _ = CASES[name]
+            path = os.path.join(folder, name + ".exr")
+            daemon.candil("render", scene(folder), "-o", path, "--half", "--size", "%dx%d" % SIZE, "--spp", str(GOLDEN_SPP),
+                          "--seed", "1000", *arguments)
+            shutil.copy(path, FOLDER)
+            print("wrote", name)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--update"]:
+        update(sys.argv[2:])
+    else:
+        unittest.main()
