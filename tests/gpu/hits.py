@@ -1,5 +1,5 @@
 """test_hits over three scenes of different kinds: large flat walls that touch, a field of small curved bodies of very different
-sizes (130,000 triangles), and a body under turned, scaled and mirrored nodes."""
+sizes (32,000 triangles), and a body under turned, scaled and mirrored nodes."""
 import math
 import os
 import random
@@ -14,13 +14,13 @@ BUILD = os.environ["CANDIL_BUILD"]
 
 
 def field(folder):
-    """One mesh under a hundred nodes, radii from 0.5 to 2."""
+    """One mesh under a hundred nodes, radii from 1 to 3."""
     g = Gltf()
-    positions, triangles = icosphere(3)
+    positions, triangles = icosphere(2)
     mesh = g.mesh(positions, triangles, g.material("white", (0.8,) * 3))
     rng = random.Random(1)
     for _ in range(100):
-        radius = math.exp(rng.uniform(math.log(0.5), math.log(2)))
+        radius = math.exp(rng.uniform(math.log(1), math.log(3)))
         g.node(mesh=mesh, translation=[rng.uniform(-8, 8) for _ in range(3)], scale=[radius] * 3)
     g.camera((0, 0, 20), (0, 0, 0), 50)
     return g.save(folder, "field.gltf")
