@@ -1,4 +1,4 @@
-"""test_hits over three scenes of different kinds: large flat walls that touch, a field of small curved bodies of very different
+"""test_hits over three scenes of different kinds: large flat walls that touch, a field of curved bodies of different
 sizes (32,000 triangles), and a body under turned, scaled and mirrored nodes."""
 import math
 import os

@@ -7,20 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/worker/resident.h"
-#include "server/worker/vk/command.h"
-#include "server/worker/vk/pipeline.h"
-#include "shaders/cast_comp.h"
+#include "tests/support/cast.h"
 #include "tests/support/load_scene.h"
 
 #define RAYS (1u << 20)
-#define RAYS_PER_DISPATCH (1u << 16)
-
-static const struct shader cast_shader = {.name = "cast",
-					  .code = shader_cast_comp,
-					  .bytes = sizeof shader_cast_comp,
-					  .bindings = BIND_CAST_COUNT,
-					  .push_bytes = 12};
 
 static uint64_t random_state = 1;
 
@@ -65,26 +55,6 @@ static void make_ray(const struct blob_header *b, uint32_t i, struct cast_ray *r
 	r->t_max = INFINITY;
 }
 
-static RTCScene judge_make(RTCDevice device, const struct blob_header *b)
-{
-	const struct triangle *triangles = blob_section(b, BLOB_TRIANGLES);
-	const struct vertex *vertices = blob_section(b, BLOB_VERTICES);
-	RTCScene scene = rtcNewScene(device);
-	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-	RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-	float *v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, blob_count(b, BLOB_VERTICES));
-	unsigned *ix = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, blob_count(b, BLOB_TRIANGLES));
-	for (uint32_t i = 0; i < blob_count(b, BLOB_VERTICES); i++)
-		memcpy(v + 3 * i, vertices[i].position, 12);
-	for (uint32_t i = 0; i < blob_count(b, BLOB_TRIANGLES); i++)
-		memcpy(ix + 3 * i, triangles[i].vertex, 12);
-	rtcCommitGeometry(g);
-	rtcAttachGeometry(scene, g);
-	rtcReleaseGeometry(g);
-	rtcCommitScene(scene);
-	return scene;
-}
-
 static struct RTCRayHit judge_hit(RTCScene scene, const struct cast_ray *r)
 {
 	struct RTCIntersectContext context;
@@ -100,57 +70,6 @@ static struct RTCRayHit judge_hit(RTCScene scene, const struct cast_ray *r)
 	h.hit.geomID = RTC_INVALID_GEOMETRY_ID;
 	rtcIntersect1(scene, &context, &h);
 	return h;
-}
-
-struct how {
-	bool packet;
-	bool any;
-};
-
-static enum status cast_all(struct device *d, struct resident_scene *scene, const struct cast_ray *rays, struct cast_hit *hits,
-			    const struct how *how, struct error *err)
-{
-	struct pipeline *pipeline;
-	struct binding_set set = {0};
-	struct buffer in = {0}, out = {0};
-	uint32_t constants[SPEC_COUNT] = {0};
-	constants[SPEC_PACKET] = how->packet;
-	constants[SPEC_WIDTH] = d->info.subgroup;
-	const uint32_t bits = 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES;
-	enum status s = resident_upload(scene, d, bits, err);
-	if (s == STATUS_OK)
-		s = pipeline_get(d, &cast_shader, constants, SPEC_COUNT, &pipeline, err);
-	if (s == STATUS_OK)
-		s = buffer_init_with(&in, d, rays, RAYS * sizeof *rays, err);
-	if (s == STATUS_OK)
-		s = buffer_init(&out, d, RAYS * sizeof *hits, BUFFER_DEVICE, err);
-	if (s != STATUS_OK)
-		goto out;
-	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
-	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
-		buffers[i] = &scene->buffers[i];
-	buffers[BIND_RAYS] = &in;
-	buffers[BIND_HITS] = &out;
-	s = binding_set_init(&set, d, pipeline, buffers, &in, err);
-	for (uint32_t first = 0; first < RAYS && s == STATUS_OK; first += RAYS_PER_DISPATCH) {
-		const uint32_t push[3] = {first, RAYS_PER_DISPATCH, how->any};
-		s = command_begin(d, err);
-		if (s != STATUS_OK)
-			break;
-		vkCmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
-		vkCmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set.set, 0, NULL);
-		vkCmdPushConstants(d->commands, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, push);
-		vkCmdDispatch(d->commands, RAYS_PER_DISPATCH / 64, 1, 1);
-		command_barrier(d);
-		s = command_finish(d, err);
-	}
-	if (s == STATUS_OK)
-		s = buffer_read(&out, d, 0, RAYS * sizeof *hits, hits, err);
-out:
-	binding_set_finish(&set, d);
-	buffer_finish(&in, d);
-	buffer_finish(&out, d);
-	return s;
 }
 
 // ---- is it a tie? -------------------------------------------------------------------------------------------------------
@@ -255,9 +174,18 @@ static bool test_walk(struct device *device, struct resident_scene *resident, RT
 {
 	struct error err = {0};
 	struct tally t = {0};
-	enum status s = cast_all(device, resident, a->rays, a->hits, &(struct how){packet, false}, &err);
-	if (s == STATUS_OK)
-		s = cast_all(device, resident, a->rays, a->any, &(struct how){packet, true}, &err);
+	struct cast cast;
+	enum status s = cast_init(&cast, device, resident, a->rays, RAYS, packet, &err);
+	if (s == STATUS_OK) {
+		s = cast_run(&cast, false, &err);
+		if (s == STATUS_OK)
+			s = cast_read(&cast, a->hits, &err);
+		if (s == STATUS_OK)
+			s = cast_run(&cast, true, &err);
+		if (s == STATUS_OK)
+			s = cast_read(&cast, a->any, &err);
+		cast_finish(&cast);
+	}
 	if (s == STATUS_OK)
 		compare(resident->blob, judge, a->rays, a->hits, a->any, &t);
 	const uint32_t allowed = t.rays[0] / 100000;
@@ -285,7 +213,7 @@ static bool test_scene(struct device *device, RTCDevice embree, const char *load
 	bool good = a.rays && a.hits && a.any && single;
 	for (uint32_t i = 0; good && i < RAYS; i++)
 		make_ray(scene.blob, i, &a.rays[i]);
-	RTCScene judge = judge_make(embree, scene.blob);
+	RTCScene judge = cast_judge(embree, scene.blob);
 	good = good && test_walk(device, &resident, judge, &a, false, file);
 	if (good && device->info.packets) {
 		memcpy(single, a.hits, RAYS * sizeof *single);
