@@ -28,4 +28,4 @@ with tempfile.TemporaryDirectory(prefix="candil-") as out, Daemon() as daemon:
     # The lamp's pixels and those into which the reference's wider filter spread its light.
     masked = compare(picture, "--mask-above", "0.5")
 print(f"relMSE {whole['relmse']:.2e} (at most 2e-3), mean outside the lamp {100 * masked['mean_difference_relative']:+.3f} % (at most 0.5)")
-sys.exit(0 if whole["relmse"] <= 2e-3 and abs(masked["relative_mean_difference"]) <= 0.005 and whole["non_finite_a"] == 0 else 1)
+sys.exit(0 if whole["relmse"] <= 2e-3 and abs(masked['mean_difference_relative']) <= 0.005 and whole["non_finite_a"] == 0 else 1)
