@@ -18,6 +18,7 @@
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
 #define BLOB_FORMAT 1u
 #define BLOB_ALIGN 256u
+#define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
 
 enum blob_section {
 	BLOB_NODES,            // struct bvh_node; at least one
@@ -84,8 +85,9 @@ struct blob_name {
 size_t blob_stride(enum blob_section section);
 
 // Check a mapped blob of `bytes` from end to end: magic, section bounds, every index inside, the BVH a tree of at most
-// LIMIT_BVH_DEPTH levels whose leaves name each triangle once, texture ranges inside the texels, all floats finite.
-// A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID otherwise, with the first thing that is wrong.
+// LIMIT_BVH_DEPTH levels whose leaves have at most BLOB_LEAF_MAX triangles and name each once, texture ranges inside the
+// texels, all floats finite. A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID otherwise, with the first
+// thing that is wrong.
 enum status blob_check(const void *blob, size_t bytes, struct error *err);
 
 // Elements of a section of a checked blob. Nodes are numbered depth first (a node, its first child's tree, its second

@@ -167,7 +167,8 @@ static bool walk_push(struct walk *w, const float min[3], const float max[3], ui
 // A leaf continues where the last one ended; so every leaf triangle lies in exactly one leaf.
 static bool walk_leaf(struct walk *w, uint32_t first, uint32_t count)
 {
-	if (first != w->next_leaf || count > blob_count(w->blob, BLOB_LEAF_TRIANGLES) - w->next_leaf)
+	if (first != w->next_leaf || count > BLOB_LEAF_MAX ||
+	    count > blob_count(w->blob, BLOB_LEAF_TRIANGLES) - w->next_leaf)
 		return false;
 	w->next_leaf += count;
 	return true;

@@ -117,6 +117,40 @@ static void tree(void **state)
 		for (int c = 0; c < 3; c++) n[2].min1[c] = n[2].max1[c] = INFINITY; n[2].child1 = n[2].count1 = 0);
 }
 
+// A scene of one leaf with so many triangles, all at one place.
+static void one_leaf(uint32_t count)
+{
+	struct blob_header *h = small_header(&blob);
+	struct bvh_node *n = small_section(&blob, BLOB_NODES);
+	struct triangle *t = small_section(&blob, BLOB_TRIANGLES);
+	const struct leaf_triangle first = *SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES);
+	// Behind everything else there is room for longer sections.
+	h->sections[BLOB_TRIANGLES] = (struct blob_range){h->total_bytes, count};
+	h->sections[BLOB_LEAF_TRIANGLES] = (struct blob_range){h->total_bytes + 4096, count};
+	h->sections[BLOB_NODES].count = 1;
+	h->total_bytes += 8192;
+	h->bvh_depth = 1;
+	for (uint32_t i = 0; i < count; i++) {
+		SECTION(triangle, BLOB_TRIANGLES)[i] = t[0];
+		SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES)[i] = first;
+		SECTION(leaf_triangle, BLOB_LEAF_TRIANGLES)[i].id = i;
+	}
+	n[0] = (struct bvh_node){.max0 = {4, 4, 4}, .count0 = count};
+	for (int c = 0; c < 3; c++)
+		n[0].min1[c] = n[0].max1[c] = INFINITY;
+}
+
+static void a_leaf_has_fifteen_triangles_at_most(void **state)
+{
+	(void)state;
+	small_make(&blob);
+	one_leaf(BLOB_LEAF_MAX);
+	assert_int_equal(check(), STATUS_OK);
+	small_make(&blob);
+	one_leaf(BLOB_LEAF_MAX + 1);
+	assert_int_equal(check(), STATUS_SCENE_INVALID);
+}
+
 static void colours(void **state)
 {
 	(void)state;
@@ -187,6 +221,7 @@ int main(void)
 	    cmocka_unit_test_setup(sections, fresh),
 	    cmocka_unit_test_setup(geometry, fresh),
 	    cmocka_unit_test_setup(tree, fresh),
+	    cmocka_unit_test_setup(a_leaf_has_fifteen_triangles_at_most, fresh),
 	    cmocka_unit_test_setup(colours, fresh),
 	    cmocka_unit_test_setup(lights_and_cameras, fresh),
 	    cmocka_unit_test_setup(a_missing_child_is_fine_in_a_tiny_scene, fresh),
