@@ -50,6 +50,28 @@ enum status ipc_send(int socket, const void *message, size_t bytes, int fd, stru
 	return STATUS_OK;
 }
 
+// The first descriptor to *fd. Padding leaves room for a second, which is closed: true if one came.
+static bool take_descriptors(struct msghdr *m, int *fd)
+{
+	bool too_many = false;
+	for (struct cmsghdr *c = CMSG_FIRSTHDR(m); c; c = CMSG_NXTHDR(m, c)) {
+		if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_RIGHTS)
+			continue;
+		size_t count = (c->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+		for (size_t i = 0; i < count; i++) {
+			int got;
+			memcpy(&got, CMSG_DATA(c) + i * sizeof got, sizeof got);
+			if (*fd < 0) {
+				*fd = got;
+			} else {
+				close(got);
+				too_many = true;
+			}
+		}
+	}
+	return too_many;
+}
+
 enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fd, struct error *err)
 {
 	struct iovec part = {.iov_base = buffer, .iov_len = capacity};
@@ -58,7 +80,7 @@ enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes
 		struct cmsghdr align;
 	} control;
 	struct msghdr m = {
-		.msg_iov = &part, .msg_iovlen = 1, .msg_control = control.space, .msg_controllen = sizeof control.space};
+	    .msg_iov = &part, .msg_iovlen = 1, .msg_control = control.space, .msg_controllen = sizeof control.space};
 	*fd = -1;
 	ssize_t got;
 	do
@@ -68,14 +90,12 @@ enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes
 		got = 0;
 	if (got < 0)
 		return error_errno(err, STATUS_IO, "cannot receive from the other process");
-	for (struct cmsghdr *c = CMSG_FIRSTHDR(&m); c; c = CMSG_NXTHDR(&m, c))
-		if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SCM_RIGHTS && c->cmsg_len == CMSG_LEN(sizeof(int)))
-			memcpy(fd, CMSG_DATA(c), sizeof *fd);
-	if (m.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) {
+	bool too_many = take_descriptors(&m, fd);
+	if (too_many || (m.msg_flags & (MSG_TRUNC | MSG_CTRUNC))) {
 		if (*fd >= 0)
 			close(*fd);
 		*fd = -1;
-		return error_set(err, STATUS_INTERNAL, "a message of the other process is too long");
+		return error_set(err, STATUS_INTERNAL, "a message of the other process is too long or brings too much");
 	}
 	*bytes = (size_t)got;
 	return STATUS_OK;

@@ -112,7 +112,8 @@ const char *ipc_build(void);
 enum status ipc_send(int socket, const void *message, size_t bytes, int fd, struct error *err);
 
 // Receive one datagram into `buffer` (IPC_MAX_BYTES is always enough). *bytes 0 means the peer closed. *fd is -1 or a new
-// close-on-exec descriptor that the caller owns. On a non-blocking socket with nothing to read: STATUS_IO and errno EAGAIN.
+// close-on-exec descriptor that the caller owns. STATUS_INTERNAL for a message that is longer or brings more; none of its
+// descriptors stays open. On a non-blocking socket with nothing to read: STATUS_IO and errno EAGAIN.
 enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fd, struct error *err);
 
 #endif

@@ -1,0 +1,75 @@
+// Datagrams between processes, and descriptors that come along unasked.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+// cmocka wants the four above first
+#include <cmocka.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "server/base/ipc.h"
+
+static void send_with(int socket, const int *fds, size_t count)
+{
+	char byte = 'x';
+	struct iovec part = {.iov_base = &byte, .iov_len = 1};
+	union {
+		char space[CMSG_SPACE(8 * sizeof(int))];
+		struct cmsghdr align;
+	} control = {0};
+	struct msghdr m = {.msg_iov = &part,
+			   .msg_iovlen = 1,
+			   .msg_control = control.space,
+			   .msg_controllen = CMSG_SPACE(count * sizeof(int))};
+	struct cmsghdr *c = CMSG_FIRSTHDR(&m);
+	c->cmsg_level = SOL_SOCKET;
+	c->cmsg_type = SCM_RIGHTS;
+	c->cmsg_len = CMSG_LEN(count * sizeof(int));
+	memcpy(CMSG_DATA(c), fds, count * sizeof(int));
+	assert_int_equal(sendmsg(socket, &m, 0), 1);
+}
+
+// The lowest number that is free: it rises with each descriptor that is forgotten.
+static int lowest_free(void)
+{
+	int fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
+	assert_true(fd >= 0);
+	close(fd);
+	return fd;
+}
+
+static void more_than_one_descriptor_is_refused_and_none_is_kept(void **state)
+{
+	int pair[2], fd;
+	char buffer[16];
+	size_t bytes;
+	(void)state;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), 0);
+	const int before = lowest_free();
+	const int fds[8] = {0, 1, 2, 0, 1, 2, 0, 1};
+	for (size_t count = 2; count <= 8; count++) {
+		send_with(pair[0], fds, count);
+		assert_int_equal(ipc_receive(pair[1], buffer, sizeof buffer, &bytes, &fd, NULL), STATUS_INTERNAL);
+		assert_int_equal(fd, -1);
+		assert_int_equal(lowest_free(), before);
+	}
+	send_with(pair[0], fds, 1);
+	assert_int_equal(ipc_receive(pair[1], buffer, sizeof buffer, &bytes, &fd, NULL), STATUS_OK);
+	assert_int_equal(bytes, 1);
+	assert_int_equal(fd, before);
+	assert_int_equal(fcntl(fd, F_GETFD), FD_CLOEXEC);
+	close(fd);
+	close(pair[0]);
+	close(pair[1]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(more_than_one_descriptor_is_refused_and_none_is_kept),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
