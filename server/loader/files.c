@@ -9,14 +9,19 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-// O_NONBLOCK: a FIFO in the folder must not hold the loader up before it is seen not to be a file.
-static int open_beneath(int dir, const char *name)
+static int open_as(int dir, const char *name, int flags)
 {
 	struct open_how how = {
-	    .flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
+	    .flags = (uint64_t)(unsigned)(flags | O_CLOEXEC),
 	    .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS,
 	};
 	return (int)syscall(SYS_openat2, dir, name, &how, sizeof how);
+}
+
+// O_NONBLOCK: a FIFO in the folder must not hold the loader up before it is seen not to be a file.
+static int open_beneath(int dir, const char *name)
+{
+	return open_as(dir, name, O_RDONLY | O_NONBLOCK | O_NOCTTY);
 }
 
 static enum status open_failed(const char *name, struct error *err)
@@ -60,6 +65,19 @@ static enum status read_all(int fd, const char *name, size_t size, struct file_b
 	out->data = data;
 	out->size = size;
 	return STATUS_OK;
+}
+
+enum status files_open_folder(int dir, const char *path, int *folder, const char **name, struct error *err)
+{
+	const char *slash = strrchr(path, '/');
+	char *above = slash ? strndup(path, (size_t)(slash - path)) : strdup(".");
+	*name = slash ? slash + 1 : path;
+	if (!above)
+		return error_set(err, STATUS_MEMORY, "no memory for a path");
+	*folder = open_as(dir, above, O_PATH | O_DIRECTORY);
+	enum status status = *folder >= 0 ? STATUS_OK : open_failed(above, err);
+	free(above);
+	return status;
 }
 
 enum status files_read(struct files *files, const char *name, struct file_bytes *out, struct error *err)

@@ -19,6 +19,10 @@ struct file_bytes {
 	size_t size;
 };
 
+// Open the folder of the file `path` beneath `dir` for side files to be looked up in: *folder is the caller's to close.
+// *name points to the file's name within `path`. STATUS_SCENE_FILE, STATUS_SCENE_PATH.
+enum status files_open_folder(int dir, const char *path, int *folder, const char **name, struct error *err);
+
 // Read a whole file. `name` is relative to the folder, with slashes.
 // STATUS_SCENE_FILE: it is not there, unreadable or not a regular file. STATUS_SCENE_PATH: it lies outside of the folder.
 // STATUS_SCENE_LIMIT: too many bytes. STATUS_MEMORY.

@@ -277,6 +277,8 @@ static enum status list_externals(const json_t *root, const struct gltf_text *te
 	json_array_foreach(buffers, i, item)
 	{
 		const char *uri = json_string_value(json_object_get(item, "uri"));
+		if (uri && !*uri)
+			uri = NULL; // tinygltf takes an empty one for none
 		const json_int_t length = json_integer_value(json_object_get(item, "byteLength"));
 		if (length < 1)
 			return error_set(err, STATUS_SCENE_INVALID,

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "server/loader/build_blob.h"
 #include "server/loader/gltf.h"
@@ -53,21 +54,25 @@ static enum status import_file(struct import *import, const char *file, struct e
 
 enum status load_scene(const struct load_options *options, candil_SceneInfo *info, int *fd, struct error *err)
 {
-	struct files files = {.dir = options->dir};
+	struct files files = {0};
 	struct import import;
+	const char *file;
 
 	*fd = -1;
 	*info = (candil_SceneInfo)candil_SceneInfo_init_zero;
 	import_clean_text(info->file, sizeof info->file, options->file);
+	if (files_open_folder(options->dir, options->file, &files.dir, &file, err) != STATUS_OK)
+		return err->code;
 	import_init(&import, &files, info);
 	import.z_up = options->z_up;
 	import.unit = options->metres_per_unit;
-	enum status status = import_file(&import, options->file, err);
+	enum status status = import_file(&import, file, err);
 	if (status == STATUS_OK && import.light_count > 0)
 		snprintf(info->light_units, sizeof info->light_units,
 			 "photometric values are taken as radiometric: 1 cd as 1 W/sr, 1 lx as 1 W/m^2");
 	if (status == STATUS_OK)
 		status = build_blob(&import, fd, err);
 	import_finish(&import);
+	close(files.dir);
 	return status;
 }

@@ -79,9 +79,16 @@ static bool parse_arguments(struct arguments *a, int argc, char **argv)
 	return optind == argc && a->load.file && a->describe == (a->dir != NULL) && (a->describe || !a->blob);
 }
 
-// No core file of a crash, and an end to a parser that loops even if the front is gone.
+// No core file of a crash, an end to a parser that loops even if the front is gone, and where memory runs out because of a
+// scene it is this process that the kernel ends, not the front.
 static void set_limits(void)
 {
+	int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+	if (fd >= 0) {
+		ssize_t ignored = write(fd, "1000", 4); // best effort: there may be no /proc
+		(void)ignored;
+		close(fd);
+	}
 	setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
 	setrlimit(RLIMIT_CPU, &(struct rlimit){LIMIT_LOAD_SECONDS, LIMIT_LOAD_SECONDS + 5});
 }

@@ -219,6 +219,7 @@ BAD = {
     "glb_wrong_chunk_type": glb_word(16, 0x12345678),
     "glb_binary_chunk_too_big": lambda folder: save(folder, "scene.glb", _binary_chunk_too_big()),
     "glb_second_buffer_without_bytes": lambda folder: save(folder, "scene.glb", _second_buffer()),
+    "glb_second_buffer_with_an_empty_uri": lambda folder: save(folder, "scene.glb", _second_buffer(uri="")),
     "gltf_syntax": text("{]"),
     "gltf_cut": lambda folder: save(folder, "scene.gltf", boxed().text()[:-100]),
     "gltf_root_is_a_list": text("[1, 2, 3]"),
@@ -339,13 +340,13 @@ def _binary_chunk_too_big():
     return data
 
 
-def _second_buffer():
+def _second_buffer(**more):
     g = boxed()
     g.json["buffers"] = []
     data = g.glb()
     root = json.loads(data[20:20 + struct.unpack_from("<I", data, 12)[0]])
     length = root["buffers"][0]["byteLength"]
-    root["buffers"] = [{"byteLength": length}] * 3
+    root["buffers"] = [{"byteLength": length, **more}] * 3
     body = json.dumps(root).encode()
     body += b" " * (-len(body) % 4)
     binary = bytes(g.bytes) + bytes(-len(g.bytes) % 4)

@@ -56,6 +56,23 @@ class Load(unittest.TestCase):
         with open(blob, "rb") as file:
             return json.loads(done.stdout), Blob(file.read())
 
+    def test_a_file_in_a_deeper_folder_has_its_side_files_there(self):
+        os.mkdir(os.path.join(self.folder, "deep"))
+        deep = os.path.join(self.folder, "deep")
+        positions = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+        save(deep, "corners.bin", positions)
+        save(deep, "scene.gltf", json.dumps({
+            "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "buffers": [{"byteLength": 36, "uri": "corners.bin"}]}).encode())
+        done = subprocess.run([LOADER, "--describe", "--dir", self.folder, "--file", "deep/scene.gltf"],
+                              capture_output=True, timeout=120, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        info = json.loads(done.stdout)
+        self.assertEqual((info["file"], info["triangles"]), ("deep/scene.gltf", 1))
+
     def near(self, got, want, places=6):
         self.assertEqual(len(got), len(want))
         for g, w in zip(got, want):
