@@ -1,7 +1,9 @@
 // candild: the front of the service.
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "server/base/log.h"
 #include "server/front/service.h"
@@ -17,10 +19,22 @@ static void raise_descriptor_limit(void)
 	setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+// Started with one of them closed, the next socket would get its number, and the log would go to a client.
+static bool fill_standard_descriptors(void)
+{
+	int fd;
+	do
+		fd = open("/dev/null", O_RDWR);
+	while (fd >= 0 && fd <= STDERR_FILENO);
+	return fd >= 0 && close(fd) == 0;
+}
+
 int main(int argc, char *argv[])
 {
 	static struct options options;
 	struct error err;
+	if (!fill_standard_descriptors())
+		return EXIT_FAILURE; // and no place to say it
 	log_init("candild", LOG_INFO);
 	if (options_parse(&options, argc, argv, &err) != STATUS_OK) {
 		fprintf(stderr, "candild: %s\n", err.text);

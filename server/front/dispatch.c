@@ -105,7 +105,9 @@ static enum status on_unload(const struct message *m, struct error *err)
 		status = find_scene(m, unload.name, &scene, err);
 	if (status != STATUS_OK)
 		return status;
-	scenes_unload(scene);
+	// Two bear the name while one is being replaced.
+	for (; scene; scene = scenes_find(&m->service->scenes, unload.name))
+		scenes_unload(scene);
 	reply_ok(m->session, m->header->request);
 	return STATUS_OK;
 }

@@ -307,9 +307,14 @@ static bool pump(struct jobs *jobs, struct job *job)
 bool jobs_fill(struct jobs *jobs, struct session *session)
 {
 	bool queued = false;
-	for (unsigned i = jobs->count; i-- > 0;)
+	// The oldest first, or those that come after it would take all the room for as long as the client asks for more. A
+	// job that ends moves the next into its place.
+	for (unsigned i = 0; i < jobs->count;) {
+		const unsigned before = jobs->count;
 		if (jobs->job[i]->session == session)
 			queued |= pump(jobs, jobs->job[i]);
+		i += jobs->count == before;
+	}
 	return queued;
 }
 
@@ -499,6 +504,8 @@ void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (was_with_worker(jobs->job[i]))
 			begin_again(jobs->job[i]);
+	// Nobody holds the device's memory any more, so no end of a job would ever wake those that lacked some.
+	let_others_try(jobs);
 	if (!hopeless)
 		return;
 	struct error err;

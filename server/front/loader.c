@@ -126,11 +126,10 @@ static void spoke(void *owner, uint32_t events)
 	struct loader *loader = owner;
 	if (take(loader))
 		return;
-	// It hung up without a word. How it ended is known when it has.
-	if (events & (EPOLLHUP | EPOLLERR)) {
-		loop_forget(loader->loop, loader->child.socket);
-		child_kill(&loader->child);
-	}
+	// It hung up, or what it said was no message: nothing more is listened to. How it ended is known when it has.
+	(void)events;
+	loop_forget(loader->loop, loader->child.socket);
+	child_kill(&loader->child);
 }
 
 static void ended(void *owner, uint32_t events)

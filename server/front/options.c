@@ -99,7 +99,7 @@ static enum status add_scene(struct options *options, const char *text, struct e
 
 static enum status set_private(struct options *options, const char *text, struct error *err)
 {
-	uint32_t fd;
+	uint32_t fd = 0;
 	enum status status = number(text, "private-fd", 0, 65535, &fd, err);
 	if (status == STATUS_OK)
 		options->private_fd = (int)fd;

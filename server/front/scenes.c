@@ -91,7 +91,7 @@ void scenes_stop_load(struct scene *scene, const struct error *err)
 	scene_hold(scene);
 	loader_stop(&scene->loader);
 	scene->state = SCENE_FAILED;
-	table->loader_failures++;
+	table->loader_failures += err->code != STATUS_CANCELLED && err->code != STATUS_SHUTTING_DOWN;
 	log_line(LOG_WARNING, "scene \"%s\": load failed: %s: %s", scene->info.name, status_name(err->code), err->text);
 	table->events->failed(table->owner, scene, err);
 	scene->session = NULL;

@@ -242,6 +242,8 @@ static enum status watch_signals(struct service *service, struct error *err)
 	sigaddset(&set, SIGTERM);
 	sigaddset(&set, SIGINT);
 	signal(SIGPIPE, SIG_IGN);
+	// Ignored by whoever started us, it would collect our children behind our back and free their numbers.
+	signal(SIGCHLD, SIG_DFL);
 	if (sigprocmask(SIG_BLOCK, &set, NULL) != 0)
 		return error_errno(err, STATUS_INTERNAL, "cannot block signals");
 	service->signal_fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);

@@ -128,7 +128,9 @@ uint8_t *session_room(struct session *session, uint32_t bytes)
 		return NULL;
 	uint8_t *room = outbox_room(&session->outbox, CANDIL_HEADER_BYTES + (size_t)bytes);
 	if (!room) {
-		die(session);
+		// The caller is likely to be the owner, in the middle of a job of this session: it learns of the end from
+		// the sweep, when nobody holds one.
+		session->state = SESSION_DEAD;
 		return NULL;
 	}
 	return room + CANDIL_HEADER_BYTES;
@@ -296,6 +298,9 @@ static uint32_t wanted(const struct session *session)
 
 void sessions_sweep(struct sessions *sessions)
 {
+	for (struct session *s = sessions->first; s; s = s->next)
+		if (s->state == SESSION_DEAD)
+			say_ended(s);
 	for (struct session **link = &sessions->first; *link;) {
 		struct session *s = *link;
 		if (s->state == SESSION_DEAD) {

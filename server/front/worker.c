@@ -4,6 +4,7 @@
 #include "server/front/worker.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,8 +62,13 @@ static void keep_parcel(struct worker *worker, const void *message, size_t bytes
 		return;
 	}
 	// The scene may be gone by the time the message goes: the parcel keeps a descriptor of its own.
-	*p = (struct parcel){.fd = fd >= 0 ? dup(fd) : -1, .bytes = bytes};
+	*p = (struct parcel){.fd = fd >= 0 ? fcntl(fd, F_DUPFD_CLOEXEC, 0) : -1, .bytes = bytes};
 	memcpy(p->message, message, bytes);
+	if (fd >= 0 && p->fd < 0) {
+		free(p);
+		kill_for(worker, "a scene could not be kept for it: no more descriptors");
+		return;
+	}
 	if (worker->last)
 		worker->last->next = p;
 	else
@@ -72,12 +78,25 @@ static void keep_parcel(struct worker *worker, const void *message, size_t bytes
 	loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
 }
 
-// A message to a worker that has just died goes nowhere: its loss is handled when the loop says so.
+enum sent { SENT, SENT_LATER };
+
+// A message to a worker that has just died goes nowhere: its loss is handled when the loop says so. One that is lost for
+// any other reason, the system's memory say, would leave a worker that knows less than we believe.
+static enum sent send_now(struct worker *worker, const void *message, size_t bytes, int fd)
+{
+	if (ipc_send(worker->child.socket, message, bytes, fd, NULL) == STATUS_OK || errno == EPIPE || errno == ECONNRESET)
+		return SENT;
+	if (errno == EAGAIN)
+		return SENT_LATER;
+	kill_for(worker, "a message could not be sent to it");
+	return SENT;
+}
+
 static void give(struct worker *worker, const void *message, size_t bytes, int fd)
 {
 	if (worker->state != WORKER_READY)
 		return;
-	if (worker->first || (ipc_send(worker->child.socket, message, bytes, fd, NULL) != STATUS_OK && errno == EAGAIN))
+	if (worker->first || send_now(worker, message, bytes, fd) == SENT_LATER)
 		keep_parcel(worker, message, bytes, fd);
 }
 
@@ -85,7 +104,7 @@ static void send_parcels(struct worker *worker)
 {
 	while (worker->first) {
 		struct parcel *p = worker->first;
-		if (ipc_send(worker->child.socket, p->message, p->bytes, p->fd, NULL) != STATUS_OK && errno == EAGAIN)
+		if (send_now(worker, p->message, p->bytes, p->fd) == SENT_LATER)
 			return;
 		worker->first = p->next;
 		if (!worker->first)
@@ -215,8 +234,34 @@ static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 	worker->events->stepped(worker->owner, stepped->head.job, stepped);
 }
 
+// Its counts are bounds of our loops, and its strings go to clients.
+static bool accepted_holds(candil_Accepted *accepted)
+{
+	if (accepted->plan_count > sizeof accepted->plan / sizeof *accepted->plan)
+		return false;
+	text_clean(accepted->device, sizeof accepted->device);
+	for (size_t i = 0; i < accepted->plan_count; i++)
+		text_clean(accepted->plan[i].why, sizeof accepted->plan[i].why);
+	return true;
+}
+
+static bool done_holds(candil_Done *done)
+{
+	if (done->stages_count > sizeof done->stages / sizeof *done->stages)
+		return false;
+	text_clean(done->device, sizeof done->device);
+	text_clean(done->reason, sizeof done->reason);
+	for (size_t i = 0; i < done->stages_count; i++)
+		text_clean(done->stages[i].name, sizeof done->stages[i].name);
+	return true;
+}
+
 static void got_begun(struct worker *worker, struct ipc_begun *begun)
 {
+	if (!accepted_holds(&begun->accepted)) {
+		kill_for(worker, "it sent nonsense");
+		return;
+	}
 	answered(worker, &worker->answers_due, &worker->answer_wait_us);
 	text_clean(begun->error.text, sizeof begun->error.text);
 	worker->events->begun(worker->owner, begun->head.job, begun);
@@ -226,6 +271,12 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 {
 	const void *map;
 	size_t size = 0;
+	if (!done_holds(&image->done)) {
+		kill_for(worker, "it sent nonsense");
+		if (fd >= 0)
+			close(fd);
+		return;
+	}
 	answered(worker, &worker->images_due, &worker->image_wait_us);
 	text_clean(image->error.text, sizeof image->error.text);
 	if (image->error.code == STATUS_OK && memfd_map_sealed(fd, &map, &size, &image->error) == STATUS_OK) {

@@ -4,6 +4,8 @@
 //   FAKE_STATE=DIR     where those times are counted
 //   FAKE_STEP_US=N     a step takes so long (default 200)
 //   FAKE_MEMORY_JOBS=N there is memory for N jobs
+//   FAKE_MEMORY_PIXELS=N there is memory for jobs of N pixels together
+//   FAKE_COUNTS        count more stages than there are
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
 //   FAKE_OTHER_BUILD   be of another build
@@ -53,6 +55,15 @@ static unsigned long active(void)
 	return count;
 }
 
+static unsigned long pixels(void)
+{
+	unsigned long count = 0;
+	for (int i = 0; i < MAX; i++)
+		if (jobs[i].id)
+			count += jobs[i].render.width * jobs[i].render.height;
+	return count;
+}
+
 static uint64_t *find_scene(uint64_t id)
 {
 	for (int i = 0; i < MAX; i++)
@@ -86,7 +97,8 @@ static void on_begin(const struct ipc_begin *message)
 		error_set(&begun.error, STATUS_DEVICE, "there is no device");
 	else if (!find_scene(message->scene))
 		error_set(&begun.error, STATUS_INTERNAL, "the worker does not have the scene");
-	else if (active() >= fake_number("FAKE_MEMORY_JOBS", MAX - 1))
+	else if (active() >= fake_number("FAKE_MEMORY_JOBS", MAX - 1) ||
+		 pixels() + message->render.width * message->render.height > fake_number("FAKE_MEMORY_PIXELS", ~0ul))
 		error_set(&begun.error, STATUS_MEMORY, "the device's memory is full");
 	if (begun.error.code == STATUS_OK) {
 		*find(0) = (struct job){.id = message->head.job, .render = message->render};
@@ -154,7 +166,7 @@ static void on_read(const struct ipc_read *message)
 		image.frame.samples = job->samples;
 		image.frame.bytes = (uint64_t)job->render.width * job->render.height;
 		image.done.samples = job->samples;
-		image.done.stages_count = 1;
+		image.done.stages_count = getenv("FAKE_COUNTS") ? 60000 : 1;
 		snprintf(image.done.stages[0].name, sizeof image.done.stages[0].name, "trace");
 		snprintf(image.done.device, sizeof image.done.device, "fake");
 		fd = fake_memfd(image.frame.bytes, (unsigned)job->render.seed, true);

@@ -5,6 +5,7 @@ import socket
 import stat
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import wire
@@ -172,6 +173,18 @@ class Program(unittest.TestCase):
             refused = self.run_it(*arguments)
             self.assertEqual(refused.returncode, 2)
             self.assertTrue(refused.stderr.startswith("candild: "))
+
+    def test_closed_standard_descriptors_are_filled(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "candil.sock")
+            # The shell's own closing: subprocess has none for a single descriptor.
+            process = subprocess.Popen(["sh", "-c", 'exec "$0" "$@" <&- >&- 2>&-', CANDILD, "--socket", path,
+                                        "--libexec", LIBEXEC])
+            self.addCleanup(process.wait)
+            self.addCleanup(process.terminate)
+            wire.wait_for(lambda: os.path.exists(path), "it listens")
+            for number in range(3):
+                self.assertEqual(os.readlink(f"/proc/{process.pid}/fd/{number}"), "/dev/null")
 
     def test_nowhere_to_listen(self):
         environment = {key: value for key, value in os.environ.items() if key != "XDG_RUNTIME_DIR"}

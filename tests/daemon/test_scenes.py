@@ -106,6 +106,16 @@ class Loads(FakeCase):
         self.assert_error(first.receive_for(load), "cancelled")
         self.assert_error(second.receive_for(job), "cancelled")
 
+    def test_unload_while_being_replaced(self):
+        connection = self.with_box()
+        self.write("slow.gltf", "hang")
+        load = connection.send_load("box", self.scenes, "slow.gltf")
+        wire.wait_for(lambda: connection.stats().loader_pid, "the loader runs")
+        self.assertEqual(connection.ask(wire.UNLOAD, pb.Unload(name="box")).kind, wire.OK)
+        self.assert_error(connection.receive_for(load), "cancelled")
+        self.assertEqual(len(connection.ask(wire.LIST_SCENES).body.scenes), 0)
+        self.assertEqual(connection.stats().loader_failures, 0)  # it was told to stop
+
 
 class Distrust(FakeCase):
     """Whatever a loader does, the answer is an error and the daemon goes on."""

@@ -68,6 +68,51 @@ class Killed(FakeCase):
         self.assertEqual(connection.stats().device, "fake")
 
 
+class Memory(FakeCase):
+    environment = {"FAKE_MEMORY_PIXELS": "200"}
+
+    def test_a_large_job_is_not_forgotten_when_the_worker_dies(self):
+        connection, other = self.with_box(), self.connect()
+        first = connection.send(wire.RENDER, endless())
+        connection.receive_for(first)
+        large = connection.send(wire.RENDER, render(width=16, height=12))  # refused while any other is there
+        connection.receive_for(connection.send(wire.RENDER, endless()))
+        self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=first)).kind, wire.OK)
+        for _ in range(2):  # each end lets it try once more, until no younger one may begin before it
+            self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        slices = other.stats().slices
+        wire.wait_for(lambda: other.stats().slices > slices + 5, "the refusal has come")
+        os.kill(other.stats().worker_pid, signal.SIGKILL)
+        self.assertEqual(connection.follow(large)[-1].kind, wire.DONE)
+
+
+class Counts(FakeCase):
+    environment = {"FAKE_COUNTS": "1"}
+
+    def test_out_of_bounds(self):
+        connection = self.with_box()
+        reply = connection.follow(connection.send(wire.RENDER, render()))[-1]
+        self.assert_error(reply, "worker-lost")
+        self.assertIn("nonsense", reply.body.message)
+        self.assert_serves()
+
+
+class IgnoredChildren(FakeCase):
+    """Whoever starts the daemon may ignore the ends of its own children."""
+
+    def prepare(self):
+        before = signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+        self.addCleanup(signal.signal, signal.SIGCHLD, before)
+
+    def test_they_are_still_collected(self):
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        connection = self.with_box()
+        connection.follow(connection.send(wire.RENDER, render()))
+        os.kill(connection.stats().worker_pid, signal.SIGKILL)
+        wire.wait_for(lambda: connection.stats().worker_starts == 2, "another is started")
+        self.assertIn("killed by signal 9", self.daemon.log_text())
+
+
 class DiesOnce(FakeCase):
     environment = {"FAKE_DIE_STEP": "3", "FAKE_DIE_TIMES": "1"}
 
