@@ -49,7 +49,8 @@ enum message_type {
 };
 
 enum header_flags {
-	HEADER_FLAG_FD = 1u << 0,    // LOAD: one descriptor (the scene's folder) comes with this header by SCM_RIGHTS
+	HEADER_FLAG_FD = 1u << 0,    // LOAD: one descriptor (the scene's folder) comes by SCM_RIGHTS with any byte of this
+	                             // header; one that comes with the body is too late
 };
 
 // Extra images of a Render, bits of its `aovs`.
