@@ -1,4 +1,5 @@
 // render: one picture of one scene.
+#include <errno.h>
 #include <string.h>
 
 #include "clients/cli/interrupt.h"
@@ -80,6 +81,7 @@ static enum exit_code see_through(struct render *render)
 	candil_client *client = render->target.client;
 	struct candil_error error;
 	struct candil_event event = {0};
+	int failure = 0; // of the output: errno
 	uint32_t id;
 	candil_status status = candil_submit_render(client, &render->options.request, &id, &error);
 	while (status == CANDIL_STATUS_OK && !event.ends_request) {
@@ -90,10 +92,19 @@ static enum exit_code see_through(struct render *render)
 		}
 		if (event.id != id)
 			continue;
-		if (event.kind == CANDIL_EVENT_ERROR)
+		if (event.kind == CANDIL_EVENT_ERROR && !failure)
 			return fail(render, &event.u.error);
-		if (!take_event(render, &event))
-			return fail_output(render);
+		if (!failure && !take_event(render, &event)) {
+			// Its end must be heard all the same: until then the connection takes no other call, and the scene
+			// that was loaded for this one must be unloaded.
+			failure = errno ? errno : EIO;
+			if (!event.ends_request)
+				status = candil_cancel(client, id, &error);
+		}
+	}
+	if (failure) {
+		errno = failure;
+		return fail_output(render);
 	}
 	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(render, &error);
 }
