@@ -159,7 +159,7 @@ static void print_findings(const struct findings *f)
 	if (f->kernel.landlock_abi > 0)
 		printf("ABI %d\n", f->kernel.landlock_abi);
 	else
-		puts("no: the loader is not confined by it");
+		puts("no");
 	printf("  cache    %s: %s\n", f->cache.path[0] ? f->cache.path : "compiled shaders have no place",
 	       f->cache.writable ? "writable" : "not writable: each start compiles its shaders anew");
 	size_t i;

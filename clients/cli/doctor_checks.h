@@ -28,8 +28,8 @@ void doctor_check_daemon(struct daemon_check *check, const char *address);
 struct kernel_check {
 	bool memfd_sealing; // needed
 	bool openat2; // needed: keeps side files beneath the scene's folder
-	bool seccomp; // hardens the loader
-	int landlock_abi; // the same; 0: the kernel has none
+	bool seccomp; // the kernel has it
+	int landlock_abi; // 0: the kernel has none
 };
 void doctor_check_kernel(struct kernel_check *check);
 

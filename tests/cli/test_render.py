@@ -1,6 +1,7 @@
 """candil render and its fellows against a real daemon, a private one and Ctrl-C."""
 import json
 import os
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -112,8 +113,8 @@ class Render(unittest.TestCase):
         self.assertFalse(os.path.isfile("/dev/null"))
         self.assertEqual(self.render(self.scene, "/dev/full", "--format", "png").returncode, 1)
 
-    def start_endless(self, *more, env=None):
-        output = self.path("endless.png")
+    def start_endless(self, *more, env=None, output=None):
+        output = output or self.path("endless.png")
         process = subprocess.Popen([CANDIL, *more, "render", self.scene, "-o", output, "--size", "64x64", "--spp", "10000000",
                                     "--progressive"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, env=env)
@@ -123,6 +124,16 @@ class Render(unittest.TestCase):
             self.assertLess(time.monotonic(), deadline, "no intermediate image came")
             time.sleep(0.05)
         return process, output
+
+    def test_output_that_goes_away_leaves_nothing_loaded(self):
+        before, gone = self.scenes(), self.path("gone")
+        os.mkdir(gone)
+        process, _ = self.start_endless("--connect", self.daemon.socket, output=os.path.join(gone, "endless.png"))
+        shutil.rmtree(gone)
+        _, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 1, errors)
+        self.assertNotIn(b"stays loaded", errors)
+        self.assertEqual(self.scenes(), before)
 
     def interrupted(self, *more, env=None):
         process, output = self.start_endless(*more, env=env)
