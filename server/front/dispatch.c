@@ -171,7 +171,8 @@ static enum status on_cancel(const struct message *m, struct error *err)
 		return status;
 	struct job *job = jobs_find(&m->service->jobs, m->session, cancel.request);
 	struct scene *load = job ? NULL : scenes_find_load(&m->service->scenes, m->session, cancel.request);
-	error_set(&reason, STATUS_CANCELLED, "cancelled as asked");
+	// Renders that wait for the scene end with its load, whoever asked for them.
+	error_set(&reason, STATUS_CANCELLED, load ? "the load of the scene was cancelled" : "cancelled as asked");
 	if (job)
 		jobs_fail(&m->service->jobs, job, &reason);
 	else if (load)

@@ -7,29 +7,41 @@
 #include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-// Does somebody answer at the address?
+#define LOCK_PAUSE_NS 10000000
+#define LOCK_TRIES 500u // five seconds
+
+// Does somebody answer at the address, or may somebody? Only a refusal says that nobody listens: a socket of another type,
+// or one that we may not connect to, is not ours to replace.
 static bool answers(const struct sockaddr_un *address)
 {
 	int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
 	if (fd < 0)
-		return false;
+		return true;
 	int result = connect(fd, (const struct sockaddr *)address, sizeof *address);
-	bool alive = result == 0 || errno == EAGAIN || errno == EINPROGRESS;
+	bool alive = result == 0 || errno != ECONNREFUSED;
 	close(fd);
 	return alive;
 }
 
-// Two daemons that start at once must not both find the old socket dead: the folder is locked while one looks.
+// Two daemons that start at once must not both find the old socket dead: the folder is locked while one looks, which is a
+// matter of microseconds. Who holds it for longer is none of us. -1 and errno.
 static int lock_folder(const char *path)
 {
+	const struct timespec pause = {.tv_nsec = LOCK_PAUSE_NS};
 	char copy[sizeof((struct sockaddr_un *)0)->sun_path];
 	memcpy(copy, path, strlen(path) + 1);
 	int fd = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-	if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0) {
-		close(fd);
-		return -1;
+	for (unsigned i = 0; fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0; i++) {
+		if (i == LOCK_TRIES || (errno != EWOULDBLOCK && errno != EINTR)) {
+			int why = errno;
+			close(fd);
+			errno = why;
+			return -1;
+		}
+		nanosleep(&pause, NULL);
 	}
 	return fd;
 }
@@ -44,7 +56,8 @@ static enum status clear_way(const struct sockaddr_un *address, struct error *er
 		return error_set(err, STATUS_CONNECT, "%s exists and is no socket: choose another --socket",
 				 address->sun_path);
 	if (answers(address))
-		return error_set(err, STATUS_CONNECT, "a daemon answers at %s already: stop it or choose another --socket",
+		return error_set(err, STATUS_CONNECT,
+				 "something answers at %s already, or may: stop it or choose another --socket",
 				 address->sun_path);
 	if (unlink(address->sun_path) != 0)
 		return error_errno(err, STATUS_CONNECT, "cannot replace the dead socket %s", address->sun_path);
@@ -81,7 +94,7 @@ enum status net_listen(struct listener *listener, const char *path, struct error
 	memcpy(address.sun_path, path, strlen(path) + 1);
 	int folder = lock_folder(path);
 	if (folder < 0)
-		return error_errno(err, STATUS_CONNECT, "cannot lock the folder of %s", path);
+		return error_errno(err, STATUS_CONNECT, "cannot lock the folder of %.120s, choose another --socket", path);
 	enum status status = clear_way(&address, err);
 	if (status == STATUS_OK)
 		status = bind_and_listen(listener, &address, err);

@@ -87,7 +87,7 @@ static void session_ended(void *owner, struct session *session)
 {
 	struct service *service = owner;
 	struct error err;
-	error_set(&err, STATUS_CANCELLED, "the client that asked for it is gone");
+	error_set(&err, STATUS_CANCELLED, "the client that loaded the scene went before it was there: load it again");
 	jobs_fail_all(&service->jobs, session, NULL);
 	for (struct scene *s = service->scenes.first, *next; s; s = next) {
 		next = s->next;

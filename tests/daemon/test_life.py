@@ -1,4 +1,5 @@
 """Start, socket, users, signals, private connections; and what the front must not be linked with."""
+import fcntl
 import os
 import signal
 import socket
@@ -46,6 +47,34 @@ class Socket(FakeCase):
         other.socket = path
         with other, other.connect() as connection:
             self.assertEqual(connection.ask(wire.PING).kind, wire.PONG)
+
+    def test_a_socket_of_another_kind_is_left_alone(self):
+        path = os.path.join(self.daemon.folder, "datagrams.sock")
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as other:
+            other.bind(path)
+            inode = os.stat(path).st_ino
+            self.assertEqual(self.second_daemon(path).returncode, 1)
+            self.assertEqual(os.stat(path).st_ino, inode)
+
+    @staticmethod
+    def has_open(pid, path):
+        links = os.path.join("/proc", str(pid), "fd")
+        try:
+            return path in [os.readlink(os.path.join(links, number)) for number in os.listdir(links)]
+        except OSError:  # closed or ended while we looked
+            return False
+
+    def test_one_that_starts_beside_it_is_waited_for(self):
+        path = os.path.join(self.daemon.folder, "late.sock")
+        folder = os.open(self.daemon.folder, os.O_RDONLY)
+        fcntl.flock(folder, fcntl.LOCK_EX)  # as a daemon does while it looks for a socket in its way
+        process = subprocess.Popen([CANDILD, "--socket", path, "--libexec", LIBEXEC], stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        wire.wait_for(lambda: process.poll() is not None or self.has_open(process.pid, self.daemon.folder), "it waits")
+        os.close(folder)
+        wire.wait_for(lambda: process.poll() is not None or os.path.exists(path), "it listens")
+        self.assertIsNone(process.poll())
 
     def test_a_path_too_long(self):
         self.assertEqual(self.second_daemon("/" + "x" * 200).returncode, 1)
