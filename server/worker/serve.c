@@ -53,6 +53,15 @@ static void job_destroy(struct server *s, struct job *job)
 	free(job);
 }
 
+// Unless the device was lost: then say nothing and end, for the front starts another worker, hands it the same scenes and
+// begins the jobs again; an answer would fail a job that can still be done.
+static enum status answer_front(const struct server *s, const void *answer, size_t bytes)
+{
+	if (s->device && s->device->lost)
+		return STATUS_DEVICE;
+	return ipc_send(s->socket, answer, bytes, -1, NULL);
+}
+
 static void on_scene(struct server *s, const struct ipc_scene *m, int fd)
 {
 	struct error err;
@@ -108,7 +117,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 			job_destroy(s, job);
 		}
 	}
-	return ipc_send(s->socket, &answer, sizeof answer, -1, NULL);
+	return answer_front(s, &answer, sizeof answer);
 }
 
 static enum status on_step(struct server *s, const struct ipc_step *m)
@@ -129,7 +138,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 		answer.device_bytes = s->device->bytes;
 		answer.validation_errors = atomic_load(&s->device->validation_errors);
 	}
-	return ipc_send(s->socket, &answer, sizeof answer, -1, NULL);
+	return answer_front(s, &answer, sizeof answer);
 }
 
 static void add_metadata(const struct server *s, const struct job *job, struct frame *f)
@@ -166,7 +175,7 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 	enum status r = job ? job->technique->read(job->work, &frame, &failure.error)
 			    : error_set(&failure.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
 	if (r != STATUS_OK)
-		return ipc_send(s->socket, &failure, sizeof failure, -1, NULL);
+		return answer_front(s, &failure, sizeof failure);
 	add_metadata(s, job, frame);
 	const struct encoder_task task = {.job = job->id,
 					  .final = m->final != 0,

@@ -31,21 +31,16 @@ bool sample_emitter(surface s, vec3 origin, uvec2 pick, vec2 u, out light_sample
 	emitter e = emitters[row];
 	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
 	triangle tri = triangles[keep ? e.triangle : emitters[e.alias].triangle];
-	vertex a = vertices[tri.vertex[0]];
-	vertex b = vertices[tri.vertex[1]];
-	vertex c = vertices[tri.vertex[2]];
 	material m = materials[tri.material];
-	vec3 v0 = to_vec3(a.position);
-	vec3 v1 = to_vec3(b.position);
-	vec3 v2 = to_vec3(c.position);
-	vec3 n = normalize(cross(v1 - v0, v2 - v0));
+	corners k = corners_of(tri);
+	vec3 n = k.normal;
 
 	vec2 uv = sample_triangle(u);
-	vec3 q = v0 + uv.x * (v1 - v0) + uv.y * (v2 - v0);
+	vec3 q = k.v0 + uv.x * (k.v1 - k.v0) + uv.y * (k.v2 - k.v0);
 	float away = dot(n, origin - q);
 	bool lit = away > 0.0 || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
 	// The target is off the light's plane, on our side, for the reason that the origin is.
-	q += (away < 0.0 ? -n : n) * surface_offset(v0, v1, v2, n);
+	q += (away < 0.0 ? -n : n) * segment_offset(k, origin);
 
 	l.segment = q - origin;
 	l.t_max = 1.0;
@@ -60,8 +55,12 @@ bool sample_emitter(surface s, vec3 origin, uvec2 pick, vec2 u, out light_sample
 	// r = density of the BSDF's sampling over that of ours, both over area; r · weight stays below 1 however near the light is.
 	float r = min(pdf_bsdf * cos_light / (d2 * pdf_area), 1e18);
 	vec2 at = vec2(0.0);
-	if (EFFECT_TEXTURES)
+	if (EFFECT_TEXTURES) {
+		vertex a = vertices[tri.vertex[0]];
+		vertex b = vertices[tri.vertex[1]];
+		vertex c = vertices[tri.vertex[2]];
 		at = (1.0 - uv.x - uv.y) * vec2(a.uv[0], a.uv[1]) + uv.x * vec2(b.uv[0], b.uv[1]) + uv.y * vec2(c.uv[0], c.uv[1]);
+	}
 	l.contribution = s.albedo * emission_at(m, at) * (r * power_weight(r));
 	return true;
 }
@@ -93,7 +92,7 @@ bool sample_punctual(surface s, vec3 origin, uvec2 pick, out light_sample l)
 	if (light.kind == LIGHT_SPOT)
 		irradiance *= spot_attenuation(light, w);
 	float pdf_bsdf = lambert_pdf(s, w);
-	if (!(d2 > 0.0) || pdf_bsdf == 0.0)
+	if (!(directional || d2 > 0.0) || pdf_bsdf == 0.0)
 		return false;
 	l.contribution = s.albedo * irradiance * (pdf_bsdf / (light.pmf * (1.0 - job.emitter_share)));
 	return true;

@@ -18,28 +18,68 @@ struct surface {
 // and of the next intersection's translation together (Pharr, Jakob, Humphreys, "Physically Based Rendering", 3.9).
 const float OFFSET_ERROR = 9.5367431640625e-07;
 
-// Distance at which a point made from these corners is safely off their plane.
-float surface_offset(vec3 v0, vec3 v1, vec3 v2, vec3 n)
+// A triangle's corners and what follows from them.
+struct corners {
+	vec3 v0;
+	vec3 v1;
+	vec3 v2;
+	vec3 normal;       // unit, counter-clockwise side; zero if the triangle has no area
+};
+
+// The edges are brought to a size near 1 first: at 10¹⁰ metres their product would not fit a float, at 10⁻¹⁵ neither.
+vec3 unit_normal(vec3 v0, vec3 v1, vec3 v2)
 {
-	return OFFSET_ERROR * dot(abs(n), max(abs(v0), max(abs(v1), abs(v2))));
+	vec3 a = v1 - v0;
+	vec3 b = v2 - v0;
+	vec3 m = max(abs(a), abs(b));
+	float k = 1.0 / max(max(m.x, max(m.y, m.z)), 1e-30);
+	vec3 n = cross(a * k, b * k);
+	float l = length(n);
+	return l > 0.0 ? n / l : vec3(0.0);
 }
 
-// Barycentrics moved towards the middle so that the point keeps four offsets away from every edge: rounding can then not
-// carry it through the wall on an edge's other side, which is how light leaks into closed rooms.
-vec3 inside_edges(vec2 uv, float clearance, vec3 v0, vec3 v1, vec3 v2, float twice_area)
+corners corners_of(triangle tri)
 {
-	vec3 edges = vec3(length(v2 - v1), length(v0 - v2), length(v1 - v0));
-	vec3 margin = 4.0 * clearance / max(twice_area, 1e-37) * edges;
-	float sum = margin.x + margin.y + margin.z;
-	vec3 b = vec3(1.0 - uv.x - uv.y, uv.x, uv.y);
-	return sum < 1.0 ? margin + (1.0 - sum) * b : vec3(1.0 / 3.0);
+	corners c;
+	c.v0 = to_vec3(vertices[tri.vertex[0]].position);
+	c.v1 = to_vec3(vertices[tri.vertex[1]].position);
+	c.v2 = to_vec3(vertices[tri.vertex[2]].position);
+	c.normal = unit_normal(c.v0, c.v1, c.v2);
+	return c;
 }
 
-// The greatest coordinate bounds the rounding error of a position in every direction.
-float position_error(vec3 v0, vec3 v1, vec3 v2)
+// The greatest coordinate bounds the rounding of a position in every direction.
+float position_error(corners c)
 {
-	vec3 m = max(abs(v0), max(abs(v1), abs(v2)));
+	vec3 m = max(abs(c.v0), max(abs(c.v1), abs(c.v2)));
 	return OFFSET_ERROR * max(m.x, max(m.y, m.z));
+}
+
+// How far off a triangle's plane a segment from `origin` must end so as not to hit the triangle: the rounding of its corners,
+// and of their translation to the origin, which the intersection begins with.
+float segment_offset(corners c, vec3 origin)
+{
+	vec3 own = max(abs(c.v0), max(abs(c.v1), abs(c.v2)));
+	vec3 reach = max(abs(c.v0 - origin), max(abs(c.v1 - origin), abs(c.v2 - origin)));
+	return OFFSET_ERROR * (dot(abs(c.normal), own) + max(reach.x, max(reach.y, reach.z)));
+}
+
+// Push a point away from an edge that it is nearer to than `clearance`, within the triangle's plane.
+vec3 away_from_edge(vec3 p, vec3 a, vec3 b, vec3 normal, float clearance)
+{
+	vec3 inward = cross(normal, b - a);
+	inward /= max(length(inward), 1e-30);
+	return inward * clamp(clearance - dot(p - a, inward), 0.0, clearance);
+}
+
+// A point of the triangle, at least four rounding errors inside of every edge: rounding can then not carry it through the
+// wall on an edge's other side, which is how light leaks into closed rooms. It moves by a few such errors at most.
+vec3 point_inside(corners c, vec2 uv, float error)
+{
+	vec3 p = (1.0 - uv.x - uv.y) * c.v0 + uv.x * c.v1 + uv.y * c.v2;
+	float clearance = 4.0 * error;
+	return p + away_from_edge(p, c.v0, c.v1, c.normal, clearance) + away_from_edge(p, c.v1, c.v2, c.normal, clearance) +
+	       away_from_edge(p, c.v2, c.v0, c.normal, clearance);
 }
 
 vec3 emission_at(material m, vec2 uv)
@@ -65,22 +105,14 @@ surface surface_at(uint id, vec2 uv, vec3 direction)
 	vertex b = vertices[tri.vertex[1]];
 	vertex c = vertices[tri.vertex[2]];
 	material m = materials[tri.material];
-	vec3 v0 = to_vec3(a.position);
-	vec3 v1 = to_vec3(b.position);
-	vec3 v2 = to_vec3(c.position);
-
-	vec3 cross_edges = cross(v1 - v0, v2 - v0);
-	float twice_area = length(cross_edges);
+	corners k = corners_of(tri);
+	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
 	surface s;
-	vec3 n = cross_edges / max(twice_area, 1e-37);
-	bool front = dot(n, direction) < 0.0;
+	s.offset = position_error(k);
+	s.position = point_inside(k, uv, s.offset);
 
-	float error = position_error(v0, v1, v2);
-	vec3 bary = inside_edges(uv, error, v0, v1, v2, twice_area);
-	s.position = bary.x * v0 + bary.y * v1 + bary.z * v2;
-	s.offset = error;
-
-	s.geometric = front ? n : -n;
+	bool front = dot(k.normal, direction) < 0.0;
+	s.geometric = front ? k.normal : -k.normal;
 	vec3 ns = bary.x * to_vec3(a.normal) + bary.y * to_vec3(b.normal) + bary.z * to_vec3(c.normal);
 	float ns_length = length(ns);
 	ns = ns_length > 1e-6 ? ns / ns_length : s.geometric;

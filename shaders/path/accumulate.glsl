@@ -1,5 +1,5 @@
-// The sum of a pixel's samples, compensated: (hi, lo) by Knuth's exact two-sum, renormalised by Dekker's, so that 10⁶ and more samples lose nothing
-// that shows. Samples are added in the order of their index, whatever the slices were.
+// The sum of a pixel's samples, compensated: (hi, lo) by Knuth's exact two-sum, renormalised by Dekker's, so that 10⁶ and
+// more samples lose nothing that shows. Samples are added in the order of their index, whatever the slices were.
 #ifndef PATH_ACCUMULATE_GLSL
 #define PATH_ACCUMULATE_GLSL
 

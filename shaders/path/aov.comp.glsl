@@ -38,7 +38,7 @@ void main()
 		albedo = s.albedo;
 		id = hit.material + 1u;
 	}
-	uint at = (pixel.y * job.width + pixel.x) * AOV_WORDS;
+	uint at = ((pixel.y - push.first_row) * job.width + pixel.x) * AOV_WORDS;
 	aov[at] = floatBitsToUint(depth);
 	for (uint i = 0u; i < 3u; i++) {
 		aov[at + 1u + i] = floatBitsToUint(normal[i]);

@@ -200,7 +200,7 @@ void main()
 	if (trace_cut)
 		atomicAdd(counters.cut, 1u);
 	if (!p.alive)
-		path_finish(index, p);
+		path_finish(index - push.first_row * job.width, p);
 	if (RESUMED)
 		path_store(slot, p);
 }

@@ -74,6 +74,7 @@ LAYOUT_ASSERT(pt_job, 112)
 struct path_push {
 	uint first_tile;
 	uint tile_count;
+	uint first_row;            // of the band whose sums or AOVs are bound; pixels count from there
 	uint sample_half;          // 0 or 1: which of the two sequences
 	uint sample_index;         // within it
 	uint first_event;          // 0: start the paths; else go on with those kept in BIND_PATHS

@@ -122,11 +122,13 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 			else
 				current = stack_pop(stack);
 		}
-		if (current == TRAVERSE_DONE)
+		trace_cut = trace_cut || current <= LEAF_INDEX_MASK;
+		if (current == TRAVERSE_DONE || trace_cut)
 			break;
 		uint first = current & LEAF_INDEX_MASK;
 		uint last = first + (current >> LEAF_COUNT_SHIFT);
-		for (uint i = first; i < last; i++) {
+		uint i = first;
+		for (; i < last; i++) {
 			uint w[4];
 			fetch_triangle(i, lane, w);
 			uint id = WORD(w, 3u);
@@ -140,6 +142,7 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 			hit.uv = nearer ? uv : hit.uv;
 			hit.material = nearer ? material : hit.material;
 		}
+		trace_cut = trace_cut || i != last;
 		if (any) {
 			// A ray that has its answer looks for nothing more.
 			hit.t = hit.id != NONE ? -1.0 : hit.t;

@@ -38,11 +38,13 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 				current = top > 0u ? stack[--top] : TRAVERSE_DONE;
 			}
 		}
-		if (current == TRAVERSE_DONE)
+		trace_cut = trace_cut || current <= LEAF_INDEX_MASK;
+		if (current == TRAVERSE_DONE || trace_cut)
 			break;
 		uint first = current & LEAF_INDEX_MASK;
 		uint last = first + (current >> LEAF_COUNT_SHIFT);
-		for (uint i = first; i < last; i++) {
+		uint i = first;
+		for (; i < last; i++) {
 			vec4 v0 = leaf_triangles[i * 3u];
 			vec4 v1 = leaf_triangles[i * 3u + 1u];
 			vec4 v2 = leaf_triangles[i * 3u + 2u];
@@ -57,6 +59,7 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 				hit.material = floatBitsToUint(v1.w);
 			}
 		}
+		trace_cut = trace_cut || i != last;
 		if (any && hit.id != NONE)
 			return true;
 		current = top > 0u ? stack[--top] : TRAVERSE_DONE;

@@ -10,36 +10,46 @@ static void count_halves(uint32_t first, uint32_t samples, double counts[2])
 	counts[1] = samples - even;
 }
 
+void pt_resolver_init(struct pt_resolver *r, uint32_t first_sample, uint32_t samples, uint32_t tiles)
+{
+	*r = (struct pt_resolver){.tiles = tiles};
+	count_halves(first_sample, samples, r->counts[0]);
+	count_halves(first_sample, samples + 1, r->counts[1]);
+}
+
 static double sum_of(const float *pair)
 {
 	return (double)pair[0] + (double)pair[1];
 }
 
-void pt_resolve(const float *sums, const struct pt_progress *progress, struct frame *frame)
+static void resolve_pixel(struct pt_resolver *r, const float *sums, const double counts[2], float *radiance)
+{
+	const double total = counts[0] + counts[1];
+	for (int c = 0; c < 3; c++) {
+		const double a = sum_of(sums + 2 * c), b = sum_of(sums + 6 + 2 * c);
+		const double mean = total > 0 ? (a + b) / total : 0;
+		radiance[c] = (float)mean;
+		if (counts[0] > 0 && counts[1] > 0) {
+			const double half = 0.5 * (a / counts[0] - b / counts[1]);
+			r->error += half * half / (mean * mean + 0.01);
+			r->known++;
+		}
+	}
+}
+
+void pt_resolve(struct pt_resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
 {
 	const uint32_t tiles_x = (frame->width + TILE_SIDE - 1) / TILE_SIDE;
-	double counts[2][2];   // [has the tile one more][half]
-	count_halves(progress->first_sample, progress->samples, counts[0]);
-	count_halves(progress->first_sample, progress->samples + 1, counts[1]);
-	double error = 0;
-	uint64_t known = 0;
-	for (uint32_t y = 0; y < frame->height; y++)
+	for (uint32_t y = first_row; y < first_row + rows; y++)
 		for (uint32_t x = 0; x < frame->width; x++) {
-			const uint64_t i = (uint64_t)y * frame->width + x;
 			const uint32_t tile = y / TILE_SIDE * tiles_x + x / TILE_SIDE;
-			const double *n = counts[tile < progress->tiles];
-			for (int c = 0; c < 3; c++) {
-				const double a = sum_of(sums + i * ACCUMULATOR_FLOATS + 2 * c);
-				const double b = sum_of(sums + i * ACCUMULATOR_FLOATS + 6 + 2 * c);
-				const double total = n[0] + n[1];
-				const double mean = total > 0 ? (a + b) / total : 0;
-				frame->radiance[3 * i + (uint64_t)c] = (float)mean;
-				if (n[0] > 0 && n[1] > 0) {
-					const double half = 0.5 * (a / n[0] - b / n[1]);
-					error += half * half / (mean * mean + 0.01);
-					known++;
-				}
-			}
+			resolve_pixel(r, sums, r->counts[tile < r->tiles],
+				      frame->radiance + 3 * ((uint64_t)y * frame->width + x));
+			sums += ACCUMULATOR_FLOATS;
 		}
-	frame->estimated_relmse = known ? error / (double)known : -1;
+}
+
+double pt_resolver_error(const struct pt_resolver *r)
+{
+	return r->known ? r->error / (double)r->known : -1;
 }

@@ -6,17 +6,23 @@
 
 #include "server/worker/image/frame.h"
 
-// How far a job has come: every pixel has `samples`, those of the first `tiles` tiles one more.
-struct pt_progress {
-	uint32_t first_sample;
-	uint32_t samples;
-	uint32_t tiles;
+struct pt_resolver {
+	uint32_t tiles;        // the image's first tiles, which have one sample more
+	double counts[2][2];   // samples of half A and B: in the other tiles, in those first ones
+	double error;          // so far
+	uint64_t known;
 };
 
-// Fill frame->radiance and frame->estimated_relmse from ACCUMULATOR_FLOATS floats a pixel (shaders/path/accumulate.glsl).
-//
-// The estimate: with a and b the means of the two independent halves, ((a − b) / 2)² is an unbiased estimate of the variance
-// of (a + b) / 2, and relMSE is its mean over r² + 0.01 with r the pixel's own value. Negative where a half has no sample.
-void pt_resolve(const float *sums, const struct pt_progress *progress, struct frame *frame);
+// Every pixel has `samples` from `first_sample` on, those of the first `tiles` tiles one more.
+void pt_resolver_init(struct pt_resolver *resolver, uint32_t first_sample, uint32_t samples, uint32_t tiles);
+
+// Fill rows [first_row, first_row + rows) of frame->radiance from their sums, ACCUMULATOR_FLOATS floats a pixel
+// (shaders/path/accumulate.glsl).
+void pt_resolve(struct pt_resolver *resolver, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame);
+
+// The estimated relMSE of what was resolved: with a and b the means of the two independent halves, ((a − b) / 2)² is an
+// unbiased estimate of the variance of (a + b) / 2; relMSE is its mean over r² + 0.01, r being the pixel's own value.
+// Negative where a half has no sample.
+double pt_resolver_error(const struct pt_resolver *resolver);
 
 #endif

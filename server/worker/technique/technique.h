@@ -1,7 +1,7 @@
 // The seam between the worker's loop and a way to make a picture. One const table each; the loop calls in this order, on
-// the device's thread alone:
+// the device's thread alone, for every job:
 //
-//   begin (step)* (read)* end      for every job;  release when a scene or the worker goes
+//   begin (step | read)* end
 //
 // A technique owns what it makes in `begin` until `end`; the resident scene outlives the job.
 #ifndef CANDIL_WORKER_TECHNIQUE_H

@@ -73,8 +73,10 @@ enum status buffer_init(struct buffer *b, struct device *d, uint64_t bytes, enum
 
 void buffer_finish(struct buffer *b, struct device *d)
 {
-	if (b->handle)
-		vkDestroyBuffer(d->handle, b->handle, NULL);
+	// Never made: there may not even be a device.
+	if (!b->handle)
+		return;
+	vkDestroyBuffer(d->handle, b->handle, NULL);
 	if (b->memory)
 		vkFreeMemory(d->handle, b->memory, NULL);
 	d->bytes -= b->allocated;

@@ -30,5 +30,6 @@ enum status command_finish(struct device *d, struct error *err)
 		r = vkWaitForFences(d->handle, 1, &d->fence, VK_TRUE, UINT64_MAX);
 	if (r == VK_SUCCESS)
 		r = vkResetFences(d->handle, 1, &d->fence);
+	d->lost = d->lost || r == VK_ERROR_DEVICE_LOST;
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "running commands", err);
 }

@@ -53,6 +53,7 @@ struct device {
 	_Atomic uint64_t validation_errors;
 	uint64_t bytes;                   // allocated now
 	uint64_t budget;
+	bool lost;                        // by the driver's word: only a new process can have it again
 	struct pipeline *pipelines;       // every one made so far, by pipeline.c
 };
 

@@ -1,0 +1,57 @@
+// Inside the path tracer: its job on a device. pt_setup.c makes and frees it, pt.c runs it.
+#ifndef CANDIL_WORKER_TECHNIQUE_PT_JOB_H
+#define CANDIL_WORKER_TECHNIQUE_PT_JOB_H
+
+#include "server/worker/plan.h"
+#include "server/worker/resident.h"
+#include "server/worker/vk/pipeline.h"
+
+// Rows of the image whose sums fit one buffer that the device can bind. Most images are one band.
+struct pt_band {
+	uint32_t first_row, rows;         // pixels; first_row is a multiple of TILE_SIDE
+	uint32_t first_tile, tiles;
+	struct buffer accumulator;
+	struct buffer aov;                // only if asked for
+	struct binding_set path_bindings;
+	struct binding_set aov_bindings;
+};
+
+struct technique_job {
+	struct device *device;
+	struct resident_scene *scene;
+	struct plan plan;
+	uint32_t tiles;
+	uint32_t segment;                 // scattering events in a dispatch at most
+	uint32_t segments;                // dispatches a sample
+	struct buffer job;                // struct pt_job
+	struct buffer counters;           // struct pt_counters, growing
+	struct buffer counters_host;      // what the last submission left in them
+	struct buffer paths;              // only if segments > 1
+	struct pipeline *path;
+	struct pipeline *aov;             // only if asked for
+	struct pt_band *bands;
+	uint32_t band_count;
+
+	// The cursor: next to do is tile `tile` of sample first_sample + `sample`.
+	uint32_t sample, tile;
+	uint32_t aov_tile;
+	double tile_us;                   // measured time of a tile of one sample; 0: not yet
+	struct pt_counters seen;          // counters at the last look
+	uint64_t rays, non_finite;
+	uint64_t upload_us, compile_us, trace_us, aov_us;
+};
+
+#define PT_TILES_PER_DISPATCH 4096u
+
+// Make everything that the plan asks for. On failure nothing is left.
+enum status pt_job_create(struct device *device, struct resident_scene *scene, const struct plan *plan,
+			  struct technique_job **job, struct error *err);
+void pt_job_destroy(struct technique_job *job);
+
+// Begin the image again with dispatches of at most `segment` events: what has been summed is forgotten.
+enum status pt_job_restart(struct technique_job *job, uint32_t segment, struct error *err);
+
+// The band that holds a tile.
+struct pt_band *pt_job_band(const struct technique_job *job, uint32_t tile);
+
+#endif

@@ -1,0 +1,345 @@
+// What a path tracing job needs on the device: made here, and freed here.
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/base/clock.h"
+#include "server/worker/technique/pt.h"
+#include "server/worker/technique/pt_job.h"
+#include "server/worker/vk/command.h"
+#include "shaders/aov_comp.h"
+#include "shaders/path_comp.h"
+
+// Scattering events in one dispatch. Software drivers end an invocation's loops after some 65,000 rounds all told; sixteen
+// events of two rays leave a ray 2,000 rounds.
+#define SEGMENT_SOFTWARE 16u
+
+// The plan's bits become the shaders' constants one for one.
+_Static_assert((int)SPEC_TEXTURES == (int)candil_Effect_EFFECT_TEXTURES, "one constant an effect");
+_Static_assert((int)SPEC_EMITTERS == (int)candil_Effect_EFFECT_EMITTERS, "one constant an effect");
+_Static_assert((int)SPEC_LIGHTS == (int)candil_Effect_EFFECT_LIGHTS, "one constant an effect");
+_Static_assert((int)SPEC_ENVIRONMENT == (int)candil_Effect_EFFECT_ENVIRONMENT, "one constant an effect");
+_Static_assert((int)SPEC_BOUNCES == (int)candil_Effect_EFFECT_BOUNCES, "one constant an effect");
+
+static const struct shader path_shader = {.name = "path",
+					  .code = shader_path_comp,
+					  .bytes = sizeof shader_path_comp,
+					  .bindings = BIND_PATH_COUNT,
+					  .push_bytes = sizeof(struct path_push)};
+static const struct shader aov_shader = {.name = "aov",
+					 .code = shader_aov_comp,
+					 .bytes = sizeof shader_aov_comp,
+					 .bindings = BIND_AOV_COUNT,
+					 .push_bytes = sizeof(struct path_push)};
+
+static uint32_t tile_columns(const struct plan *plan)
+{
+	return (plan->width + TILE_SIDE - 1) / TILE_SIDE;
+}
+
+static uint32_t tiles_of(const struct plan *plan)
+{
+	return tile_columns(plan) * ((plan->height + TILE_SIDE - 1) / TILE_SIDE);
+}
+
+static uint64_t pixels_of(const struct plan *plan)
+{
+	return (uint64_t)plan->width * plan->height;
+}
+
+static uint32_t segment_of(const struct device *device, const struct plan *plan)
+{
+	const uint32_t whole = plan->depth + 1;
+	const uint32_t segment = plan->segment ? plan->segment : device->info.software ? SEGMENT_SOFTWARE : whole;
+	return segment < whole ? segment : whole;
+}
+
+static uint64_t paths_bytes(const struct plan *plan)
+{
+	const uint32_t tiles = tiles_of(plan) < PT_TILES_PER_DISPATCH ? tiles_of(plan) : PT_TILES_PER_DISPATCH;
+	return (uint64_t)tiles * TILE_PIXELS * sizeof(struct path_state);
+}
+
+uint64_t pt_job_bytes(const struct device *device, const struct plan *plan)
+{
+	uint64_t bytes = sizeof(struct pt_job) + 2 * sizeof(struct pt_counters);
+	if (segment_of(device, plan) <= plan->depth)
+		bytes += paths_bytes(plan);
+	bytes += pixels_of(plan) * ACCUMULATOR_FLOATS * sizeof(float);
+	if (plan->aovs)
+		bytes += pixels_of(plan) * AOV_WORDS * sizeof(uint32_t);
+	return bytes;
+}
+
+// ---- the parameters -----------------------------------------------------------------------------------------------------
+
+static uint32_t scene_bindings(const struct plan *plan)
+{
+	uint32_t bits = 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES | 1u << BIND_TRIANGLES | 1u << BIND_VERTICES |
+			1u << BIND_MATERIALS;
+	if (plan_has(plan, candil_Effect_EFFECT_TEXTURES))
+		bits |= 1u << BIND_TEXTURES | 1u << BIND_TEXELS | 1u << BIND_SRGB_TABLE;
+	if (plan_has(plan, candil_Effect_EFFECT_EMITTERS))
+		bits |= 1u << BIND_EMITTERS;
+	if (plan_has(plan, candil_Effect_EFFECT_LIGHTS))
+		bits |= 1u << BIND_LIGHTS;
+	return bits;
+}
+
+// How next-event estimation divides its samples between the two kinds of light: by power, but never less than a tenth to
+// either, for a sun's power says little about a room that it does not reach.
+static float emitter_share(const struct plan *plan, const struct blob_header *blob)
+{
+	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)blob->emitter_power : 0;
+	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)blob->light_power : 0;
+	if (l <= 0)
+		return e > 0 ? 1.0f : 0.0f;
+	if (e <= 0)
+		return 0.0f;
+	const double share = e / (e + l);
+	return (float)(share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
+}
+
+static void fill_job(const struct technique_job *j, struct pt_job *out)
+{
+	const struct plan *p = &j->plan;
+	const struct blob_header *blob = j->scene->blob;
+	memset(out, 0, sizeof *out);
+	out->width = p->width;
+	out->height = p->height;
+	out->tiles_x = tile_columns(p);
+	out->depth = p->depth;
+	out->seed[0] = (uint32_t)p->seed;
+	out->seed[1] = (uint32_t)(p->seed >> 32);
+	out->emitter_count = blob_count(blob, BLOB_EMITTERS);
+	out->light_count = blob_count(blob, BLOB_LIGHTS);
+	out->emitter_share = emitter_share(p, blob);
+	out->emitter_power_inv = blob->emitter_power > 0 ? 1.0f / blob->emitter_power : 0.0f;
+	out->orthographic = p->camera.orthographic ? 1.0f : 0.0f;
+	for (int i = 0; i < 3; i++) {
+		out->eye[i] = (float)(p->camera.eye[i] - blob->origin[i]);
+		out->forward[i] = (float)p->camera.forward[i];
+		out->right[i] = (float)p->camera.right[i];
+		out->up[i] = (float)p->camera.up[i];
+		out->background[i] = p->background[i];
+	}
+}
+
+// ---- bands --------------------------------------------------------------------------------------------------------------
+
+// Cut the image into as few bands of whole tile rows as the device's largest binding allows.
+static enum status cut_bands(struct technique_job *j, struct error *err)
+{
+	const struct plan *p = &j->plan;
+	const uint64_t row_bytes = (uint64_t)p->width * TILE_SIDE * ACCUMULATOR_FLOATS * sizeof(float);
+	const uint64_t fit = j->device->limits.maxStorageBufferRange / row_bytes;
+	const uint32_t all = (p->height + TILE_SIDE - 1) / TILE_SIDE;
+	if (fit == 0)
+		return error_set(err, STATUS_MEMORY, "this device cannot bind eight rows of %u pixels: render narrower", p->width);
+	const uint32_t tile_rows = fit < all ? (uint32_t)fit : all;
+	j->band_count = (all + tile_rows - 1) / tile_rows;
+	j->bands = calloc(j->band_count, sizeof *j->bands);
+	if (!j->bands)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	for (uint32_t i = 0; i < j->band_count; i++) {
+		struct pt_band *b = &j->bands[i];
+		const uint32_t first = i * tile_rows, rows = all - first < tile_rows ? all - first : tile_rows;
+		b->first_row = first * TILE_SIDE;
+		b->rows = b->first_row + rows * TILE_SIDE <= p->height ? rows * TILE_SIDE : p->height - b->first_row;
+		b->first_tile = first * tile_columns(p);
+		b->tiles = rows * tile_columns(p);
+	}
+	return STATUS_OK;
+}
+
+struct pt_band *pt_job_band(const struct technique_job *j, uint32_t tile)
+{
+	struct pt_band *b = j->bands;
+	while (tile >= b->first_tile + b->tiles)
+		b++;
+	return b;
+}
+
+static enum status clear_bands(struct technique_job *j, struct error *err)
+{
+	enum status s = buffer_clear(&j->counters, j->device, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
+		s = buffer_clear(&j->bands[i].accumulator, j->device, err);
+	return s;
+}
+
+static enum status make_buffers(struct technique_job *j, struct error *err)
+{
+	struct device *d = j->device;
+	struct pt_job params;
+	fill_job(j, &params);
+	enum status s = buffer_init_with(&j->job, d, &params, sizeof params, err);
+	if (s == STATUS_OK)
+		s = buffer_init(&j->counters, d, sizeof(struct pt_counters), BUFFER_DEVICE, err);
+	if (s == STATUS_OK)
+		s = buffer_init(&j->counters_host, d, sizeof(struct pt_counters), BUFFER_READBACK, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
+		struct pt_band *b = &j->bands[i];
+		const uint64_t pixels = (uint64_t)b->rows * j->plan.width;
+		s = buffer_init(&b->accumulator, d, pixels * ACCUMULATOR_FLOATS * sizeof(float), BUFFER_DEVICE, err);
+		if (s == STATUS_OK && j->plan.aovs)
+			s = buffer_init(&b->aov, d, pixels * AOV_WORDS * sizeof(uint32_t), BUFFER_DEVICE, err);
+		if (s == STATUS_OK && j->plan.aovs)
+			s = buffer_clear(&b->aov, d, err);
+	}
+	return s == STATUS_OK ? clear_bands(j, err) : s;
+}
+
+// ---- pipelines ----------------------------------------------------------------------------------------------------------
+
+// Packets pay where a lane is a part of a CPU's vector; a GPU's lanes each fetch for themselves as quickly.
+static bool walks_in_packets(const struct device *device, const struct plan *plan)
+{
+	const bool wanted = plan->traversal == TRAVERSAL_PACKET || (plan->traversal == TRAVERSAL_AUTO && device->info.software);
+	return wanted && device->info.packets;
+}
+
+static enum status bind_band(struct technique_job *j, const struct pipeline *pipeline, const struct pt_band *band,
+			     struct binding_set *set, struct error *err)
+{
+	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
+	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
+		buffers[i] = &j->scene->buffers[i];
+	buffers[BIND_JOB] = &j->job;
+	buffers[BIND_COUNTERS] = &j->counters;
+	if (pipeline->shader == &aov_shader) {
+		buffers[BIND_AOV] = &band->aov;
+	} else {
+		buffers[BIND_ACCUMULATOR] = &band->accumulator;
+		buffers[BIND_PATHS] = &j->paths;
+	}
+	return binding_set_init(set, j->device, pipeline, buffers, &j->counters_host, err);
+}
+
+// A new pipeline runs once over nothing, so that the driver's compiler works now, under its own name in the account, and not
+// in some slice.
+static enum status warm_up(struct technique_job *j, struct pipeline *pipeline, const struct binding_set *set, struct error *err)
+{
+	VkCommandBuffer c = j->device->commands;
+	const struct path_push nothing = {.first_tile = j->tiles};
+	if (pipeline->warm)
+		return STATUS_OK;
+	enum status s = command_begin(j->device, err);
+	if (s != STATUS_OK)
+		return s;
+	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
+	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set->set, 0, NULL);
+	vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof nothing, &nothing);
+	vkCmdDispatch(c, 1, 1, 1);
+	s = command_finish(j->device, err);
+	pipeline->warm = s == STATUS_OK;
+	return s;
+}
+
+static enum status make_pipeline(struct technique_job *j, const struct shader *shader, struct pipeline **pipeline,
+				 struct error *err)
+{
+	uint32_t constants[SPEC_COUNT];
+	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
+		constants[i] = plan_has(&j->plan, (candil_Effect)i);
+	constants[SPEC_RESUMED] = j->segments > 1;
+	constants[SPEC_PACKET] = walks_in_packets(j->device, &j->plan);
+	constants[SPEC_WIDTH] = j->device->info.subgroup;
+	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
+}
+
+static enum status make_path_pass(struct technique_job *j, uint32_t segment, struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = STATUS_OK;
+	j->segment = segment;
+	j->segments = (j->plan.depth + segment) / segment;   // of depth + 1 events, rounded up
+	if (j->segments > 1 && !j->paths.handle)
+		s = buffer_init(&j->paths, j->device, paths_bytes(&j->plan), BUFFER_DEVICE, err);
+	if (s == STATUS_OK)
+		s = make_pipeline(j, &path_shader, &j->path, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
+		binding_set_finish(&j->bands[i].path_bindings, j->device);
+		s = bind_band(j, j->path, &j->bands[i], &j->bands[i].path_bindings, err);
+	}
+	const bool compiles = s == STATUS_OK && !j->path->warm;
+	if (s == STATUS_OK)
+		s = warm_up(j, j->path, &j->bands[0].path_bindings, err);
+	if (compiles)
+		j->compile_us += clock_us() - start;
+	return s;
+}
+
+static enum status make_aov_pass(struct technique_job *j, struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = make_pipeline(j, &aov_shader, &j->aov, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
+		s = bind_band(j, j->aov, &j->bands[i], &j->bands[i].aov_bindings, err);
+	const bool compiles = s == STATUS_OK && !j->aov->warm;
+	if (s == STATUS_OK)
+		s = warm_up(j, j->aov, &j->bands[0].aov_bindings, err);
+	if (compiles)
+		j->compile_us += clock_us() - start;
+	return s;
+}
+
+// ---- the job ------------------------------------------------------------------------------------------------------------
+
+enum status pt_job_create(struct device *device, struct resident_scene *scene, const struct plan *plan,
+			  struct technique_job **job, struct error *err)
+{
+	struct technique_job *j = calloc(1, sizeof *j);
+	if (!j)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	j->device = device;
+	j->scene = scene;
+	j->plan = *plan;
+	j->tiles = tiles_of(plan);
+	const uint64_t start = clock_us();
+	enum status s = resident_upload(scene, device, scene_bindings(plan), err);
+	if (s == STATUS_OK)
+		s = cut_bands(j, err);
+	if (s == STATUS_OK)
+		s = make_buffers(j, err);
+	j->upload_us = clock_us() - start;
+	if (s == STATUS_OK)
+		s = make_path_pass(j, segment_of(device, plan), err);
+	if (s == STATUS_OK && plan->aovs)
+		s = make_aov_pass(j, err);
+	if (s != STATUS_OK) {
+		pt_job_destroy(j);
+		return s;
+	}
+	*job = j;
+	return STATUS_OK;
+}
+
+enum status pt_job_restart(struct technique_job *j, uint32_t segment, struct error *err)
+{
+	j->sample = 0;
+	j->tile = 0;
+	j->seen = (struct pt_counters){0};
+	j->rays = 0;
+	j->non_finite = 0;
+	enum status s = make_path_pass(j, segment, err);
+	return s == STATUS_OK ? clear_bands(j, err) : s;
+}
+
+void pt_job_destroy(struct technique_job *j)
+{
+	if (!j)
+		return;
+	for (uint32_t i = 0; j->bands && i < j->band_count; i++) {
+		struct pt_band *b = &j->bands[i];
+		binding_set_finish(&b->path_bindings, j->device);
+		binding_set_finish(&b->aov_bindings, j->device);
+		buffer_finish(&b->accumulator, j->device);
+		buffer_finish(&b->aov, j->device);
+	}
+	free(j->bands);
+	buffer_finish(&j->job, j->device);
+	buffer_finish(&j->counters, j->device);
+	buffer_finish(&j->counters_host, j->device);
+	buffer_finish(&j->paths, j->device);
+	free(j);
+}
