@@ -34,17 +34,39 @@ static void watch_over(struct worker *worker);
 
 // ---- orders ----------------------------------------------------------------------------------------------------------
 
+static void drop_parcel(struct worker *worker, struct parcel **link)
+{
+	struct parcel *p = *link;
+	*link = p->next;
+	if (worker->last == p) {
+		worker->last = NULL;
+		for (struct parcel *q = worker->first; q; q = q->next)
+			worker->last = q;
+	}
+	worker->parcels--;
+	if (p->fd >= 0)
+		close(p->fd);
+	free(p);
+}
+
 static void drop_parcels(struct worker *worker)
 {
-	while (worker->first) {
-		struct parcel *p = worker->first;
-		worker->first = p->next;
-		if (p->fd >= 0)
-			close(p->fd);
-		free(p);
+	while (worker->first)
+		drop_parcel(worker, &worker->first);
+}
+
+// A scene that waits to be sent. Orders between it and its end can only be about jobs that have ended since.
+static struct parcel **find_scene(struct worker *worker, uint64_t scene)
+{
+	for (struct parcel **link = &worker->first; *link; link = &(*link)->next) {
+		struct ipc_scene message;
+		if ((*link)->bytes != sizeof message)
+			continue;
+		memcpy(&message, (*link)->message, sizeof message);
+		if (message.head.op == IPC_SCENE && message.scene == scene)
+			return link;
 	}
-	worker->last = NULL;
-	worker->parcels = 0;
+	return NULL;
 }
 
 static void kill_for(struct worker *worker, const char *why)
@@ -106,13 +128,7 @@ static void send_parcels(struct worker *worker)
 		struct parcel *p = worker->first;
 		if (send_now(worker, p->message, p->bytes, p->fd) == SENT_LATER)
 			return;
-		worker->first = p->next;
-		if (!worker->first)
-			worker->last = NULL;
-		worker->parcels--;
-		if (p->fd >= 0)
-			close(p->fd);
-		free(p);
+		drop_parcel(worker, &worker->first);
 	}
 	loop_want(worker->loop, worker->child.socket, EPOLLIN);
 }
@@ -133,7 +149,13 @@ void worker_scene(struct worker *worker, uint64_t scene, int blob)
 void worker_forget(struct worker *worker, uint64_t scene)
 {
 	struct ipc_scene message = {.head = {.op = IPC_FORGET}, .scene = scene};
-	give(worker, &message, sizeof message, -1);
+	// One that the worker has not been given yet is taken back: while it is busy, scenes that come and go must neither
+	// fill the queue nor keep their memory.
+	struct parcel **waiting = find_scene(worker, scene);
+	if (waiting)
+		drop_parcel(worker, waiting);
+	else
+		give(worker, &message, sizeof message, -1);
 }
 
 void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, const candil_Render *render)

@@ -68,6 +68,22 @@ class Killed(FakeCase):
         self.assertEqual(connection.stats().device, "fake")
 
 
+class Busy(FakeCase):
+    def test_scenes_that_come_and_go_do_not_pile_up(self):
+        connection = self.with_box()
+        connection.follow(connection.send(wire.RENDER, render()))
+        pid, before = connection.stats().worker_pid, self.daemon.descriptors()
+        os.kill(pid, signal.SIGSTOP)
+        for _ in range(500):
+            connection.load("passing", self.scenes, "box.gltf")
+        # Those that its socket has taken are the kernel's; a few of each moment's are ours.
+        self.assertLess(self.daemon.descriptors(), before + 20)
+        os.kill(pid, signal.SIGCONT)
+        for name in ("box", "passing"):
+            self.assertEqual(connection.follow(connection.send(wire.RENDER, render(name)))[-1].kind, wire.DONE)
+        self.assertEqual(connection.stats().worker_starts, 1)
+
+
 class Memory(FakeCase):
     environment = {"FAKE_MEMORY_PIXELS": "200"}
 
