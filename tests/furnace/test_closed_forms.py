@@ -7,7 +7,7 @@ import numpy
 
 import make
 from render import Daemon
-from writers import Gltf, icosphere
+from writers import Gltf, icosphere, quad
 
 
 def setUpModule():
@@ -108,6 +108,25 @@ class Irradiance(unittest.TestCase):
 
     def test_directional_light(self):
         self.check(make.lit_floor(folder.name, "directional", 3.0), 3.0)
+
+
+class Superposition(unittest.TestCase):
+    def test_lamp_and_light_add_up(self):
+        """Next-event estimation divides its samples between both tables; together they are the sum of each alone."""
+        g = Gltf()
+        g.place(*icosphere(2), g.material("body", (0.6, 0.5, 0.4)))
+        g.place(*quad((-5, -1, 5), (5, -1, 5), (5, -1, -5), (-5, -1, -5)), g.material("floor", (0.5,) * 3))
+        g.place(*quad((-1, 3, -1), (1, 3, -1), (1, 3, 1), (-1, 3, 1)), g.material("lamp", (0, 0, 0), (2, 1, 0.5)))
+        g.light("point", 4.0, (2, 2, 2), colour=(0.2, 0.4, 1))
+        g.light("directional", 0.5, (0, 5, 0), (1, 0, 0))
+        g.camera((0, 1, 6), (0, 0, 0), 40)
+        scene = g.save(folder.name, "both.gltf")
+        both, lamp, light = (daemon.render(scene, spp=256, arguments=["--effects", effects]).radiance.astype(numpy.float64)
+                             for effects in ("auto", "-lights", "-emitters"))
+        for c in range(3):
+            self.assertLess(abs(both[:, :, c].mean() / (lamp[:, :, c].mean() + light[:, :, c].mean()) - 1), 0.005)
+        self.assertGreater(lamp.mean(), 0.01)
+        self.assertGreater(light.mean(), 0.01)
 
 
 class Exact(unittest.TestCase):

@@ -142,7 +142,7 @@ struct tally {
 };
 
 static void compare(const struct blob_header *b, RTCScene judge, const struct cast_ray *rays, const struct cast_hit *hits,
-		    const struct cast_hit *any, struct tally *t)
+		    struct tally *t)
 {
 	for (uint32_t i = 0; i < RAYS; i++) {
 		const struct RTCRayHit h = judge_hit(judge, &rays[i]);
@@ -150,7 +150,6 @@ static void compare(const struct blob_header *b, RTCScene judge, const struct ca
 		const int kind = i % 3 == 2;
 		t->rays[kind]++;
 		t->hits[kind] += hits[i].id != NONE;
-		t->any_differs += (hits[i].id != NONE) != (any[i].id != NONE);
 		if (judged == hits[i].id)
 			continue;
 		const enum verdict v = judge_difference(b, &rays[i], &hits[i], &h);
@@ -165,9 +164,26 @@ static void compare(const struct blob_header *b, RTCScene judge, const struct ca
 }
 
 struct arrays {
-	struct cast_ray *rays;
+	struct cast_ray *rays, *segments;
 	struct cast_hit *hits, *any;
 };
+
+// For any-hit: rays without end, segments that stop short of the closest hit, segments that just reach it, and lanes without
+// a ray, side by side in every packet.
+static void make_segments(const struct cast_ray *rays, const struct cast_hit *closest, struct cast_ray *segments)
+{
+	for (uint32_t i = 0; i < RAYS; i++) {
+		const float t = closest[i].id != NONE ? closest[i].t : 1.0f;
+		segments[i] = rays[i];
+		segments[i].t_max = i % 4 == 0 ? INFINITY : i % 4 == 1 ? 0.999f * t : i % 4 == 2 ? 1.001f * t : -1.0f;
+	}
+}
+
+// Whether an any-hit ray of make_segments must have found something.
+static bool must_find(uint32_t i, const struct cast_hit *closest)
+{
+	return closest->id != NONE && i % 4 % 2 == 0;
+}
 
 static bool test_walk(struct device *device, struct resident_scene *resident, RTCScene judge, struct arrays *a, bool packet,
 		      const char *file)
@@ -180,14 +196,22 @@ static bool test_walk(struct device *device, struct resident_scene *resident, RT
 		s = cast_run(&cast, false, &err);
 		if (s == STATUS_OK)
 			s = cast_read(&cast, a->hits, &err);
-		if (s == STATUS_OK)
-			s = cast_run(&cast, true, &err);
+		cast_finish(&cast);
+	}
+	if (s == STATUS_OK) {
+		make_segments(a->rays, a->hits, a->segments);
+		s = cast_init(&cast, device, resident, a->segments, RAYS, packet, &err);
+	}
+	if (s == STATUS_OK) {
+		s = cast_run(&cast, true, &err);
 		if (s == STATUS_OK)
 			s = cast_read(&cast, a->any, &err);
 		cast_finish(&cast);
 	}
 	if (s == STATUS_OK)
-		compare(resident->blob, judge, a->rays, a->hits, a->any, &t);
+		compare(resident->blob, judge, a->rays, a->hits, &t);
+	for (uint32_t i = 0; s == STATUS_OK && i < RAYS; i++)
+		t.any_differs += must_find(i, &a->hits[i]) != (a->any[i].id != NONE);
 	const uint32_t allowed = t.rays[0] / 100000;
 	bool good = s == STATUS_OK && t.hits[0] > RAYS / 3 && t.differ[0] <= allowed && t.unexplained[0] == 0 &&
 		    t.unexplained[1] == 0 && t.any_differs == 0;
@@ -208,9 +232,10 @@ static bool test_scene(struct device *device, RTCDevice embree, const char *load
 		return false;
 	}
 	struct resident_scene resident = {.blob = scene.blob, .bytes = scene.bytes, .fd = scene.fd};
-	struct arrays a = {malloc(RAYS * sizeof *a.rays), malloc(RAYS * sizeof *a.hits), malloc(RAYS * sizeof *a.any)};
+	struct arrays a = {malloc(RAYS * sizeof *a.rays), malloc(RAYS * sizeof *a.segments), malloc(RAYS * sizeof *a.hits),
+			   malloc(RAYS * sizeof *a.any)};
 	struct cast_hit *single = malloc(RAYS * sizeof *single);
-	bool good = a.rays && a.hits && a.any && single;
+	bool good = a.rays && a.segments && a.hits && a.any && single;
 	for (uint32_t i = 0; good && i < RAYS; i++)
 		make_ray(scene.blob, i, &a.rays[i]);
 	RTCScene judge = cast_judge(embree, scene.blob);
@@ -228,6 +253,7 @@ static bool test_scene(struct device *device, RTCDevice embree, const char *load
 		buffer_finish(&resident.buffers[i], device);
 	loaded_scene_finish(&scene);
 	free(a.rays);
+	free(a.segments);
 	free(a.hits);
 	free(a.any);
 	free(single);

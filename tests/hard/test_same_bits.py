@@ -43,11 +43,18 @@ class SameBits(unittest.TestCase):
     def test_beside_another_job(self):
         with Daemon() as daemon:
             alone = bits(daemon)
-            other = threading.Thread(target=lambda: daemon.render(scene, size=(256, 256), spp=32))
+            others = []
+            other = threading.Thread(target=lambda: others.append(bits(daemon, size=(256, 256), spp=64)))
             other.start()
-            beside = {bits(daemon) for _ in range(3)}
+            beside = set()
+            for _ in range(2):
+                beside.add(bits(daemon))
+            overlapped = other.is_alive()
             other.join()
-        self.assertEqual(beside, {alone})
+            self.assertEqual(beside, {alone})
+            self.assertTrue(overlapped, "the other job ended too soon to prove anything")
+            # And the large one is what it is alone.
+            self.assertEqual(others, [bits(daemon, size=(256, 256), spp=64)])
 
     def test_seeds_differ(self):
         with Daemon() as daemon:
