@@ -79,9 +79,9 @@ struct pt_job {
 	float up[3];               // half its height
 	float orthographic;        // 1: right and up are metres, rays are parallel
 	float forward[3];          // unit
-	float reserved0;
+	uint has_uv1;              // the scene has a second set of coordinates
 	float background[3];       // W/(m² sr)
-	float reserved1;
+	uint has_colors;           // and vertex colours
 };
 LAYOUT_ASSERT(pt_job, 112)
 
