@@ -16,8 +16,9 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 1u
+#define BLOB_FORMAT 2u
 #define BLOB_ALIGN 256u
+#define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
 
 enum blob_section {
 	BLOB_NODES,            // struct bvh_node; at least one
@@ -31,6 +32,9 @@ enum blob_section {
 	BLOB_LIGHTS,           // struct punctual_light
 	BLOB_CAMERAS,          // struct blob_camera
 	BLOB_MATERIAL_NAMES,   // struct blob_name, one a material
+	BLOB_UV1,              // struct vertex_uv1: none, or one a vertex
+	BLOB_COLORS,           // struct vertex_color, likewise
+	BLOB_TANGENTS,         // struct vertex_tangent, likewise; made where a used material has a normal map
 	BLOB_SECTIONS
 };
 
@@ -47,6 +51,11 @@ enum fact {
 	FACT_SPOT_LIGHTS = 1u << 3,
 	FACT_DIRECTIONAL_LIGHTS = 1u << 4,
 	FACT_REFLECTS = 1u << 5,        // some surface has an albedo above zero
+	FACT_GLOSSY = 1u << 6,          // some surface has a specular lobe: metallic or specular_weight above zero
+	FACT_NORMAL_MAPS = 1u << 7,
+	FACT_ALPHA_MASK = 1u << 8,
+	FACT_VERTEX_COLORS = 1u << 9,   // some vertex has a colour other than white
+	FACT_UNLIT = 1u << 10,
 };
 
 struct blob_header {
