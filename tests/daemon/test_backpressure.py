@@ -1,4 +1,5 @@
 """Clients that do not read: they hold up nobody, and what waits for them has a bound."""
+import os
 import socket
 import unittest
 
@@ -15,7 +16,8 @@ class Stalled(FakeCase):
         with self.daemon.connect() as other:
             stats = other.stats()
         self.assertLessEqual(stats.buffered_bytes, CAP)
-        self.assertLess(self.daemon.rss_kib(), before_kib + 8000)
+        # AddressSanitizer keeps what was freed for a while.
+        self.assertLess(self.daemon.rss_kib(), before_kib + (64000 if os.environ.get("CANDIL_SANITIZE") == "1" else 8000))
 
     def test_large_image_waits_outside(self):
         before = self.daemon.rss_kib()

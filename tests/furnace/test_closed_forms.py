@@ -70,8 +70,9 @@ class ClosedSphere(unittest.TestCase):
         self.assertLess(abs(float(picture.radiance.mean()) - 1), 0.01)
 
     def test_bright_walls(self):
-        picture = self.check(0.95, 90, 64, 0.01)
-        self.assertLess(abs(float(picture.radiance.mean()) - 1), 0.01)
+        # The series itself lacks 0.94 % here; what is left of the percent is for the noise of a mean of 65,536 paths, 0.25 %.
+        self.assertLess(0.95 ** 91, 0.01)
+        self.check(0.95, 90, 64, 0.0075)
 
     def test_truncated_series(self):
         for rho, depth in ((0.5, 1), (0.5, 2), (0.5, 4), (0.95, 1), (0.95, 5), (0.95, 20)):

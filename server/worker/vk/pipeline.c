@@ -67,7 +67,8 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const ui
 			 struct pipeline **pipeline, struct error *err)
 {
 	for (struct pipeline *p = d->pipelines; p; p = p->next)
-		if (p->shader == shader && p->constant_count == count && !memcmp(p->constants, constants, count * 4u)) {
+		if (p->shader == shader && p->constant_count == count &&
+		    (count == 0 || !memcmp(p->constants, constants, count * 4u))) {
 			*pipeline = p;
 			return STATUS_OK;
 		}
@@ -76,7 +77,8 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const ui
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	p->shader = shader;
 	p->constant_count = count;
-	memcpy(p->constants, constants, count * 4u);
+	if (count > 0)
+		memcpy(p->constants, constants, count * 4u);
 	enum status s = make_layout(d, p, err);
 	if (s == STATUS_OK)
 		s = make_pipeline(d, p, err);
