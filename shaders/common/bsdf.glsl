@@ -1,12 +1,13 @@
 // How a surface scatters: a microfacet lobe over a diffuse one, both about the shading normal, kept above the true surface.
 //
-// Without EFFECT_GLOSSY it is Lambert, ρ/π. With it, what the microfacets reflect is
-//     single scattering   D G2 F / (4 v·n l·n), and
-//     scattering between facets, which single scattering loses: Kulla and Conty 2017, with E = A + B of ggx.glsl,
-//         Fms (1 − E(v)) (1 − E(l)) / (π (1 − Ē)),   Fms = F̄² Ē / (1 − F̄ (1 − Ē))   (Fdez-Agüera 2019, JCGT 8-1),
-// and the diffuse part gets what is left of the light, once on the way in and once on the way out:
-//         ρ/π (1 − S(v)) (1 − S(l)) / (1 − S̄),   S the directional albedo of all that the microfacets reflect.
-// Both are reciprocal, and with ρ = 1 or F0 = F90 = 1 the whole returns all light.
+// Without EFFECT_GLOSSY it is Lambert, ρ/π. With it, the microfacets reflect
+//     D G2 F / (4 v·n l·n) · k(v),   k = 1 + F0 (1 − E(v)) / E(v),
+// where E = A + B of ggx.glsl is what single scattering leaves of white light and k gives back what was scattered between
+// facets (Turquin 2019, "Practical multiple scattering compensation for microfacet models"). Their directional albedo is
+// S = (F0 A + F90 B) k: 1 for F0 = F90 = 1, at every angle and roughness. k knows one of the two directions, so this part is
+// not reciprocal, and does not claim to be. The diffuse part gets what is left of the light, on the way in and on the way out:
+//     ρ/π (1 − S(v)) (1 − S(l)) / (1 − S̄),
+// which is reciprocal, and with ρ = 1 returns all of it (after Kulla and Conty 2017).
 //
 // A shading normal that leans away from the triangle's puts part of a lobe below the surface. Dropping that part darkens
 // edges, letting it through leaks light. Here it is folded back: a direction below is mirrored at the surface. What a direction
@@ -33,9 +34,7 @@ struct bsdf {
 	float alpha;
 	bool mirror;          // α too small to evaluate
 	float share;          // probability that a direction comes from the microfacets, not from the cosine
-	vec3 fms;
-	float lost;           // 1 − E(v)
-	float lost_inverse;   // 1 / (1 − Ē), or 0 where nothing is lost
+	vec3 boost;           // k(v)
 	vec3 outward;         // (1 − S(v)) / (1 − S̄)
 };
 
@@ -47,12 +46,17 @@ float luminance(vec3 c)
 	return dot(c, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// S(μ): what the microfacets reflect in all. `lost` is what single scattering alone would lose of white light.
-vec3 specular_albedo(bsdf b, float mu, out float lost)
+// k, from (A, B). A mirror's facets are one: nothing goes between them.
+vec3 facet_boost(bsdf b, vec2 ab)
 {
-	vec2 ab = ggx_albedo(mu, b.roughness);
-	lost = max(1.0 - ab.x - ab.y, 0.0);
-	return b.f0 * ab.x + b.f90 * ab.y + b.fms * lost;
+	float e = clamp(ab.x + ab.y, 0.05, 1.0);
+	return b.mirror ? vec3(1.0) : 1.0 + b.f0 * ((1.0 - e) / e);
+}
+
+// S, from (A, B).
+vec3 specular_albedo(bsdf b, vec2 ab)
+{
+	return min((b.f0 * ab.x + b.f90 * ab.y) * facet_boost(b, ab), 1.0);
 }
 
 void make_glossy(inout bsdf b, surface s)
@@ -62,20 +66,15 @@ void make_glossy(inout bsdf b, surface s)
 	b.roughness = s.roughness;
 	b.alpha = max(s.roughness * s.roughness, GGX_ALPHA_LEAST);
 	b.mirror = s.roughness * s.roughness < GGX_ALPHA_LEAST;
-	vec2 mean = ggx_average(b.roughness);
-	float mean_lost = max(1.0 - mean.x - mean.y, 0.0);
-	// The facets' mean reflectance over all angles: Schlick's averages to F0 + (F90 − F0) / 21.
-	vec3 f_mean = b.f0 + (b.f90 - b.f0) / 21.0;
-	b.fms = f_mean * f_mean * (1.0 - mean_lost) / max(1.0 - f_mean * mean_lost, 1e-4);
-	b.lost_inverse = mean_lost > 1e-5 ? 1.0 / mean_lost : 0.0;
-	vec3 specular = specular_albedo(b, b.view.z, b.lost);
-	vec3 mean_specular = b.f0 * mean.x + b.f90 * mean.y + b.fms * mean_lost;
-	b.outward = max(1.0 - specular, 0.0) / max(1.0 - mean_specular, 1e-4);
-	float single = luminance(specular - b.fms * b.lost);
-	float wide = luminance(b.diffuse * max(1.0 - specular, 0.0) + b.fms * b.lost);
+	vec2 ab = ggx_albedo(b.view.z, b.roughness);
+	b.boost = facet_boost(b, ab);
+	vec3 specular = specular_albedo(b, ab);
+	vec3 left = 1.0 - specular;
+	b.outward = left / max(1.0 - specular_albedo(b, ggx_average(b.roughness)), 1e-4);
+	float facets = luminance(specular);
+	float wide = luminance(b.diffuse * left);
 	// Neither way of sampling may starve where its share is but a guess.
-	float share = clamp(single / max(single + wide, 1e-20), 0.1, 0.9);
-	b.share = single <= 0.0 ? 0.0 : wide <= 0.0 ? 1.0 : share;
+	b.share = facets <= 0.0 ? 0.0 : wide <= 0.0 ? 1.0 : clamp(facets / (facets + wide), 0.1, 0.9);
 }
 
 // The BSDF of a surface seen along `direction`, which points at it.
@@ -86,8 +85,8 @@ bsdf bsdf_make(surface s, vec3 direction)
 	b.normal = s.shading;
 	float c = dot(b.normal, v);
 	// Seen from behind its shading normal: lean the normal over until it just is not.
-	if (c < 0.02)
-		b.normal = normalize(b.normal + (0.02 - c) * v);
+	if (c < 1e-3)
+		b.normal = normalize(b.normal + (1e-3 - c) * v);
 	b.geometric = s.geometric;
 	frame_make(b.normal, b.x, b.y);
 	b.view = vec3(dot(v, b.x), dot(v, b.y), max(dot(v, b.normal), 1e-4));
@@ -107,12 +106,10 @@ vec4 lobes(bsdf b, vec3 l)
 	float cosine = l.z * (1.0 / PI);
 	if (!EFFECT_GLOSSY)
 		return vec4(b.diffuse * cosine, cosine);
-	float lost;
-	vec3 inward = max(1.0 - specular_albedo(b, l.z, lost), 0.0);
-	vec3 wide = b.diffuse * b.outward * inward + b.fms * (b.lost * lost * b.lost_inverse);
-	vec4 r = vec4(wide * cosine, (1.0 - b.share) * cosine);
+	vec3 inward = 1.0 - specular_albedo(b, ggx_albedo(l.z, b.roughness));
+	vec4 r = vec4(b.diffuse * b.outward * inward * cosine, (1.0 - b.share) * cosine);
 	if (!b.mirror && b.share > 0.0) {
-		r.xyz += ggx_eval(b.view, l, b.alpha, b.f0, b.f90);
+		r.xyz += ggx_eval(b.view, l, b.alpha, b.f0, b.f90) * b.boost;
 		r.w += b.share * ggx_pdf(b.view, l, b.alpha);
 	}
 	return r;

@@ -56,10 +56,10 @@ vec3 ggx_eval(vec3 v, vec3 l, float alpha, vec3 f0, vec3 f90)
 	return schlick(f0, f90, dot(v, h)) * (ggx_distribution(h, alpha) / (4.0 * max(v.z, 1e-7) * masking));
 }
 
-// Directional albedo of the lobe as (A, B): F0 · A + F90 · B. Bilinear in √μ and roughness.
+// Directional albedo of the lobe as (A, B): F0 · A + F90 · B. Bilinear in the square roots.
 vec2 ggx_albedo(float mu, float roughness)
 {
-	vec2 at = vec2(sqrt(clamp(mu, 0.0, 1.0)) * float(GGX_COSINES - 1), clamp(roughness, 0.0, 1.0) * float(GGX_ROUGHNESSES - 1));
+	vec2 at = sqrt(clamp(vec2(mu, roughness), 0.0, 1.0)) * vec2(GGX_COSINES - 1, GGX_ROUGHNESSES - 1);
 	uvec2 i = min(uvec2(at), uvec2(GGX_COSINES - 2, GGX_ROUGHNESSES - 2));
 	vec2 f = at - vec2(i);
 	uint row = i.y * GGX_COSINES + i.x;
@@ -71,7 +71,7 @@ vec2 ggx_albedo(float mu, float roughness)
 // The same averaged over the hemisphere, 2 ∫ μ (A, B) dμ.
 vec2 ggx_average(float roughness)
 {
-	float at = clamp(roughness, 0.0, 1.0) * float(GGX_ROUGHNESSES - 1);
+	float at = sqrt(clamp(roughness, 0.0, 1.0)) * float(GGX_ROUGHNESSES - 1);
 	uint i = min(uint(at), GGX_ROUGHNESSES - 2);
 	uint row = GGX_ROUGHNESSES * GGX_COSINES + i;
 	return mix(ggx_table[row], ggx_table[row + 1u], at - float(i));

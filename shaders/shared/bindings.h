@@ -52,10 +52,10 @@
 #define SPEC_WIDTH 12         // lanes of a subgroup
 #define SPEC_COUNT 13
 
-// The table at BIND_GGX_TABLE: for each of GGX_ROUGHNESSES perceptual roughnesses 0…1, GGX_COSINES cosines μ with √μ evenly
-// spaced from 0 to 1, two floats; then two more a roughness: their averages over the hemisphere.
+// The table at BIND_GGX_TABLE: for each of GGX_ROUGHNESSES perceptual roughnesses r, GGX_COSINES cosines μ, two floats, √r and
+// √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere.
 #define GGX_COSINES 64
-#define GGX_ROUGHNESSES 32
+#define GGX_ROUGHNESSES 64
 #define GGX_ALPHA_LEAST 1e-4  // α below it is a perfect mirror
 
 #define ACCUMULATOR_FLOATS 12

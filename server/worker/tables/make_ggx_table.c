@@ -69,8 +69,8 @@ int main(void)
 	printf("static const float ggx_table[] = {\n");
 	for (int r = 0; r < GGX_ROUGHNESSES; r++)
 		for (int c = 0; c < GGX_COSINES; c++) {
-			const double s = c / (GGX_COSINES - 1.0);
-			albedo(fmax(s * s, 1e-6), r / (GGX_ROUGHNESSES - 1.0), table[r][c]);
+			const double s = c / (GGX_COSINES - 1.0), t = r / (GGX_ROUGHNESSES - 1.0);
+			albedo(fmax(s * s, 1e-6), t * t, table[r][c]);
 			printf("%.9ef, %.9ef,\n", table[r][c][0], table[r][c][1]);
 		}
 	for (int r = 0; r < GGX_ROUGHNESSES; r++) {
