@@ -18,7 +18,9 @@
 #define BIND_UV1 10
 #define BIND_COLORS 11
 #define BIND_TANGENTS 12
+#ifndef BIND_GGX_TABLE
 #define BIND_GGX_TABLE 13     // directional albedos of the microfacet lobe: common/ggx.glsl
+#endif
 #define BIND_SCENE_COUNT 14
 // The job.
 #define BIND_JOB 14           // struct pt_job
