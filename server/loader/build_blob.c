@@ -92,6 +92,9 @@ static void list_sources(const struct import *im, const struct parts *p, struct 
 	out[BLOB_LIGHTS] = (struct source){p->lights, p->light_count};
 	out[BLOB_CAMERAS] = (struct source){im->cameras, im->camera_count};
 	out[BLOB_MATERIAL_NAMES] = (struct source){im->names, im->material_count};
+	out[BLOB_UV1] = (struct source){g->uv1, g->uv1 ? g->vertex_count : 0};
+	out[BLOB_COLORS] = (struct source){g->colors, g->colors ? g->vertex_count : 0};
+	out[BLOB_TANGENTS] = (struct source){g->tangents, g->tangents ? g->vertex_count : 0};
 }
 
 static size_t aligned(size_t bytes)
@@ -234,7 +237,7 @@ static enum status write_blob(struct blob_header *h, const struct source sources
 static enum status make_parts(struct import *im, struct parts *p, struct error *err)
 {
 	if (im->material_count == 0) {
-		const struct material white = {.albedo = {1, 1, 1}, .albedo_texture = NONE, .emission_texture = NONE};
+		const struct material white = import_plain_material(1.0f);
 		if (import_add_material(im, &white, "default", err) != STATUS_OK)
 			return err->code;
 	}

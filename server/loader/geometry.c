@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/loader/tangents.h"
+
 #define ORIGIN_EXTENTS 16.0
 
 // Twice a triangle's area, in m², below which a float can no longer hold its normal's square.
@@ -86,6 +88,37 @@ static bool has_area(const struct vertex *vertices, const struct triangle *t)
 	return fmax(fabs(x), fmax(fabs(y), fabs(z))) >= SMALLEST_CROSS;
 }
 
+// A tangent as the file gives it, made unit. A flat surface's would belong to a normal that nobody knows: the
+// specification has such ignored.
+static struct vertex_tangent round_tangent(const struct import_vertex *v, const struct import_extra *extra)
+{
+	struct vertex_tangent out = {{0}};
+	double length = 0;
+	for (int i = 0; i < 3; i++)
+		length += (double)extra->tangent[i] * extra->tangent[i];
+	length = sqrt(length);
+	const bool has_normal = v->normal[0] != 0 || v->normal[1] != 0 || v->normal[2] != 0;
+	if (!has_normal || extra->tangent[3] == 0 || !(length > 1e-20) || !isfinite(length))
+		return out;
+	for (int i = 0; i < 3; i++)
+		out.xyzw[i] = (float)(extra->tangent[i] / length);
+	out.xyzw[3] = extra->tangent[3];
+	return out;
+}
+
+static void round_extra(const struct import *im, size_t vertex, struct geometry *g)
+{
+	static const struct import_extra none = {.color = {1, 1, 1, 1}};
+	const struct import_extra *extra = vertex < im->extra_count ? &im->extras[vertex] : &none;
+	const uint32_t to = g->vertex_count;
+	for (int i = 0; i < 2 && g->uv1; i++)
+		g->uv1[to].uv[i] = isfinite(extra->uv1[i]) ? extra->uv1[i] : 0.0f;
+	if (g->colors)
+		memcpy(g->colors[to].rgba, extra->color, sizeof extra->color);
+	if (g->tangents)
+		g->tangents[to] = round_tangent(&im->vertices[vertex], extra);
+}
+
 // Round the vertices that some triangle uses, numbered in the order of the file. `place` maps old numbers to new.
 static void round_vertices(struct import *im, struct geometry *g, uint32_t *place)
 {
@@ -97,6 +130,7 @@ static void round_vertices(struct import *im, struct geometry *g, uint32_t *plac
 		if (place[i] == NONE)
 			continue;
 		place[i] = g->vertex_count;
+		round_extra(im, i, g);
 		round_vertex(&im->vertices[i], g->origin, &g->vertices[g->vertex_count++]);
 	}
 }
@@ -124,6 +158,44 @@ static void find_bounds(struct geometry *g)
 		}
 }
 
+static bool wants_uv1(const struct import *im)
+{
+	for (size_t i = 0; i < im->texture_count; i++)
+		if (im->textures[i].flags & TEXTURE_UV1)
+			return true;
+	return false;
+}
+
+static bool wants_colors(const struct import *im)
+{
+	for (size_t i = 0; i < im->extra_count; i++)
+		for (int c = 0; c < 4; c++)
+			if (im->extras[i].color[c] != 1.0f)
+				return true;
+	return false;
+}
+
+static bool wants_tangents(const struct import *im)
+{
+	for (size_t i = 0; i < im->triangle_count && im->material_count > 0; i++)
+		if (im->materials[im->triangles[i].material].normal_texture != NONE)
+			return true;
+	return false;
+}
+
+// False without memory.
+static bool allocate(const struct import *im, struct geometry *g)
+{
+	const size_t count = im->vertex_count + 1;
+	g->vertices = malloc(count * sizeof *g->vertices);
+	g->triangles = malloc((im->triangle_count + 1) * sizeof *g->triangles);
+	g->uv1 = wants_uv1(im) ? malloc(count * sizeof *g->uv1) : NULL;
+	g->colors = wants_colors(im) ? malloc(count * sizeof *g->colors) : NULL;
+	g->tangents = wants_tangents(im) ? malloc(count * sizeof *g->tangents) : NULL;
+	return g->vertices && g->triangles && (g->uv1 || !wants_uv1(im)) && (g->colors || !wants_colors(im)) &&
+	       (g->tangents || !wants_tangents(im));
+}
+
 enum status geometry_build(struct import *im, struct geometry *g, struct error *err)
 {
 	double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -134,19 +206,22 @@ enum status geometry_build(struct import *im, struct geometry *g, struct error *
 	if (im->triangle_count > 0)
 		choose_origin(min, max, g->origin);
 	uint32_t *place = malloc((im->vertex_count + 1) * sizeof *place);
-	g->vertices = malloc((im->vertex_count + 1) * sizeof *g->vertices);
-	g->triangles = malloc((im->triangle_count + 1) * sizeof *g->triangles);
-	if (!place || !g->vertices || !g->triangles) {
+	if (!place || !allocate(im, g)) {
 		status = error_set(err, STATUS_MEMORY, "no memory for %zu vertices", im->vertex_count);
 		goto out;
 	}
 	round_vertices(im, g, place);
 	keep_triangles_with_area(im, g, place);
 	find_bounds(g);
+	if (g->tangents)
+		status = tangents_build(im, g, err);
 out:
 	free(place);
 	free(im->vertices);
 	free(im->triangles);
+	free(im->extras);
+	im->extras = NULL;
+	im->extra_count = im->extra_room = 0;
 	im->vertices = NULL;
 	im->triangles = NULL;
 	im->vertex_count = im->vertex_room = im->triangle_count = im->triangle_room = 0;
@@ -159,5 +234,8 @@ void geometry_finish(struct geometry *g)
 {
 	free(g->vertices);
 	free(g->triangles);
+	free(g->uv1);
+	free(g->colors);
+	free(g->tangents);
 	*g = (struct geometry){0};
 }

@@ -7,6 +7,9 @@
 struct geometry {
 	double origin[3];
 	struct vertex *vertices;
+	struct vertex_uv1 *uv1; // these three: one a vertex, or NULL
+	struct vertex_color *colors;
+	struct vertex_tangent *tangents;
 	struct triangle *triangles;
 	uint32_t vertex_count, triangle_count;
 	float min[3], max[3]; // relative to origin; zero without a triangle
@@ -16,6 +19,9 @@ struct geometry {
 // would lose digits that matter: once the middle of the bounds is more than 16 extents away (four bits of 24 gone), the
 // origin moves to the middle, rounded to a multiple of the power of two below the extent. So a scene moved by a round offset
 // keeps its positions bit for bit, and the origin itself is exact in a float and in every sum with one.
+//
+// The second coordinates are there if some texture is looked up by them, the colours if one is not white, the tangents if a
+// triangle that stays has a normal map (tangents.h).
 //
 // Frees the import's vertices and triangles.
 enum status geometry_build(struct import *import, struct geometry *out, struct error *err);

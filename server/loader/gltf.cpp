@@ -229,12 +229,10 @@ enum status pick_scene(const tinygltf::Model &model, const tinygltf::Scene **sce
 
 void list_ignored(gltf_reader *reader)
 {
-	static const char *const read[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
-					   "KHR_mesh_quantization"};
 	for (const std::string &name : reader->model.extensionsUsed) {
 		bool known = false;
-		for (const char *r : read)
-			known = known || name == r;
+		for (size_t i = 0; gltf_extensions_read[i]; i++)
+			known = known || name == gltf_extensions_read[i];
 		if (!known)
 			import_ignore(reader->import, name.c_str());
 	}

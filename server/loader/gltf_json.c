@@ -107,6 +107,28 @@ static const struct property pbr_properties[] = {{"baseColorFactor", KIND_NUMBER
 						 {"baseColorTexture", KIND_OBJECT, 0},
 						 {"metallicRoughnessTexture", KIND_OBJECT, 0}};
 
+// Of the extensions that are read, what a reader may rely on. Absent ones are no objects, which has no properties.
+struct extension {
+	const char *name;
+	struct property properties[4];
+};
+
+static const struct extension material_extensions[] = {
+    {"KHR_materials_emissive_strength", {{"emissiveStrength", KIND_NUMBER, 0}}},
+    {"KHR_materials_ior", {{"ior", KIND_NUMBER, 0}}},
+    {"KHR_materials_specular",
+     {{"specularFactor", KIND_NUMBER, 0},
+      {"specularColorFactor", KIND_NUMBERS, 3},
+      {"specularTexture", KIND_OBJECT, 0},
+      {"specularColorTexture", KIND_OBJECT, 0}}},
+    {"KHR_materials_unlit", {{NULL, KIND_OBJECT, 0}}},
+};
+
+static const struct extension texture_extensions[] = {
+    {"KHR_texture_transform",
+     {{"offset", KIND_NUMBERS, 2}, {"rotation", KIND_NUMBER, 0}, {"scale", KIND_NUMBERS, 2}, {"texCoord", KIND_INDEX, 0}}},
+};
+
 static const struct property primitive_properties[] = {
     {"attributes", KIND_OBJECT, 0}, {"indices", KIND_INDEX, 0}, {"material", KIND_INDEX, 0}, {"mode", KIND_INDEX, 0}};
 
@@ -167,19 +189,50 @@ static enum status check_object(const json_t *object, const struct property *pro
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
+static enum status check_extensions_of(const json_t *object, const struct extension *known, size_t count, struct error *err)
+{
+	const json_t *extensions = json_object_get(object, "extensions");
+	if (extensions && !json_is_object(extensions))
+		return error_set(err, STATUS_SCENE_INVALID,
+				 "the glTF file is invalid: a material's extensions are no object");
+	for (size_t i = 0; i < count; i++) {
+		const json_t *extension = json_object_get(extensions, known[i].name);
+		if (extension && !json_is_object(extension))
+			return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: %s is no object",
+					 known[i].name);
+		if (check_object(extension, known[i].properties, COUNT(known[i].properties), known[i].name, err) !=
+		    STATUS_OK)
+			return err->code;
+	}
+	return STATUS_OK;
+}
+
+static enum status check_texture(const json_t *object, const char *name, struct error *err)
+{
+	const json_t *texture = json_object_get(object, name);
+	enum status status = check_object(texture, texture_properties, COUNT(texture_properties), name, err);
+	if (status == STATUS_OK)
+		status = check_extensions_of(texture, texture_extensions, COUNT(texture_extensions), err);
+	return status;
+}
+
 static enum status check_material(const json_t *material, struct error *err)
 {
 	static const char *const textures[] = {"normalTexture", "occlusionTexture", "emissiveTexture"};
 	static const char *const pbr_textures[] = {"baseColorTexture", "metallicRoughnessTexture"};
+	static const char *const specular_textures[] = {"specularTexture", "specularColorTexture"};
+	const json_t *specular = json_object_get(json_object_get(material, "extensions"), "KHR_materials_specular");
 	const json_t *pbr = json_object_get(material, "pbrMetallicRoughness");
 	enum status status = check_object(pbr, pbr_properties, COUNT(pbr_properties), "a material", err);
 
 	for (size_t i = 0; i < COUNT(textures) && status == STATUS_OK; i++)
-		status = check_object(json_object_get(material, textures[i]), texture_properties, COUNT(texture_properties),
-				      textures[i], err);
+		status = check_texture(material, textures[i], err);
 	for (size_t i = 0; i < COUNT(pbr_textures) && status == STATUS_OK; i++)
-		status = check_object(json_object_get(pbr, pbr_textures[i]), texture_properties, COUNT(texture_properties),
-				      pbr_textures[i], err);
+		status = check_texture(pbr, pbr_textures[i], err);
+	if (status == STATUS_OK)
+		status = check_extensions_of(material, material_extensions, COUNT(material_extensions), err);
+	for (size_t i = 0; i < COUNT(specular_textures) && status == STATUS_OK; i++)
+		status = check_texture(specular, specular_textures[i], err);
 	return status;
 }
 
@@ -244,10 +297,12 @@ static enum status check_root(const json_t *root, struct error *err)
 	return check_object(root, &scene, 1, "the file", err);
 }
 
+const char *const gltf_extensions_read[] = {
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior",     "KHR_materials_specular",
+    "KHR_materials_unlit", "KHR_mesh_quantization",           "KHR_texture_transform", NULL};
+
 static enum status check_extensions(const json_t *root, struct error *err)
 {
-	static const char *const known[] = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
-					    "KHR_mesh_quantization"};
 	const json_t *required = json_object_get(root, "extensionsRequired");
 	size_t i;
 	json_t *item;
@@ -255,8 +310,8 @@ static enum status check_extensions(const json_t *root, struct error *err)
 	{
 		const char *name = json_string_value(item);
 		bool found = false;
-		for (size_t k = 0; k < COUNT(known) && name; k++)
-			found = found || strcmp(known[k], name) == 0;
+		for (size_t k = 0; gltf_extensions_read[k] && name; k++)
+			found = found || strcmp(gltf_extensions_read[k], name) == 0;
 		if (!found)
 			return error_set(err, STATUS_SCENE_UNSUPPORTED,
 					 "the file requires the extension %.80s, which is not supported; export it without",

@@ -21,6 +21,9 @@ struct gltf_text {
 	uint64_t bin_bytes; // GLB: of the BIN chunk, 0 without one
 };
 
+// The names of the extensions that are read, NULL behind the last.
+extern const char *const gltf_extensions_read[];
+
 // Find the JSON in the file's bytes. STATUS_SCENE_INVALID if the container is broken.
 enum status gltf_find_json(const struct file_bytes *bytes, struct gltf_text *text, struct error *err);
 

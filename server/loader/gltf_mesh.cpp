@@ -1,154 +1,22 @@
-#include "server/loader/gltf_parts.h"
+#include "server/loader/gltf_accessor.h"
 
 #include <cmath>
-#include <cstring>
+#include <string>
 
 namespace
 {
 
-// Bytes of an accessor's elements, all of them inside their buffer.
-struct span {
-	const unsigned char *data;
-	size_t stride;
-};
-
-enum status bad(struct error *err, int accessor, const char *what)
-{
-	return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: accessor %d %s; export it again", accessor,
-			 what);
-}
-
-enum status find_span(const tinygltf::Model &model, int number, int view_number, size_t offset, size_t element, size_t count,
-		      bool strided, span *out, struct error *err)
-{
-	if (view_number < 0 || view_number >= (int)model.bufferViews.size())
-		return bad(err, number, "names a buffer view that is not there");
-	const tinygltf::BufferView &view = model.bufferViews[(size_t)view_number];
-	if (view.buffer < 0 || view.buffer >= (int)model.buffers.size())
-		return bad(err, number, "names a buffer that is not there");
-	const std::vector<unsigned char> &bytes = model.buffers[(size_t)view.buffer].data;
-	if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
-		return bad(err, number, "uses a buffer view that ends behind its buffer");
-	const size_t stride = strided && view.byteStride != 0 ? view.byteStride : element;
-	if (stride < element)
-		return bad(err, number, "has elements longer than their stride");
-	// count ≤ LIMIT_VERTICES · 3 and stride ≤ 252: no overflow.
-	if (count > 0 && (offset > view.byteLength || (count - 1) * stride + element > view.byteLength - offset))
-		return bad(err, number, "ends behind its buffer view");
-	*out = {bytes.data() + view.byteOffset + offset, stride};
-	return STATUS_OK;
-}
-
-double component(const unsigned char *p, int type, bool normalized)
-{
-	switch (type) {
-	case TINYGLTF_COMPONENT_TYPE_BYTE: {
-		const double v = (signed char)*p;
-		return normalized ? std::fmax(v / 127.0, -1.0) : v;
-	}
-	case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-		return normalized ? *p / 255.0 : *p;
-	case TINYGLTF_COMPONENT_TYPE_SHORT: {
-		int16_t v;
-		std::memcpy(&v, p, sizeof v);
-		return normalized ? std::fmax(v / 32767.0, -1.0) : v;
-	}
-	case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
-		uint16_t v;
-		std::memcpy(&v, p, sizeof v);
-		return normalized ? v / 65535.0 : v;
-	}
-	case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: {
-		uint32_t v;
-		std::memcpy(&v, p, sizeof v);
-		return v;
-	}
-	default: {
-		float v;
-		std::memcpy(&v, p, sizeof v);
-		return v;
-	}
-	}
-}
-
-bool component_is_read(int type)
-{
-	return type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-	       type == TINYGLTF_COMPONENT_TYPE_SHORT || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-	       type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || type == TINYGLTF_COMPONENT_TYPE_FLOAT;
-}
-
-// Elements as doubles, `width` of them each. Indices are exact in a double too.
-struct elements {
-	std::vector<double> values;
-	size_t count = 0;
-};
-
-enum status overlay_sparse(const tinygltf::Model &model, const tinygltf::Accessor &a, int number, size_t width,
-			   size_t element, elements *out, struct error *err)
-{
-	const int type = a.sparse.indices.componentType;
-	span indices, values;
-	if (a.sparse.count < 1 || (size_t)a.sparse.count > out->count || a.sparse.indices.byteOffset < 0 ||
-	    a.sparse.values.byteOffset < 0)
-		return bad(err, number, "has a sparse part out of range");
-	if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
-	    type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
-		return bad(err, number, "has sparse indices of a wrong type");
-	const size_t count = (size_t)a.sparse.count;
-	const size_t index_bytes = (size_t)tinygltf::GetComponentSizeInBytes((uint32_t)type);
-	if (find_span(model, number, a.sparse.indices.bufferView, (size_t)a.sparse.indices.byteOffset, index_bytes, count,
-		      false, &indices, err) != STATUS_OK ||
-	    find_span(model, number, a.sparse.values.bufferView, (size_t)a.sparse.values.byteOffset, element, count, false,
-		      &values, err) != STATUS_OK)
-		return err->code;
-	for (size_t i = 0; i < count; i++) {
-		const size_t at = (size_t)component(indices.data + i * indices.stride, type, false);
-		if (at >= out->count)
-			return bad(err, number, "has a sparse index out of range");
-		for (size_t c = 0; c < width; c++)
-			out->values[at * width + c] = component(values.data + i * values.stride + c * (element / width),
-								a.componentType, a.normalized);
-	}
-	return STATUS_OK;
-}
-
-enum status read_accessor(const tinygltf::Model &model, int number, int type, size_t limit, elements *out, struct error *err)
-{
-	if (number < 0 || number >= (int)model.accessors.size())
-		return bad(err, number, "is not there");
-	const tinygltf::Accessor &a = model.accessors[(size_t)number];
-	if (a.type != type || !component_is_read(a.componentType))
-		return bad(err, number, "has a wrong type for its use");
-	if (a.count > limit)
-		return error_set(err, STATUS_SCENE_LIMIT, "accessor %d has %zu elements; it may have %zu", number, a.count,
-				 limit);
-	const size_t width = (size_t)tinygltf::GetNumComponentsInType((uint32_t)type);
-	const size_t bytes = (size_t)tinygltf::GetComponentSizeInBytes((uint32_t)a.componentType);
-	span from = {nullptr, 0};
-	if (a.bufferView >= 0 &&
-	    find_span(model, number, a.bufferView, a.byteOffset, width * bytes, a.count, true, &from, err) != STATUS_OK)
-		return err->code;
-	out->count = a.count;
-	out->values.assign(a.count * width, 0.0); // what a sparse accessor without a buffer view starts from
-	for (size_t i = 0; i < a.count && from.data; i++)
-		for (size_t c = 0; c < width; c++)
-			out->values[i * width + c] =
-			    component(from.data + i * from.stride + c * bytes, a.componentType, a.normalized);
-	return a.sparse.isSparse ? overlay_sparse(model, a, number, width, width * bytes, out, err) : STATUS_OK;
-}
-
 enum status read_attribute(const gltf_reader *reader, const tinygltf::Primitive &primitive, const char *name, int type,
-			   elements *out, struct error *err)
+			   gltf_elements *out, struct error *err)
 {
 	const auto found = primitive.attributes.find(name);
 	out->count = 0;
 	return found == primitive.attributes.end()
 		   ? STATUS_OK
-		   : read_accessor(reader->model, found->second, type, LIMIT_VERTICES, out, err);
+		   : gltf_read_accessor(reader->model, found->second, type, LIMIT_VERTICES, out, err);
 }
 
-void note_bounds(gltf_reader *reader, const elements &positions)
+void note_bounds(gltf_reader *reader, const gltf_elements &positions)
 {
 	double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
 	for (size_t i = 0; i < positions.count * 3; i++)
@@ -192,32 +60,113 @@ void place_normal(float out[3], const double *n, const normal_map &map)
 			       : 0.0f;
 }
 
-enum status add_vertices(gltf_reader *reader, const tinygltf::Primitive &primitive, const transform &world,
-			 const elements &positions, struct error *err)
+// A direction along the surface goes by the transform itself.
+void place_tangent(float out[4], const double *t, const transform &world, const normal_map &map)
 {
-	elements normals, uvs;
-	if (read_attribute(reader, primitive, "NORMAL", TINYGLTF_TYPE_VEC3, &normals, err) != STATUS_OK ||
-	    read_attribute(reader, primitive, "TEXCOORD_0", TINYGLTF_TYPE_VEC2, &uvs, err) != STATUS_OK)
-		return err->code;
-	if ((normals.count && normals.count != positions.count) || (uvs.count && uvs.count != positions.count))
-		return error_set(err, STATUS_SCENE_INVALID,
-				 "the glTF file is invalid: a primitive's attributes differ in number; export it again");
-	const normal_map map = normals_of(world);
-	for (size_t i = 0; i < positions.count; i++) {
-		struct import_vertex v = {};
-		const double *p = &positions.values[i * 3];
-		for (int row = 0; row < 3; row++)
-			v.position[row] =
-			    world.c[0][row] * p[0] + world.c[1][row] * p[1] + world.c[2][row] * p[2] + world.c[3][row];
-		if (normals.count)
-			place_normal(v.normal, &normals.values[i * 3], map);
-		if (uvs.count) {
-			v.uv[0] = (float)uvs.values[i * 2];
-			v.uv[1] = (float)uvs.values[i * 2 + 1];
-		}
-		if (import_add_vertex(reader->import, &v, err) != STATUS_OK)
-			return err->code;
+	double v[3], length = 0;
+	for (int row = 0; row < 3; row++) {
+		v[row] = world.c[0][row] * t[0] + world.c[1][row] * t[1] + world.c[2][row] * t[2];
+		length = std::fmax(length, std::fabs(v[row]));
 	}
+	const bool usable = length > 0 && std::isfinite(length) && (t[3] > 0 || t[3] < 0);
+	for (int row = 0; row < 3; row++)
+		out[row] = usable ? (float)(v[row] / length) : 0.0f;
+	// A mirror keeps normal, tangent and bitangent but not their handedness.
+	out[3] = !usable ? 0.0f : (t[3] > 0) == (map.determinant >= 0) ? 1.0f : -1.0f;
+}
+
+// The attributes of a primitive's vertices but for their positions. Those that nothing asks for stay empty.
+struct attributes {
+	gltf_elements normals, uvs, uvs1, colors, tangents;
+	size_t color_width = 0;
+};
+
+bool uses_second_uvs(const struct import *import)
+{
+	for (size_t i = 0; i < import->texture_count; i++)
+		if (import->textures[i].flags & TEXTURE_UV1)
+			return true;
+	return false;
+}
+
+enum status read_colors(const gltf_reader *reader, const tinygltf::Primitive &primitive, attributes *out, struct error *err)
+{
+	const auto found = primitive.attributes.find("COLOR_0");
+	if (found == primitive.attributes.end())
+		return STATUS_OK;
+	const std::vector<tinygltf::Accessor> &all = reader->model.accessors;
+	const bool three = (size_t)found->second < all.size() && all[(size_t)found->second].type == TINYGLTF_TYPE_VEC3;
+	out->color_width = three ? 3 : 4;
+	return read_attribute(reader, primitive, "COLOR_0", three ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4, &out->colors,
+			      err);
+}
+
+enum status read_attributes(const gltf_reader *reader, const tinygltf::Primitive &primitive, uint32_t material, size_t count,
+			    attributes *out, struct error *err)
+{
+	const struct import *import = reader->import;
+	if (read_attribute(reader, primitive, "NORMAL", TINYGLTF_TYPE_VEC3, &out->normals, err) != STATUS_OK ||
+	    read_attribute(reader, primitive, "TEXCOORD_0", TINYGLTF_TYPE_VEC2, &out->uvs, err) != STATUS_OK ||
+	    read_colors(reader, primitive, out, err) != STATUS_OK)
+		return err->code;
+	if (uses_second_uvs(import) &&
+	    read_attribute(reader, primitive, "TEXCOORD_1", TINYGLTF_TYPE_VEC2, &out->uvs1, err) != STATUS_OK)
+		return err->code;
+	if (import->materials[material].normal_texture != NONE &&
+	    read_attribute(reader, primitive, "TANGENT", TINYGLTF_TYPE_VEC4, &out->tangents, err) != STATUS_OK)
+		return err->code;
+	for (const gltf_elements *e : {&out->normals, &out->uvs, &out->uvs1, &out->colors, &out->tangents})
+		if (e->count && e->count != count)
+			return error_set(err, STATUS_SCENE_INVALID,
+					 "the glTF file is invalid: a primitive's attributes differ in number; export it "
+					 "again");
+	return STATUS_OK;
+}
+
+// False if a colour had to be clamped.
+bool fill_extra(const attributes &from, size_t i, const transform &world, const normal_map &map, struct import_extra *out)
+{
+	bool fit = true;
+	*out = {{0, 0}, {1, 1, 1, 1}, {0, 0, 0, 0}};
+	for (size_t c = 0; c < 2 && from.uvs1.count; c++)
+		out->uv1[c] = (float)from.uvs1.values[i * 2 + c];
+	for (size_t c = 0; c < from.color_width && from.colors.count; c++)
+		fit &= import_fit(&out->color[c], from.colors.values[i * from.color_width + c], (double)BLOB_COLOR_MAX);
+	if (from.tangents.count)
+		place_tangent(out->tangent, &from.tangents.values[i * 4], world, map);
+	return fit;
+}
+
+enum status add_vertex(struct import *import, const attributes &from, size_t i, const double *p, const transform &world,
+		       const normal_map &map, struct error *err)
+{
+	struct import_vertex v = {};
+	struct import_extra extra;
+	for (int row = 0; row < 3; row++)
+		v.position[row] = world.c[0][row] * p[0] + world.c[1][row] * p[1] + world.c[2][row] * p[2] + world.c[3][row];
+	if (from.normals.count)
+		place_normal(v.normal, &from.normals.values[i * 3], map);
+	for (size_t c = 0; c < 2 && from.uvs.count; c++)
+		v.uv[c] = (float)from.uvs.values[i * 2 + c];
+	if (import_add_vertex(import, &v, err) != STATUS_OK)
+		return err->code;
+	if (!from.uvs1.count && !from.colors.count && !from.tangents.count)
+		return STATUS_OK;
+	if (!fill_extra(from, i, world, map, &extra))
+		import_warn(import, "a vertex colour was out of range and has been clamped");
+	return import_set_extra(import, &extra, err);
+}
+
+enum status add_vertices(gltf_reader *reader, const tinygltf::Primitive &primitive, uint32_t material,
+			 const transform &world, const gltf_elements &positions, struct error *err)
+{
+	attributes from;
+	if (read_attributes(reader, primitive, material, positions.count, &from, err) != STATUS_OK)
+		return err->code;
+	const normal_map map = normals_of(world);
+	for (size_t i = 0; i < positions.count; i++)
+		if (add_vertex(reader->import, from, i, &positions.values[i * 3], world, map, err) != STATUS_OK)
+			return err->code;
 	return STATUS_OK;
 }
 
@@ -242,9 +191,9 @@ void corners(int mode, size_t i, size_t out[3])
 enum status add_triangles(gltf_reader *reader, const tinygltf::Primitive &primitive, size_t first, size_t vertex_count,
 			  uint32_t material, bool flip, struct error *err)
 {
-	elements indices;
-	if (primitive.indices >= 0 && read_accessor(reader->model, primitive.indices, TINYGLTF_TYPE_SCALAR,
-						    (size_t)LIMIT_TRIANGLES * 3, &indices, err) != STATUS_OK)
+	gltf_elements indices;
+	if (primitive.indices >= 0 && gltf_read_accessor(reader->model, primitive.indices, TINYGLTF_TYPE_SCALAR,
+							 (size_t)LIMIT_TRIANGLES * 3, &indices, err) != STATUS_OK)
 		return err->code;
 	const bool indexed = primitive.indices >= 0;
 	const size_t count = indexed ? indices.count : vertex_count;
@@ -269,10 +218,6 @@ enum status add_triangles(gltf_reader *reader, const tinygltf::Primitive &primit
 
 void list_ignored(struct import *import, const tinygltf::Primitive &primitive)
 {
-	for (const auto &attribute : primitive.attributes) {
-		if (attribute.first == "COLOR_0" || attribute.first == "TEXCOORD_1")
-			import_ignore(import, attribute.first.c_str());
-	}
 	if (!primitive.targets.empty())
 		import_ignore(import, "morph targets");
 }
@@ -293,7 +238,7 @@ enum status add_primitive(gltf_reader *reader, const tinygltf::Primitive &primit
 			  struct error *err)
 {
 	struct import *import = reader->import;
-	elements positions;
+	gltf_elements positions;
 	uint32_t material;
 	if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
 		return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: a primitive has mode %d",
@@ -313,7 +258,7 @@ enum status add_primitive(gltf_reader *reader, const tinygltf::Primitive &primit
 	note_bounds(reader, positions);
 	const size_t first = import->vertex_count;
 	const bool flip = normals_of(world).determinant < 0;
-	if (add_vertices(reader, primitive, world, positions, err) != STATUS_OK)
+	if (add_vertices(reader, primitive, material, world, positions, err) != STATUS_OK)
 		return err->code;
 	return add_triangles(reader, primitive, first, positions.count, material, flip, err);
 }

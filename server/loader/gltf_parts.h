@@ -29,6 +29,21 @@ enum status gltf_add_mesh(gltf_reader *reader, const tinygltf::Mesh &mesh, const
 // All of the file's materials, in its order, with the images that they use. gltf_material.cpp
 enum status gltf_add_materials(gltf_reader *reader, struct error *err);
 
+// What one place of a material says about its texture: index, set of coordinates, transform.
+struct gltf_slot {
+	int index; // -1: none
+	int set; // of texture coordinates
+	const tinygltf::ExtensionMap *extensions; // may be null
+};
+
+// The texture of a slot, or NONE. `flags` is TEXTURE_SRGB or 0. gltf_texture.cpp
+enum status gltf_find_texture(gltf_reader *reader, const gltf_slot &slot, uint32_t flags, uint32_t *texture,
+			      struct error *err);
+
+// A number, or a list of them, of a JSON object; `standard` where it is not there. gltf_texture.cpp
+double gltf_number(const tinygltf::Value &object, const char *key, double standard);
+double gltf_number_in(const tinygltf::Value &object, const char *key, int index, double standard);
+
 // The material of primitives that name none. gltf_material.cpp
 enum status gltf_default_material(gltf_reader *reader, uint32_t *material, struct error *err);
 

@@ -19,6 +19,7 @@ void import_finish(struct import *im)
 	for (size_t i = 0; i < im->image_count; i++)
 		free(im->images[i].key);
 	free(im->vertices);
+	free(im->extras);
 	free(im->triangles);
 	free(im->materials);
 	free(im->names);
@@ -64,6 +65,21 @@ enum status import_add_vertex(struct import *im, const struct import_vertex *ver
 	return STATUS_OK;
 }
 
+enum status import_set_extra(struct import *im, const struct import_extra *extra, struct error *err)
+{
+	const struct import_extra none = {.color = {1, 1, 1, 1}};
+	void *items = grown(im->extras, im->extra_count, im->vertex_count - im->extra_count, &im->extra_room, sizeof *extra,
+			    LIMIT_VERTICES, "vertices", err);
+	if (!items)
+		return err->code;
+	im->extras = items;
+	while (im->extra_count + 1 < im->vertex_count)
+		im->extras[im->extra_count++] = none;
+	im->extras[im->vertex_count - 1] = *extra;
+	im->extra_count = im->vertex_count;
+	return STATUS_OK;
+}
+
 enum status import_add_triangle(struct import *im, const struct triangle *triangle, struct error *err)
 {
 	void *items = grown(im->triangles, im->triangle_count, 1, &im->triangle_room, sizeof *triangle, LIMIT_TRIANGLES,
@@ -91,6 +107,18 @@ enum status import_add_material(struct import *im, const struct material *materi
 	import_clean_text(im->names[im->material_count].text, sizeof im->names->text, name);
 	im->materials[im->material_count++] = *material;
 	return STATUS_OK;
+}
+
+struct material import_plain_material(float albedo)
+{
+	return (struct material){.albedo = {albedo, albedo, albedo},
+				 .albedo_texture = NONE,
+				 .emission_texture = NONE,
+				 .specular_texture = NONE,
+				 .roughness = 1.0f,
+				 .surface_texture = NONE,
+				 .normal_texture = NONE,
+				 .normal_scale = 1.0f};
 }
 
 enum status import_add_light(struct import *im, const struct import_light *light, struct error *err)
@@ -150,24 +178,30 @@ enum status import_missing_image(struct import *im, const char *key, const char 
 	return image_add(im, key, &none, err);
 }
 
+static enum status make_texel_room(struct import *im, size_t count, struct error *err)
+{
+	void *items =
+	    grown(im->texels, im->texel_count, count, &im->texel_room, sizeof *im->texels, LIMIT_TEXELS, "texels", err);
+	if (!items)
+		return err->code;
+	im->texels = items;
+	return STATUS_OK;
+}
+
 static enum status image_decode(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 				struct error *err)
 {
 	struct import_image image = {.offset = (uint32_t)im->texel_count};
 	struct error why;
 	struct image_reader *reader = NULL;
-	size_t count = 0;
 
 	if (image_open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why) != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
-	count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
-	void *items =
-	    grown(im->texels, im->texel_count, count, &im->texel_room, sizeof *im->texels, LIMIT_TEXELS, "texels", err);
-	if (!items) {
+	const size_t count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
+	if (make_texel_room(im, count, err) != STATUS_OK) {
 		image_close(reader);
 		return err->code;
 	}
-	im->texels = items;
 	enum status status = image_pixels(reader, im->texels + im->texel_count, &why);
 	image_close(reader);
 	if (status != STATUS_OK)
@@ -176,19 +210,18 @@ static enum status image_decode(struct import *im, const char *key, const uint8_
 	return image_add(im, key, &image, err);
 }
 
-enum status import_texture(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
-			   uint32_t flags, uint32_t *texture, struct error *err)
+struct import_sampling import_plain_sampling(uint32_t flags)
 {
-	*texture = NONE;
-	if (!image_find(im, key)) {
-		enum status status = image_decode(im, key, bytes, size, any_format, err);
-		if (status != STATUS_OK)
-			return status;
-	}
-	const struct import_image *image = image_find(im, key);
-	if (image->width == 0)
-		return STATUS_OK;
-	const struct texture_info info = {image->offset, image->width, image->height, flags};
+	return (struct import_sampling){flags, {1, 0, 0}, {0, 1, 0}};
+}
+
+// The texture of an image and a sampling, new or one that is there already.
+static enum status texture_over(struct import *im, const struct import_image *image, const struct import_sampling *sampling,
+				uint32_t *texture, struct error *err)
+{
+	struct texture_info info = {image->offset, image->width, image->height, sampling->flags, {0}, {0}};
+	memcpy(info.row_u, sampling->row_u, sizeof info.row_u);
+	memcpy(info.row_v, sampling->row_v, sizeof info.row_v);
 	for (size_t i = 0; i < im->texture_count; i++) {
 		if (memcmp(&im->textures[i], &info, sizeof info) == 0) {
 			*texture = (uint32_t)i;
@@ -203,6 +236,36 @@ enum status import_texture(struct import *im, const char *key, const uint8_t *by
 	im->textures[im->texture_count] = info;
 	*texture = (uint32_t)im->texture_count++;
 	return STATUS_OK;
+}
+
+enum status import_texture(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
+			   const struct import_sampling *sampling, uint32_t *texture, struct error *err)
+{
+	*texture = NONE;
+	if (!image_find(im, key)) {
+		enum status status = image_decode(im, key, bytes, size, any_format, err);
+		if (status != STATUS_OK)
+			return status;
+	}
+	const struct import_image *image = image_find(im, key);
+	return image->width == 0 ? STATUS_OK : texture_over(im, image, sampling, texture, err);
+}
+
+enum status import_texture_of(struct import *im, const char *key, const uint32_t *texels, uint32_t width, uint32_t height,
+			      const struct import_sampling *sampling, uint32_t *texture, struct error *err)
+{
+	const size_t count = (size_t)width * height;
+	*texture = NONE;
+	if (!image_find(im, key)) {
+		const struct import_image image = {.offset = (uint32_t)im->texel_count, .width = width, .height = height};
+		if (make_texel_room(im, count, err) != STATUS_OK)
+			return err->code;
+		memcpy(im->texels + im->texel_count, texels, count * sizeof *texels);
+		im->texel_count += count;
+		if (image_add(im, key, &image, err) != STATUS_OK)
+			return err->code;
+	}
+	return texture_over(im, image_find(im, key), sampling, texture, err);
 }
 
 void import_warn(struct import *im, const char *format, ...)

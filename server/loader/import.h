@@ -20,6 +20,13 @@ struct import_vertex {
 	float uv[2];
 };
 
+// What only some vertices have.
+struct import_extra {
+	float uv1[2]; // finite or not
+	float color[4]; // 0 … BLOB_COLOR_MAX
+	float tangent[4]; // world space, any length; the sign is -1 or 1, or 0 where there is no tangent
+};
+
 struct import_light {
 	struct punctual_light light; // all but position and table
 	double position[3];
@@ -40,6 +47,7 @@ struct import {
 	bool z_up; // OBJ only
 
 	struct import_vertex *vertices;
+	struct import_extra *extras; // of the first `extra_count` vertices; those behind have none
 	struct triangle *triangles;
 	struct material *materials; // power_density is the builder's
 	struct blob_name *names; // one a material
@@ -49,6 +57,7 @@ struct import {
 	struct blob_camera *cameras;
 	struct import_image *images;
 	size_t vertex_count, vertex_room;
+	size_t extra_count, extra_room;
 	size_t triangle_count, triangle_room;
 	size_t material_count, material_room, name_room;
 	size_t texture_count, texture_room;
@@ -66,16 +75,35 @@ void import_finish(struct import *import);
 
 // Each adds one element; STATUS_SCENE_LIMIT past the limit of its kind, STATUS_MEMORY. *index may be NULL.
 enum status import_add_vertex(struct import *import, const struct import_vertex *vertex, struct error *err);
+// The extra of the vertex added last. Vertices before it that were given none get a white colour and nothing else.
+enum status import_set_extra(struct import *import, const struct import_extra *extra, struct error *err);
+
 enum status import_add_triangle(struct import *import, const struct triangle *triangle, struct error *err);
 enum status import_add_material(struct import *import, const struct material *material, const char *name, struct error *err);
+// A Lambert surface of that albedo, without textures, emission or flags.
+struct material import_plain_material(float albedo);
+
 enum status import_add_light(struct import *import, const struct import_light *light, struct error *err);
 enum status import_add_camera(struct import *import, const struct blob_camera *camera, struct error *err);
+
+// How a texture is looked up: the wrap, filter and space flags of texture_info, and its transform.
+struct import_sampling {
+	uint32_t flags;
+	float row_u[3], row_v[3];
+};
+
+// No transform.
+struct import_sampling import_plain_sampling(uint32_t flags);
 
 // A texture over an image already decoded under `key`, or over encoded bytes decoded now (png, jpeg, and with `any_format`
 // tga, bmp, tiff too). *texture becomes its index, or NONE with a warning and a count where the image cannot be read;
 // only a limit or memory fails. bytes NULL: the file is missing, `why` says so.
 enum status import_texture(struct import *import, const char *key, const uint8_t *bytes, size_t size, bool any_format,
-			   uint32_t flags, uint32_t *texture, struct error *err);
+			   const struct import_sampling *sampling, uint32_t *texture, struct error *err);
+// A texture over texels of the caller's, as an image of that key; width and height 1 … LIMIT_TEXTURE_SIDE.
+enum status import_texture_of(struct import *import, const char *key, const uint32_t *texels, uint32_t width,
+			      uint32_t height, const struct import_sampling *sampling, uint32_t *texture, struct error *err);
+
 bool import_knows_image(const struct import *import, const char *key);
 enum status import_missing_image(struct import *import, const char *key, const char *why, struct error *err);
 

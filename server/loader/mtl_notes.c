@@ -6,8 +6,7 @@
 
 // Statements whose mere presence means something that is left out.
 static const char *const left_out[] = {
-    "map_Ks", "map_Ns", "map_d", "map_bump", "bump", "disp",   "decal",  "refl", "norm",  "map_Ka",
-    "Tf",     "Pr",     "Pm",    "Ps",       "Pc",   "map_Pr", "map_Pm", "Ps",   "aniso",
+    "map_Ns", "map_d", "disp", "decal", "refl", "map_Ka", "Tf", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso",
 };
 
 // One line: its keyword and the first three numbers behind it.
@@ -76,7 +75,7 @@ static enum status note_add(struct mtl_notes *notes, const struct line *line, st
 	char *name = strndup(line->rest, line->rest_bytes);
 	if (!name)
 		return error_set(err, STATUS_MEMORY, "no memory for a material's name");
-	notes->notes[notes->count++] = (struct mtl_note){.name = name};
+	notes->notes[notes->count++] = (struct mtl_note){.name = name, .illum = -1, .bump = 1};
 	return STATUS_OK;
 }
 
@@ -88,9 +87,15 @@ static bool any_number(const struct line *line, double other_than)
 	return false;
 }
 
+static bool is_bump(const char *keyword)
+{
+	return strcasecmp(keyword, "map_bump") == 0 || strcasecmp(keyword, "bump") == 0 || strcasecmp(keyword, "norm") == 0;
+}
+
 static bool is_map(const char *keyword)
 {
-	return strcasecmp(keyword, "map_Kd") == 0 || strcasecmp(keyword, "map_Ke") == 0;
+	return strcasecmp(keyword, "map_Kd") == 0 || strcasecmp(keyword, "map_Ke") == 0 ||
+	       strcasecmp(keyword, "map_Ks") == 0 || is_bump(keyword);
 }
 
 // -o, -s and -t move, scale and turn a map.
@@ -106,23 +111,50 @@ static bool has_map_option(const struct line *line)
 static void note_ignored(struct import *import, const struct line *line)
 {
 	const char *k = line->keyword;
-	if (strcasecmp(k, "Ks") == 0 && any_number(line, 0))
-		import_ignore(import, "Ks");
-	else if (strcasecmp(k, "Ns") == 0 && any_number(line, 0))
-		import_ignore(import, "Ns");
-	else if (strcasecmp(k, "Ni") == 0 && any_number(line, 1))
+	if (strcasecmp(k, "Ni") == 0 && any_number(line, 1))
 		import_ignore(import, "Ni");
 	else if (strcmp(k, "d") == 0 && any_number(line, 1))
 		import_ignore(import, "d");
 	else if (strcasecmp(k, "Tr") == 0 && any_number(line, 0))
 		import_ignore(import, "Tr");
-	else if (strcasecmp(k, "illum") == 0 && line->number_count > 0 && line->numbers[0] > 1)
-		import_ignore(import, "illum > 1");
 	else if (is_map(k) && has_map_option(line))
 		import_ignore(import, "map options -o -s -t");
 	for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++)
 		if (strcasecmp(k, left_out[i]) == 0)
 			import_ignore(import, left_out[i]);
+}
+
+// The number behind -bm.
+static double bump_multiplier(const struct line *line)
+{
+	for (size_t i = 0; i + 4 < line->rest_bytes; i++)
+		if ((i == 0 || is_blank(line->rest[i - 1])) && strncmp(line->rest + i, "-bm", 3) == 0 &&
+		    is_blank(line->rest[i + 3])) {
+			const struct line number = {.rest = line->rest + i + 4, .rest_bytes = line->rest_bytes - i - 4};
+			struct line read = number;
+			read_numbers(&read);
+			if (read.number_count > 0)
+				return read.numbers[0];
+		}
+	return 1.0;
+}
+
+static void note_property(struct mtl_note *note, const struct line *line)
+{
+	const char *k = line->keyword;
+	if (strcasecmp(k, "Kd") == 0) {
+		note->has_diffuse = true;
+	} else if (strcasecmp(k, "Ks") == 0) {
+		// A single number stands for all three.
+		for (int i = 0; i < 3; i++)
+			note->specular[i] = line->number_count == 0 ? 0 : line->numbers[line->number_count == 3 ? i : 0];
+	} else if (strcasecmp(k, "Ns") == 0 && line->number_count > 0) {
+		note->exponent = line->numbers[0];
+	} else if (strcasecmp(k, "illum") == 0 && line->number_count > 0) {
+		note->illum = line->numbers[0] >= 0 && line->numbers[0] <= 10 ? (int)line->numbers[0] : -1;
+	} else if (is_bump(k)) {
+		note->bump = bump_multiplier(line);
+	}
 }
 
 enum status mtl_notes_scan(struct mtl_notes *notes, struct import *import, const struct file_bytes *bytes, struct error *err)
@@ -136,8 +168,8 @@ enum status mtl_notes_scan(struct mtl_notes *notes, struct import *import, const
 		if (strcasecmp(line.keyword, "newmtl") == 0) {
 			if (note_add(notes, &line, err) != STATUS_OK)
 				return err->code;
-		} else if (strcasecmp(line.keyword, "Kd") == 0 && notes->count > 0) {
-			notes->notes[notes->count - 1].has_diffuse = true;
+		} else if (notes->count > 0) {
+			note_property(&notes->notes[notes->count - 1], &line);
 		}
 		note_ignored(import, &line);
 		at = stop + 1;

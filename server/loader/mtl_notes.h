@@ -1,5 +1,5 @@
-// What an MTL file says that assimp's materials no longer tell: which materials it defines, whether each gives a Kd, and
-// which statements the renderer leaves out.
+// What an MTL file says that assimp's materials no longer tell: which materials it defines, what each says about its
+// specular lobe and its bumps, and which statements the renderer leaves out.
 #ifndef CANDIL_LOADER_MTL_NOTES_H
 #define CANDIL_LOADER_MTL_NOTES_H
 
@@ -11,6 +11,10 @@
 struct mtl_note {
 	char *name;
 	bool has_diffuse; // Kd
+	int illum; // the illumination model; -1: none given
+	double specular[3]; // Ks
+	double exponent; // Ns
+	double bump; // -bm of its bump or normal map; 1 if none given
 };
 
 struct mtl_notes {

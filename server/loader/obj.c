@@ -5,9 +5,11 @@
 #include <assimp/scene.h>
 #include <ctype.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/loader/mtl_surface.h"
 #include "server/loader/obj_files.h"
 
 // assimp forgets some of its memory where it gives a file up. This process ends soon after; the leak checker need not know.
@@ -66,43 +68,94 @@ static bool colour_of(const struct aiMaterial *m, const char *key, float out[3],
 	return fit;
 }
 
-static enum status map_of(struct import *im, const struct aiMaterial *m, enum aiTextureType type, uint32_t *texture,
-			  struct error *err)
+// A material's map of one kind: *key is its file's name, empty without one. SRGB or not in `flags`.
+static enum status map_of(struct import *im, const struct aiMaterial *m, enum aiTextureType type, uint32_t flags,
+			  struct aiString *key, uint32_t *texture, struct error *err)
 {
-	struct aiString path;
 	enum aiTextureMapMode mode[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
 	struct file_bytes file = {0};
 	struct error why;
 
 	*texture = NONE;
-	if (aiGetMaterialTexture(m, type, 0, &path, NULL, NULL, NULL, NULL, mode, NULL) != aiReturn_SUCCESS ||
-	    path.length == 0)
+	*key = (struct aiString){0};
+	if (aiGetMaterialTexture(m, type, 0, key, NULL, NULL, NULL, NULL, mode, NULL) != aiReturn_SUCCESS ||
+	    key->length == 0)
 		return STATUS_OK;
-	for (char *c = path.data; *c; c++)
+	for (char *c = key->data; *c; c++)
 		if (*c == '\\')
 			*c = '/';
-	if (!import_knows_image(im, path.data) && files_read(im->files, path.data, &file, &why) != STATUS_OK &&
-	    import_missing_image(im, path.data, why.text, err) != STATUS_OK)
+	if (!import_knows_image(im, key->data) && files_read(im->files, key->data, &file, &why) != STATUS_OK &&
+	    import_missing_image(im, key->data, why.text, err) != STATUS_OK)
 		return err->code;
 	const uint32_t wrap = mode[0] == aiTextureMapMode_Clamp ? WRAP_CLAMP : WRAP_REPEAT;
-	const uint32_t flags = TEXTURE_SRGB | wrap << TEXTURE_WRAP_S_SHIFT | wrap << TEXTURE_WRAP_T_SHIFT;
-	enum status status = import_texture(im, path.data, file.data, file.size, true, flags, texture, err);
+	const struct import_sampling sampling =
+	    import_plain_sampling(flags | wrap << TEXTURE_WRAP_S_SHIFT | wrap << TEXTURE_WRAP_T_SHIFT);
+	enum status status = import_texture(im, key->data, file.data, file.size, true, &sampling, texture, err);
 	file_bytes_finish(&file);
 	return status;
+}
+
+// A bump map as a normal map: itself where it is one already, else one made from its heights.
+static enum status normals_of_bumps(struct import *im, const char *name, uint32_t *texture, struct error *err)
+{
+	const struct texture_info bumps = im->textures[*texture];
+	const struct import_sampling sampling = import_plain_sampling(bumps.flags);
+	char key[sizeof(struct aiString) + 16];
+	uint32_t *normals = NULL;
+
+	if (mtl_is_normal_map(im->texels + bumps.offset, bumps.width, bumps.height))
+		return STATUS_OK;
+	snprintf(key, sizeof key, "normals of %s", name);
+	if (!import_knows_image(im, key) &&
+	    mtl_normals_of_heights(im->texels + bumps.offset, bumps.width, bumps.height, &normals, err) != STATUS_OK)
+		return err->code;
+	enum status status = import_texture_of(im, key, normals, bumps.width, bumps.height, &sampling, texture, err);
+	free(normals);
+	return status;
+}
+
+static enum status find_normals(struct import *im, const struct aiMaterial *m, const struct mtl_note *note,
+				struct material *out, struct error *err)
+{
+	struct aiString key;
+	if (note && isfinite((float)note->bump))
+		out->normal_scale = (float)note->bump;
+	if (map_of(im, m, aiTextureType_NORMALS, 0, &key, &out->normal_texture, err) != STATUS_OK)
+		return err->code;
+	if (out->normal_texture != NONE)
+		return STATUS_OK;
+	if (map_of(im, m, aiTextureType_HEIGHT, 0, &key, &out->normal_texture, err) != STATUS_OK)
+		return err->code;
+	return out->normal_texture == NONE ? STATUS_OK : normals_of_bumps(im, key.data, &out->normal_texture, err);
+}
+
+static enum status find_maps(struct import *im, const struct aiMaterial *m, const struct mtl_note *note,
+			     struct material *out, struct error *err)
+{
+	struct aiString key;
+	if (map_of(im, m, aiTextureType_DIFFUSE, TEXTURE_SRGB, &key, &out->albedo_texture, err) != STATUS_OK ||
+	    map_of(im, m, aiTextureType_EMISSIVE, TEXTURE_SRGB, &key, &out->emission_texture, err) != STATUS_OK)
+		return err->code;
+	// A lobe of no weight shows no texture.
+	if (out->specular_weight > 0 &&
+	    map_of(im, m, aiTextureType_SPECULAR, TEXTURE_SRGB, &key, &out->specular_texture, err) != STATUS_OK)
+		return err->code;
+	return find_normals(im, m, note, out, err);
 }
 
 static enum status add_material(struct obj_files *files, const struct aiMaterial *m, struct error *err)
 {
 	struct import *im = files->import;
-	struct material out = {.albedo_texture = NONE, .emission_texture = NONE};
+	struct material out = import_plain_material(1.0f);
 	struct aiString name = {0};
 	aiGetMaterialString(m, AI_MATKEY_NAME, &name);
 	const struct mtl_note *note = mtl_notes_find(&files->notes, name.data);
 
 	bool fit = colour_of(m, "$clr.diffuse", out.albedo, 1.0);
 	fit &= colour_of(m, "$clr.emissive", out.emission, LIMIT_RADIANCE);
-	if (map_of(im, m, aiTextureType_DIFFUSE, &out.albedo_texture, err) != STATUS_OK ||
-	    map_of(im, m, aiTextureType_EMISSIVE, &out.emission_texture, err) != STATUS_OK)
+	if (note)
+		fit &= mtl_set_surface(im, note, &out);
+	if (find_maps(im, m, note, &out, err) != STATUS_OK)
 		return err->code;
 	if (!note || !note->has_diffuse)
 		for (int c = 0; c < 3; c++)

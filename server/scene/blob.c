@@ -14,6 +14,9 @@ size_t blob_stride(enum blob_section section)
 	    [BLOB_LIGHTS] = sizeof(struct punctual_light),
 	    [BLOB_CAMERAS] = sizeof(struct blob_camera),
 	    [BLOB_MATERIAL_NAMES] = sizeof(struct blob_name),
+	    [BLOB_UV1] = sizeof(struct vertex_uv1),
+	    [BLOB_COLORS] = sizeof(struct vertex_color),
+	    [BLOB_TANGENTS] = sizeof(struct vertex_tangent),
 	};
 	return strides[section];
 }

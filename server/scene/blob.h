@@ -16,8 +16,9 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 1u
+#define BLOB_FORMAT 2u
 #define BLOB_ALIGN 256u
+#define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
 
 enum blob_section {
@@ -32,6 +33,9 @@ enum blob_section {
 	BLOB_LIGHTS,           // struct punctual_light
 	BLOB_CAMERAS,          // struct blob_camera
 	BLOB_MATERIAL_NAMES,   // struct blob_name, one a material
+	BLOB_UV1,              // struct vertex_uv1: none, or one a vertex; there if a texture has TEXTURE_UV1
+	BLOB_COLORS,           // struct vertex_color, likewise; there with FACT_VERTEX_COLORS
+	BLOB_TANGENTS,         // struct vertex_tangent, likewise; there with FACT_NORMAL_MAPS
 	BLOB_SECTIONS
 };
 
@@ -47,7 +51,12 @@ enum fact {
 	FACT_POINT_LIGHTS = 1u << 2,
 	FACT_SPOT_LIGHTS = 1u << 3,
 	FACT_DIRECTIONAL_LIGHTS = 1u << 4,
-	FACT_REFLECTS = 1u << 5,        // some surface has an albedo above zero
+	FACT_REFLECTS = 1u << 5,        // some lit surface has an albedo above zero or a specular lobe
+	FACT_GLOSSY = 1u << 6,          // some surface has a specular lobe: metallic, specular or specular_weight above zero
+	FACT_NORMAL_MAPS = 1u << 7,     // some material that is used has one
+	FACT_ALPHA_MASK = 1u << 8,
+	FACT_VERTEX_COLORS = 1u << 9,   // some vertex has a colour other than white
+	FACT_UNLIT = 1u << 10,
 };
 
 struct blob_header {
@@ -86,8 +95,9 @@ size_t blob_stride(enum blob_section section);
 
 // Check a mapped blob of `bytes` from end to end: magic, section bounds, every index inside, the BVH a tree of at most
 // LIMIT_BVH_DEPTH levels whose leaves have at most BLOB_LEAF_MAX triangles and name each once, texture ranges inside the
-// texels, all floats finite. A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID otherwise, with the first
-// thing that is wrong.
+// texels, all floats finite, the facts those of its sections, and the per-vertex sections there that textures and facts ask
+// for. A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID otherwise, with the first thing that is
+// wrong.
 enum status blob_check(const void *blob, size_t bytes, struct error *err);
 
 // Elements of a section of a checked blob. Nodes are numbered depth first (a node, its first child's tree, its second

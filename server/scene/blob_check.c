@@ -6,6 +6,7 @@
 
 #include "server/base/checked.h"
 #include "server/scene/blob.h"
+#include "server/scene/facts.h"
 
 static enum status bad(struct error *err, const char *what)
 {
@@ -37,7 +38,8 @@ static const uint64_t section_limit[BLOB_SECTIONS] = {
     [BLOB_NODES] = LIMIT_TRIANGLES,   [BLOB_LEAF_TRIANGLES] = LIMIT_TRIANGLES, [BLOB_TRIANGLES] = LIMIT_TRIANGLES,
     [BLOB_VERTICES] = LIMIT_VERTICES, [BLOB_MATERIALS] = LIMIT_MATERIALS,      [BLOB_TEXTURES] = LIMIT_TEXTURES,
     [BLOB_TEXELS] = LIMIT_TEXELS,     [BLOB_EMITTERS] = LIMIT_TRIANGLES,       [BLOB_LIGHTS] = LIMIT_PUNCTUAL_LIGHTS,
-    [BLOB_CAMERAS] = LIMIT_CAMERAS,   [BLOB_MATERIAL_NAMES] = LIMIT_MATERIALS,
+    [BLOB_CAMERAS] = LIMIT_CAMERAS,   [BLOB_MATERIAL_NAMES] = LIMIT_MATERIALS, [BLOB_UV1] = LIMIT_VERTICES,
+    [BLOB_COLORS] = LIMIT_VERTICES,   [BLOB_TANGENTS] = LIMIT_VERTICES,
 };
 
 static enum status check_sections(const struct blob_header *h, size_t bytes, struct error *err)
@@ -59,6 +61,9 @@ static enum status check_sections(const struct blob_header *h, size_t bytes, str
 		return bad(err, "leaf triangles and triangles differ in number");
 	if (h->sections[BLOB_MATERIAL_NAMES].count != h->sections[BLOB_MATERIALS].count)
 		return bad(err, "materials and their names differ in number");
+	for (unsigned s = BLOB_UV1; s <= BLOB_TANGENTS; s++)
+		if (h->sections[s].count != 0 && h->sections[s].count != h->sections[BLOB_VERTICES].count)
+			return bad(err, "vertices and what goes with them differ in number");
 	return STATUS_OK;
 }
 
@@ -91,6 +96,27 @@ static enum status check_geometry(const struct blob_header *h, struct error *err
 			return bad(err, "a triangle names a vertex that is not there");
 		if (t->material >= material_count)
 			return bad(err, "a triangle names a material that is not there");
+	}
+	return STATUS_OK;
+}
+
+static enum status check_vertex_parts(const struct blob_header *h, struct error *err)
+{
+	const struct vertex_uv1 *uvs = blob_section(h, BLOB_UV1);
+	const struct vertex_color *colors = blob_section(h, BLOB_COLORS);
+	const struct vertex_tangent *tangents = blob_section(h, BLOB_TANGENTS);
+
+	for (uint32_t i = 0; i < blob_count(h, BLOB_UV1); i++)
+		if (!finite_all(uvs[i].uv, 2))
+			return bad(err, "a second texture coordinate is not finite");
+	for (uint32_t i = 0; i < blob_count(h, BLOB_COLORS); i++)
+		for (int c = 0; c < 4; c++)
+			if (!(colors[i].rgba[c] >= 0 && colors[i].rgba[c] <= BLOB_COLOR_MAX))
+				return bad(err, "a vertex colour is out of range");
+	for (uint32_t i = 0; i < blob_count(h, BLOB_TANGENTS); i++) {
+		const float sign = tangents[i].xyzw[3];
+		if (!finite_all(tangents[i].xyzw, 3) || (sign != -1.0f && sign != 0.0f && sign != 1.0f))
+			return bad(err, "a tangent is not finite or its sign is none");
 	}
 	return STATUS_OK;
 }
@@ -210,20 +236,32 @@ static bool texture_is_known(uint32_t texture, uint32_t count)
 	return texture == NONE || texture < count;
 }
 
+static bool textures_are_known(const struct material *m, uint32_t count)
+{
+	return texture_is_known(m->albedo_texture, count) && texture_is_known(m->emission_texture, count) &&
+	       texture_is_known(m->specular_texture, count) && texture_is_known(m->surface_texture, count) &&
+	       texture_is_known(m->normal_texture, count);
+}
+
 static enum status check_materials(const struct blob_header *h, struct error *err)
 {
 	const struct material *materials = blob_section(h, BLOB_MATERIALS);
 	const struct blob_name *names = blob_section(h, BLOB_MATERIAL_NAMES);
 	const uint32_t textures = blob_count(h, BLOB_TEXTURES);
+	const uint32_t flags = MATERIAL_EMITS_BOTH_SIDES | MATERIAL_ALPHA_MASK | MATERIAL_UNLIT;
 
 	for (uint32_t i = 0; i < blob_count(h, BLOB_MATERIALS); i++) {
 		const struct material *m = &materials[i];
-		if (!texture_is_known(m->albedo_texture, textures) || !texture_is_known(m->emission_texture, textures))
+		if (!textures_are_known(m, textures))
 			return bad(err, "a material names a texture that is not there");
 		for (int c = 0; c < 3; c++)
-			if (!is_share(m->albedo[c]) || !isfinite(m->emission[c]) || m->emission[c] < 0)
+			if (!is_share(m->albedo[c]) || !is_share(m->specular[c]) || !isfinite(m->emission[c]) ||
+			    m->emission[c] < 0)
 				return bad(err, "a material's colour is out of range");
-		if (!isfinite(m->power_density) || m->power_density < 0 || (m->flags & ~MATERIAL_EMITS_BOTH_SIDES))
+		if (!is_share(m->specular_weight) || !is_share(m->metallic) || !is_share(m->roughness) ||
+		    !isfinite(m->normal_scale) || !isfinite(m->alpha_cutoff) || m->alpha_cutoff < 0)
+			return bad(err, "a material's surface is out of range");
+		if (!isfinite(m->power_density) || m->power_density < 0 || (m->flags & ~flags))
 			return bad(err, "a material's power or flags are out of range");
 		if (!memchr(names[i].text, 0, sizeof names[i].text))
 			return bad(err, "a material's name does not end");
@@ -234,7 +272,9 @@ static enum status check_materials(const struct blob_header *h, struct error *er
 static enum status check_textures(const struct blob_header *h, struct error *err)
 {
 	const struct texture_info *textures = blob_section(h, BLOB_TEXTURES);
-	const uint32_t known = 3u << TEXTURE_WRAP_S_SHIFT | 3u << TEXTURE_WRAP_T_SHIFT | TEXTURE_NEAREST | TEXTURE_SRGB;
+	const uint32_t known =
+	    3u << TEXTURE_WRAP_S_SHIFT | 3u << TEXTURE_WRAP_T_SHIFT | TEXTURE_NEAREST | TEXTURE_SRGB | TEXTURE_UV1;
+	const bool has_uv1 = blob_count(h, BLOB_UV1) == blob_count(h, BLOB_VERTICES);
 
 	for (uint32_t i = 0; i < blob_count(h, BLOB_TEXTURES); i++) {
 		const struct texture_info *t = &textures[i];
@@ -245,6 +285,10 @@ static enum status check_textures(const struct blob_header *h, struct error *err
 		if ((t->flags & ~known) || (t->flags >> TEXTURE_WRAP_S_SHIFT & 3u) > WRAP_MIRROR ||
 		    (t->flags >> TEXTURE_WRAP_T_SHIFT & 3u) > WRAP_MIRROR)
 			return bad(err, "a texture's flags are unknown");
+		if (!finite_all(t->row_u, 3) || !finite_all(t->row_v, 3))
+			return bad(err, "a texture's transform is not finite");
+		if ((t->flags & TEXTURE_UV1) && !has_uv1)
+			return bad(err, "a texture asks for coordinates that are not there");
 	}
 	return STATUS_OK;
 }
@@ -293,11 +337,21 @@ static enum status check_lights_and_cameras(const struct blob_header *h, struct 
 	return STATUS_OK;
 }
 
+// Last, because collecting them trusts the rest. A shader made for the facts reads what they promise.
+static enum status check_facts(const struct blob_header *h, struct error *err)
+{
+	if (h->facts != facts_collect(h))
+		return bad(err, "its facts are not those of its contents");
+	if ((h->facts & FACT_NORMAL_MAPS) && blob_count(h, BLOB_TANGENTS) == 0)
+		return bad(err, "a normal map has no tangents");
+	return STATUS_OK;
+}
+
 enum status blob_check(const void *blob, size_t bytes, struct error *err)
 {
 	static enum status (*const checks[])(const struct blob_header *, struct error *) = {
-	    check_geometry, check_materials, check_textures,           check_leaf_triangles,
-	    check_bvh,      check_emitters,  check_lights_and_cameras,
+	    check_geometry, check_vertex_parts, check_materials,          check_textures, check_leaf_triangles,
+	    check_bvh,      check_emitters,     check_lights_and_cameras, check_facts,
 	};
 	const struct blob_header *h = blob;
 	enum status status = check_header(h, bytes, err);

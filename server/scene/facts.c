@@ -1,13 +1,39 @@
 #include "server/scene/facts.h"
 
+static bool above_zero(const float c[3])
+{
+	return c[0] > 0 || c[1] > 0 || c[2] > 0;
+}
+
 static uint32_t material_facts(const struct material *m)
 {
 	uint32_t facts = 0;
-	if (m->albedo_texture != NONE || m->emission_texture != NONE)
+	const bool unlit = m->flags & MATERIAL_UNLIT;
+	const bool glossy = !unlit && (m->metallic > 0 || m->specular_weight > 0 || above_zero(m->specular));
+	if (m->albedo_texture != NONE || m->emission_texture != NONE || m->specular_texture != NONE ||
+	    m->surface_texture != NONE || m->normal_texture != NONE)
 		facts |= FACT_TEXTURES;
-	if (m->albedo[0] > 0 || m->albedo[1] > 0 || m->albedo[2] > 0)
+	if (glossy)
+		facts |= FACT_GLOSSY | FACT_REFLECTS;
+	if (!unlit && above_zero(m->albedo))
 		facts |= FACT_REFLECTS;
+	if (m->normal_texture != NONE)
+		facts |= FACT_NORMAL_MAPS;
+	if (m->flags & MATERIAL_ALPHA_MASK)
+		facts |= FACT_ALPHA_MASK;
+	if (unlit)
+		facts |= FACT_UNLIT;
 	return facts;
+}
+
+static bool has_colours(const struct blob_header *blob)
+{
+	const struct vertex_color *colors = blob_section(blob, BLOB_COLORS);
+	for (uint32_t i = 0; i < blob_count(blob, BLOB_COLORS); i++)
+		for (int c = 0; c < 4; c++)
+			if (colors[i].rgba[c] != 1.0f)
+				return true;
+	return false;
 }
 
 static uint32_t light_facts(const struct punctual_light *light)
@@ -39,7 +65,7 @@ uint32_t facts_collect(const struct blob_header *blob)
 	}
 	for (uint32_t i = 0; i < blob_count(blob, BLOB_LIGHTS); i++)
 		facts |= light_facts(&lights[i]);
-	return facts;
+	return has_colours(blob) ? facts | FACT_VERTEX_COLORS : facts;
 }
 
 const char *fact_name(enum fact fact)
@@ -57,6 +83,16 @@ const char *fact_name(enum fact fact)
 		return "directional lights";
 	case FACT_REFLECTS:
 		return "reflecting surfaces";
+	case FACT_GLOSSY:
+		return "glossy surfaces";
+	case FACT_NORMAL_MAPS:
+		return "normal maps";
+	case FACT_ALPHA_MASK:
+		return "alpha masks";
+	case FACT_VERTEX_COLORS:
+		return "vertex colours";
+	case FACT_UNLIT:
+		return "unlit surfaces";
 	}
 	return NULL;
 }

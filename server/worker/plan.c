@@ -27,6 +27,15 @@ static const struct effect_rule rules[] = {
 	 "the background is black"},
 	{candil_Effect_EFFECT_BOUNCES, "bounces", "light scatters more than once",
 	 "light cannot scatter twice: pt.depth is below 2, nothing reflects or nothing shines", "direct light alone"},
+	{candil_Effect_EFFECT_GLOSSY, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic",
+	 "surfaces are diffuse with their base colour"},
+	{candil_Effect_EFFECT_NORMAL_MAPS, "normal-maps", "materials have normal maps", "no material has a normal map",
+	 "surfaces have the mesh's own normals"},
+	{candil_Effect_EFFECT_ALPHA_MASK, "alpha-mask", "materials are cut out by alpha", "no material is cut out by alpha",
+	 "surfaces have no holes"},
+	{candil_Effect_EFFECT_VERTEX_COLORS, "vertex-colors", "vertices have colours", "no vertex has a colour",
+	 "vertices are white"},
+	{candil_Effect_EFFECT_UNLIT, "unlit", "materials are unlit", "no material is unlit", "unlit surfaces are lit like any other"},
 };
 
 const char *effect_name(candil_Effect effect)
@@ -63,7 +72,17 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	case candil_Effect_EFFECT_ENVIRONMENT:
 		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0;
 	case candil_Effect_EFFECT_BOUNCES:
-		return p->depth > 1 && facts & FACT_REFLECTS && shines(r, p, facts);
+		return p->depth > 1 && facts & (FACT_REFLECTS | FACT_GLOSSY) && shines(r, p, facts);
+	case candil_Effect_EFFECT_GLOSSY:
+		return facts & FACT_GLOSSY;
+	case candil_Effect_EFFECT_NORMAL_MAPS:
+		return facts & FACT_NORMAL_MAPS;
+	case candil_Effect_EFFECT_ALPHA_MASK:
+		return facts & FACT_ALPHA_MASK;
+	case candil_Effect_EFFECT_VERTEX_COLORS:
+		return facts & FACT_VERTEX_COLORS;
+	case candil_Effect_EFFECT_UNLIT:
+		return facts & FACT_UNLIT;
 	}
 	return false;
 }

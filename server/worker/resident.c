@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "ggx_table.h"
 #include "server/base/memfd.h"
 
 static const enum blob_section section_of[BIND_SCENE_COUNT] = {
@@ -12,7 +13,10 @@ static const enum blob_section section_of[BIND_SCENE_COUNT] = {
 	[BIND_TRIANGLES] = BLOB_TRIANGLES, [BIND_VERTICES] = BLOB_VERTICES,
 	[BIND_MATERIALS] = BLOB_MATERIALS, [BIND_TEXTURES] = BLOB_TEXTURES,
 	[BIND_TEXELS] = BLOB_TEXELS,       [BIND_EMITTERS] = BLOB_EMITTERS,
-	[BIND_LIGHTS] = BLOB_LIGHTS,       [BIND_SRGB_TABLE] = BLOB_SECTIONS,
+	[BIND_LIGHTS] = BLOB_LIGHTS,       [BIND_UV1] = BLOB_UV1,
+	[BIND_COLORS] = BLOB_COLORS,       [BIND_TANGENTS] = BLOB_TANGENTS,
+	// Tables of our own, of no scene.
+	[BIND_SRGB_TABLE] = BLOB_SECTIONS, [BIND_GGX_TABLE] = BLOB_SECTIONS,
 };
 
 enum status resident_add(struct resident_scenes *scenes, uint64_t id, int fd, struct error *err)
@@ -110,6 +114,8 @@ enum status resident_upload(struct resident_scene *s, struct device *device, uin
 		enum status r;
 		if (i == BIND_SRGB_TABLE) {
 			r = upload_srgb_table(&s->buffers[i], device, err);
+		} else if (i == BIND_GGX_TABLE) {
+			r = buffer_init_with(&s->buffers[i], device, ggx_table, sizeof ggx_table, err);
 		} else {
 			uint64_t bytes = (uint64_t)blob_count(s->blob, section_of[i]) * blob_stride(section_of[i]);
 			r = buffer_init_with(&s->buffers[i], device, blob_section(s->blob, section_of[i]), bytes, err);

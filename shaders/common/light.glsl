@@ -2,7 +2,7 @@
 #ifndef COMMON_LIGHT_GLSL
 #define COMMON_LIGHT_GLSL
 
-#include "common/lambert.glsl"
+#include "common/bsdf.glsl"
 
 // Where light might come from, if nothing is in between.
 struct light_sample {
@@ -25,7 +25,7 @@ float power_weight(float r)
 	return 1.0 / (1.0 + r * r);
 }
 
-bool sample_emitter(surface s, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
+bool sample_emitter(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
 {
 	uint row = alias_row(pick.x, job.emitter_count);
 	emitter e = emitters[row];
@@ -47,21 +47,16 @@ bool sample_emitter(surface s, vec3 origin, uvec2 pick, vec2 u, out light_sample
 	float d2 = dot(l.segment, l.segment);
 	float d = sqrt(d2);
 	vec3 w = l.segment / d;
-	float pdf_bsdf = lambert_pdf(s, w);
+	vec4 f = bsdf_eval(b, w);
 	float cos_light = abs(dot(n, w));
 	float pdf_area = m.power_density * job.emitter_power_inv * job.emitter_share;
-	if (!lit || !(d2 > 0.0) || pdf_bsdf == 0.0 || cos_light == 0.0)
+	if (!lit || !(d2 > 0.0) || f.w == 0.0 || cos_light == 0.0)
 		return false;
-	// r = density of the BSDF's sampling over that of ours, both over area; r · weight stays below 1 however near the light is.
-	float r = min(pdf_bsdf * cos_light / (d2 * pdf_area), 1e18);
-	vec2 at = vec2(0.0);
-	if (EFFECT_TEXTURES) {
-		vertex a = vertices[tri.vertex[0]];
-		vertex b = vertices[tri.vertex[1]];
-		vertex c = vertices[tri.vertex[2]];
-		at = (1.0 - uv.x - uv.y) * vec2(a.uv[0], a.uv[1]) + uv.x * vec2(b.uv[0], b.uv[1]) + uv.y * vec2(c.uv[0], c.uv[1]);
-	}
-	l.contribution = s.albedo * emission_at(m, at) * (r * power_weight(r));
+	// g: one over our density, by solid angle; f.w · g: the BSDF's density over ours. However near the light is, f · g · weight
+	// stays finite.
+	float g = min(cos_light / (d2 * pdf_area), 1e18);
+	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, vec3(1.0 - uv.x - uv.y, uv)) : vec4(0.0);
+	l.contribution = f.xyz * emission_at(m, at) * (g * power_weight(min(f.w * g, 1e18)));
 	return true;
 }
 
@@ -73,7 +68,7 @@ float spot_attenuation(punctual_light light, vec3 w)
 	return ramp * ramp;
 }
 
-bool sample_punctual(surface s, vec3 origin, uvec2 pick, out light_sample l)
+bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, out light_sample l)
 {
 	uint row = alias_row(pick.x, job.light_count);
 	punctual_light light = lights[row];
@@ -91,22 +86,22 @@ bool sample_punctual(surface s, vec3 origin, uvec2 pick, out light_sample l)
 		irradiance /= d2;
 	if (light.kind == LIGHT_SPOT)
 		irradiance *= spot_attenuation(light, w);
-	float pdf_bsdf = lambert_pdf(s, w);
-	if (!(directional || d2 > 0.0) || pdf_bsdf == 0.0)
+	vec4 f = bsdf_eval(b, w);
+	if (!(directional || d2 > 0.0) || f.w == 0.0)
 		return false;
-	l.contribution = s.albedo * irradiance * (pdf_bsdf / (light.pmf * (1.0 - job.emitter_share)));
+	l.contribution = f.xyz * irradiance / (light.pmf * (1.0 - job.emitter_share));
 	return true;
 }
 
 // False: no light can come by this sample. `table` chooses between emissive triangles and punctual lights, `pick` the
 // light, `u` the point.
-bool sample_light(surface s, vec3 origin, float table, uvec2 pick, vec2 u, out light_sample l)
+bool sample_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out light_sample l)
 {
 	bool emissive = EFFECT_EMITTERS && (!EFFECT_LIGHTS || table < job.emitter_share);
 	if (EFFECT_EMITTERS && emissive && job.emitter_count > 0u)
-		return sample_emitter(s, origin, pick, u, l);
+		return sample_emitter(b, origin, pick, u, l);
 	if (EFFECT_LIGHTS && !emissive && job.light_count > 0u)
-		return sample_punctual(s, origin, pick, l);
+		return sample_punctual(b, origin, pick, l);
 	return false;
 }
 

@@ -9,11 +9,13 @@
 
 // Sets of a path. Numbers are fixed per decision, so that an effect that is left out moves nobody else's samples.
 const uint SET_PIXEL = 0u;         // where in the pixel
-const uint SETS_PER_EVENT = 4u;
+const uint SETS_PER_EVENT = 8u;     // some are spare
 const uint SET_PICK = 1u;          // which light, + event × SETS_PER_EVENT
 const uint SET_LIGHT = 2u;         // where on it
 const uint SET_BSDF = 3u;          // the next direction
 const uint SET_CHANCE = 4u;        // x: whether to go on; y: emissive triangles or punctual lights
+
+const uint SET_LOBE = 5u;          // x: which lobe of the BSDF
 
 const float UNIT_24 = 5.9604644775390625e-08;   // 2⁻²⁴
 

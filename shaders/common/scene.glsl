@@ -13,6 +13,12 @@ layout(constant_id = SPEC_BOUNCES) const bool EFFECT_BOUNCES = true;
 layout(std430, set = 0, binding = BIND_NODES) readonly buffer Nodes {
 	vec4 nodes[];   // struct bvh_node, four words at a time
 };
+layout(constant_id = SPEC_GLOSSY) const bool EFFECT_GLOSSY = true;
+layout(constant_id = SPEC_NORMAL_MAPS) const bool EFFECT_NORMAL_MAPS = true;
+layout(constant_id = SPEC_ALPHA_MASK) const bool EFFECT_ALPHA_MASK = true;
+layout(constant_id = SPEC_VERTEX_COLORS) const bool EFFECT_VERTEX_COLORS = true;
+layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
+
 layout(std430, set = 0, binding = BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
 	vec4 leaf_triangles[];   // struct leaf_triangle, likewise
 };
@@ -39,6 +45,18 @@ layout(std430, set = 0, binding = BIND_LIGHTS) readonly buffer Lights {
 };
 layout(std430, set = 0, binding = BIND_SRGB_TABLE) readonly buffer SrgbTable {
 	float srgb_table[];
+};
+layout(std430, set = 0, binding = BIND_UV1) readonly buffer Uv1 {
+	vertex_uv1 uv1[];
+};
+layout(std430, set = 0, binding = BIND_COLORS) readonly buffer Colors {
+	vertex_color colors[];
+};
+layout(std430, set = 0, binding = BIND_TANGENTS) readonly buffer Tangents {
+	vertex_tangent tangents[];
+};
+layout(std430, set = 0, binding = BIND_GGX_TABLE) readonly buffer GgxTable {
+	vec2 ggx_table[];
 };
 layout(std430, set = 0, binding = BIND_JOB) readonly buffer Job {
 	pt_job job;

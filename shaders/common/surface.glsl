@@ -8,10 +8,15 @@ struct surface {
 	vec3 position;
 	vec3 geometric;     // unit, on the side that the ray came from
 	vec3 shading;       // unit, on the same side of the triangle
-	vec3 albedo;        // 0…1
+	vec3 base;          // base colour, 0…1
+	vec3 albedo;        // of the diffuse part, 0…1
+	vec3 f0;            // microfacets' reflectance at normal incidence; with EFFECT_GLOSSY alone
+	vec3 f90;           // and at grazing incidence
+	float roughness;    // perceptual
 	vec3 emission;      // radiance towards where the ray came from, W/(m² sr)
 	float emission_pdf; // next-event estimation finds this point with this density over area, 1/m²
 	float offset;       // metres: rays start this far off along `geometric`
+	bool unlit;         // shows `base` and nothing else
 };
 
 // 16 half units in the last place of the corners' coordinates: more than the rounding of a point made from barycentrics
@@ -82,7 +87,7 @@ vec3 point_inside(corners c, vec2 uv, float error)
 	       away_from_edge(p, c.v2, c.v0, c.normal, clearance);
 }
 
-vec3 emission_at(material m, vec2 uv)
+vec3 emission_at(material m, vec4 uv)
 {
 	vec3 e = to_vec3(m.emission);
 	if (EFFECT_TEXTURES && m.emission_texture != NONE)
@@ -90,41 +95,79 @@ vec3 emission_at(material m, vec2 uv)
 	return e;
 }
 
-vec3 albedo_at(material m, vec2 uv)
+// Base colour into diffuse albedo and microfacets: glTF 2.0, appendix B, and KHR_materials_specular.
+void set_reflectance(inout surface s, material m, vec4 uv)
 {
-	vec3 a = to_vec3(m.albedo);
-	if (EFFECT_TEXTURES && m.albedo_texture != NONE)
-		a *= sample_texture(m.albedo_texture, uv).rgb;
-	return clamp(a, 0.0, 1.0);
+	s.albedo = s.base;
+	if (!EFFECT_GLOSSY)
+		return;
+	float metallic = m.metallic;
+	s.roughness = m.roughness;
+	vec3 specular = to_vec3(m.specular);
+	if (EFFECT_TEXTURES && m.surface_texture != NONE) {
+		vec4 t = sample_texture(m.surface_texture, uv);
+		s.roughness *= t.g;
+		metallic *= t.b;
+	}
+	if (EFFECT_TEXTURES && m.specular_texture != NONE)
+		specular *= sample_texture(m.specular_texture, uv).rgb;
+	s.f0 = mix(specular, s.base, metallic);
+	s.f90 = mix(vec3(m.specular_weight), vec3(1.0), metallic);
+	s.albedo = s.base * (1.0 - metallic);
+}
+
+// The normal that a tangent-space map gives, on the side of `n`.
+vec3 mapped_normal(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
+{
+	vec4 t = vec4(0.0);
+	for (uint i = 0u; i < 3u; i++) {
+		vertex_tangent k = tangents[tri.vertex[i]];
+		t += bary[i] * vec4(k.xyzw[0], k.xyzw[1], k.xyzw[2], k.xyzw[3]);
+	}
+	vec3 along = t.xyz - dot(t.xyz, n) * n;
+	float l = length(along);
+	if (l < 1e-6)
+		return n;
+	along /= l;
+	vec3 across = cross(n, along) * (t.w < 0.0 ? -1.0 : 1.0);
+	vec3 map = sample_texture(m.normal_texture, uv).xyz * 2.0 - 1.0;
+	map.xy *= m.normal_scale;
+	return normalize(map.x * along + map.y * across + max(map.z, 1e-3) * n);
 }
 
 surface surface_at(uint id, vec2 uv, vec3 direction)
 {
 	triangle tri = triangles[id];
-	vertex a = vertices[tri.vertex[0]];
-	vertex b = vertices[tri.vertex[1]];
-	vertex c = vertices[tri.vertex[2]];
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
 	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
 	surface s;
 	s.offset = position_error(k);
 	s.position = point_inside(k, uv, s.offset);
+	vec4 at = EFFECT_TEXTURES || EFFECT_NORMAL_MAPS ? coordinates_at(tri, bary) : vec4(0.0);
 
 	bool front = dot(k.normal, direction) < 0.0;
 	s.geometric = front ? k.normal : -k.normal;
-	vec3 ns = bary.x * to_vec3(a.normal) + bary.y * to_vec3(b.normal) + bary.z * to_vec3(c.normal);
+	// The front's side first: a normal map is drawn for it.
+	vec3 ns = vec3(0.0);
+	for (uint i = 0u; i < 3u; i++)
+		ns += bary[i] * to_vec3(vertices[tri.vertex[i]].normal);
 	float ns_length = length(ns);
-	ns = ns_length > 1e-6 ? ns / ns_length : s.geometric;
-	s.shading = dot(ns, s.geometric) < 0.0 ? -ns : ns;
+	ns = ns_length > 1e-6 ? ns / ns_length : k.normal;
+	ns = dot(ns, k.normal) < 0.0 ? -ns : ns;
+	if (EFFECT_NORMAL_MAPS && m.normal_texture != NONE)
+		ns = mapped_normal(m, tri, bary, at, ns);
+	s.shading = front ? ns : -ns;
 
-	vec2 at = vec2(0.0);
-	if (EFFECT_TEXTURES)
-		at = bary.x * vec2(a.uv[0], a.uv[1]) + bary.y * vec2(b.uv[0], b.uv[1]) + bary.z * vec2(c.uv[0], c.uv[1]);
-	s.albedo = albedo_at(m, at);
+	s.base = clamp(base_color_at(m, tri, bary, at).rgb, 0.0, 1.0);
+	s.f0 = vec3(0.0);
+	s.f90 = vec3(0.0);
+	s.roughness = 1.0;
+	set_reflectance(s, m, at);
 	bool emits = front || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
 	s.emission = EFFECT_EMITTERS && emits ? emission_at(m, at) : vec3(0.0);
 	s.emission_pdf = m.power_density * job.emitter_power_inv * job.emitter_share;
+	s.unlit = EFFECT_UNLIT && (m.flags & MATERIAL_UNLIT) != 0u;
 	return s;
 }
 

@@ -27,12 +27,15 @@ vec4 fetch_texel(texture_info info, int x, int y)
 	return c;
 }
 
-vec4 sample_texture(uint index, vec2 uv)
+// `uv`: both sets of coordinates, xy and zw.
+vec4 sample_texture(uint index, vec4 uv)
 {
 	texture_info info = textures[index];
+	vec3 set = vec3((info.flags & TEXTURE_UV1) != 0u ? uv.zw : uv.xy, 1.0);
+	vec2 place = vec2(dot(to_vec3(info.row_u), set), dot(to_vec3(info.row_v), set));
 	vec2 size = vec2(info.width, info.height);
 	// Far coordinates lose their fraction anyway; held to a range that an int takes.
-	vec2 at = clamp(uv * size, vec2(-1e9), vec2(1e9));
+	vec2 at = clamp(place * size, vec2(-1e9), vec2(1e9));
 	if ((info.flags & TEXTURE_NEAREST) != 0u) {
 		ivec2 t = ivec2(floor(at));
 		return fetch_texel(info, t.x, t.y);
@@ -44,6 +47,36 @@ vec4 sample_texture(uint index, vec2 uv)
 	vec4 top = mix(fetch_texel(info, t.x, t.y), fetch_texel(info, t.x + 1, t.y), f.x);
 	vec4 bottom = mix(fetch_texel(info, t.x, t.y + 1), fetch_texel(info, t.x + 1, t.y + 1), f.x);
 	return mix(top, bottom, f.y);
+}
+
+// Both sets of texture coordinates at a point of a triangle.
+vec4 coordinates_at(triangle tri, vec3 bary)
+{
+	vec4 uv = vec4(0.0);
+	for (uint i = 0u; i < 3u; i++) {
+		vertex v = vertices[tri.vertex[i]];
+		uv.xy += bary[i] * vec2(v.uv[0], v.uv[1]);
+		if (job.has_uv1 != 0u)
+			uv.zw += bary[i] * vec2(uv1[tri.vertex[i]].uv[0], uv1[tri.vertex[i]].uv[1]);
+	}
+	return uv;
+}
+
+// Base colour and alpha: factor × texture × vertex colour, each as far as its effect runs.
+vec4 base_color_at(material m, triangle tri, vec3 bary, vec4 uv)
+{
+	vec4 base = vec4(to_vec3(m.albedo), 1.0);
+	if (EFFECT_TEXTURES && m.albedo_texture != NONE)
+		base *= sample_texture(m.albedo_texture, uv);
+	if (EFFECT_VERTEX_COLORS) {
+		vec4 c = vec4(0.0);
+		for (uint i = 0u; i < 3u; i++) {
+			vertex_color k = colors[tri.vertex[i]];
+			c += bary[i] * vec4(k.rgba[0], k.rgba[1], k.rgba[2], k.rgba[3]);
+		}
+		base *= job.has_colors != 0u ? c : vec4(1.0);
+	}
+	return base;
 }
 
 #endif

@@ -35,7 +35,7 @@ void main()
 		surface s = surface_at(hit.id, hit.uv, direction);
 		depth = hit.t * dot(direction, to_vec3(job.forward));
 		normal = s.shading;
-		albedo = s.albedo;
+		albedo = s.base;
 		id = hit.material + 1u;
 	}
 	uint at = ((pixel.y - push.first_row) * job.width + pixel.x) * AOV_WORDS;

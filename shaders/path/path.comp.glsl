@@ -58,23 +58,26 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l)
 {
 	uint set = p.event * SETS_PER_EVENT;
 	vec2 chance = sample_2d(rnd, set + SET_CHANCE);
+	bsdf b = bsdf_make(s, p.direction);
 	p.origin = s.position + s.offset * s.geometric;
 	l.t_max = -1.0;
 	if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
 		uvec2 pick = sample_bits(rnd, set + SET_PICK);
-		if (sample_light(s, p.origin, chance.y, pick, sample_2d(rnd, set + SET_LIGHT), l))
+		if (sample_light(b, p.origin, chance.y, pick, sample_2d(rnd, set + SET_LIGHT), l))
 			l.contribution *= p.throughput;
 		else
 			l.t_max = -1.0;
 	}
-	p.direction = lambert_sample(s, sample_2d(rnd, set + SET_BSDF));
-	p.pdf = lambert_pdf(s, p.direction);
-	p.throughput *= s.albedo;
+	vec3 weight;
+	float lobe = EFFECT_GLOSSY ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
+	p.direction = bsdf_sample(b, lobe, sample_2d(rnd, set + SET_BSDF), weight, p.pdf);
+	p.throughput *= weight;
+	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
 	p.event++;
 	if (p.event >= ROULETTE_FROM) {
 		float stay = min(1.0, max(p.throughput.r, max(p.throughput.g, p.throughput.b)));
-		p.alive = chance.x < stay;
-		p.throughput /= stay;
+		p.alive = p.alive && chance.x < stay;
+		p.throughput /= max(stay, 1e-30);
 	}
 }
 
@@ -91,8 +94,15 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 		float c = abs(dot(s.geometric, p.direction));
 		p.radiance += p.throughput * s.emission * emission_weight(p.event, p.pdf, s.emission_pdf, hit.t, c);
 	}
+	if (EFFECT_UNLIT && s.unlit) {
+		// Seen by the camera alone: it takes no light and gives none.
+		if (p.event == 0u)
+			p.radiance += p.throughput * s.base;
+		return false;
+	}
 	uint most = EFFECT_BOUNCES ? job.depth : min(job.depth, 1u);
-	return p.event < most && max(s.albedo.r, max(s.albedo.g, s.albedo.b)) > 0.0;
+	vec3 reflects = max(s.albedo, max(s.f0, s.f90));
+	return p.event < most && max(reflects.r, max(reflects.g, reflects.b)) > 0.0;
 }
 
 // Up to push.event_count events. All lanes of a subgroup go round together, so that they trace together; those whose path

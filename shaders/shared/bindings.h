@@ -15,20 +15,26 @@
 #define BIND_EMITTERS 7
 #define BIND_LIGHTS 8
 #define BIND_SRGB_TABLE 9     // 256 floats: sRGB byte to linear
-#define BIND_SCENE_COUNT 10
-// The job.
-#define BIND_JOB 10           // struct pt_job
-#define BIND_COUNTERS 11      // struct pt_counters
-#ifndef BIND_ACCUMULATOR
-#define BIND_ACCUMULATOR 12   // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
+#define BIND_UV1 10
+#define BIND_COLORS 11
+#define BIND_TANGENTS 12
+#ifndef BIND_GGX_TABLE
+#define BIND_GGX_TABLE 13     // directional albedos of the microfacet lobe: common/ggx.glsl
 #endif
-#define BIND_PATHS 13         // path: struct path_state, one an invocation, for paths longer than a dispatch
-#define BIND_PATH_COUNT 14
-#define BIND_AOV 12           // aov: 8 words a pixel: depth, normal, albedo, id
-#define BIND_AOV_COUNT 13
-#define BIND_RAYS 11          // cast: struct cast_ray in; struct cast_hit out at BIND_HITS
-#define BIND_HITS 12
-#define BIND_CAST_COUNT 13
+#define BIND_SCENE_COUNT 14
+// The job.
+#define BIND_JOB 14           // struct pt_job
+#define BIND_COUNTERS 15      // struct pt_counters
+#ifndef BIND_ACCUMULATOR
+#define BIND_ACCUMULATOR 16   // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
+#endif
+#define BIND_PATHS 17         // path: struct path_state, one an invocation, for paths longer than a dispatch
+#define BIND_PATH_COUNT 18
+#define BIND_AOV 16           // aov: 8 words a pixel: depth, normal, albedo, id
+#define BIND_AOV_COUNT 17
+#define BIND_RAYS 15          // cast: struct cast_ray in; struct cast_hit out at BIND_HITS
+#define BIND_HITS 16
+#define BIND_CAST_COUNT 17
 
 // Specialization constants, one for each effect of the plan.
 #define SPEC_TEXTURES 0
@@ -36,12 +42,23 @@
 #define SPEC_LIGHTS 2
 #define SPEC_ENVIRONMENT 3
 #define SPEC_BOUNCES 4
-#define SPEC_EFFECTS 5
+#define SPEC_GLOSSY 5
+#define SPEC_NORMAL_MAPS 6
+#define SPEC_ALPHA_MASK 7
+#define SPEC_VERTEX_COLORS 8
+#define SPEC_UNLIT 9
+#define SPEC_EFFECTS 10
 // And of how a path is run.
-#define SPEC_RESUMED 5
-#define SPEC_PACKET 6         // walk the tree by subgroups
-#define SPEC_WIDTH 7          // lanes of a subgroup
-#define SPEC_COUNT 8
+#define SPEC_RESUMED 10
+#define SPEC_PACKET 11        // walk the tree by subgroups
+#define SPEC_WIDTH 12         // lanes of a subgroup
+#define SPEC_COUNT 13
+
+// The table at BIND_GGX_TABLE: for each of GGX_ROUGHNESSES perceptual roughnesses r, GGX_COSINES cosines μ, two floats, √r and
+// √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere.
+#define GGX_COSINES 64
+#define GGX_ROUGHNESSES 64
+#define GGX_ALPHA_LEAST 1e-4  // α below it is a perfect mirror
 
 #define ACCUMULATOR_FLOATS 12
 #define AOV_WORDS 8
@@ -64,9 +81,9 @@ struct pt_job {
 	float up[3];               // half its height
 	float orthographic;        // 1: right and up are metres, rays are parallel
 	float forward[3];          // unit
-	float reserved0;
+	uint has_uv1;              // the scene has a second set of coordinates
 	float background[3];       // W/(m² sr)
-	float reserved1;
+	uint has_colors;           // and vertex colours
 };
 LAYOUT_ASSERT(pt_job, 112)
 

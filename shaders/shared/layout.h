@@ -64,17 +64,30 @@ LAYOUT_ASSERT(leaf_triangle, 48)
 // ---- materials --------------------------------------------------------------------------------------------------------
 
 #define MATERIAL_EMITS_BOTH_SIDES 1u  // glTF doubleSided emitters; else the front (counter-clockwise) side alone emits
+#define MATERIAL_ALPHA_MASK 2u        // not there where alpha is below alpha_cutoff
+#define MATERIAL_UNLIT 4u             // shows its base colour as radiance, neither lit nor casting light
 
+// Base colour, metallic and roughness as glTF 2.0 has them (appendix B), with KHR_materials_specular for what is no metal.
+// Colours are linear Rec.709, 0…1. A texture is an index or NONE and multiplies the factor beside it.
 struct material {
-	float albedo[3];          // base-colour factor or Kd, linear Rec.709, each 0…1
-	uint albedo_texture;      // multiplies it; NONE
+	float albedo[3];          // base colour: diffuse albedo, or reflectance of a metal at normal incidence
+	uint albedo_texture;      // its alpha is for MATERIAL_ALPHA_MASK
 	float emission[3];        // radiance, W/(m² sr)
-	uint emission_texture;    // multiplies it; NONE
+	uint emission_texture;
+	float specular[3];        // reflectance of the dielectric part at normal incidence
+	uint specular_texture;    // colour
+	float specular_weight;    // its reflectance at grazing incidence; 0 with specular 0: no specular lobe, pure Lambert
+	float metallic;
+	float roughness;          // perceptual: the microfacets' α is its square; 0: a perfect mirror
+	uint surface_texture;     // green: roughness, blue: metallic
+	uint normal_texture;      // tangent space, +Z out
+	float normal_scale;       // of its X and Y
+	float alpha_cutoff;       // with the base colour's alpha factor divided out
 	uint flags;               // MATERIAL_…
 	float power_density;      // π · mean luminance of the emission · sides, W/m²: emitters are chosen by it
-	float reserved[2];
+	float reserved[3];
 };
-LAYOUT_ASSERT(material, 48)
+LAYOUT_ASSERT(material, 96)
 
 #define WRAP_REPEAT 0u
 #define WRAP_CLAMP 1u
@@ -83,16 +96,37 @@ LAYOUT_ASSERT(material, 48)
 #define TEXTURE_WRAP_T_SHIFT 2u   // two bits
 #define TEXTURE_NEAREST (1u << 4) // else bilinear, in linear light
 #define TEXTURE_SRGB (1u << 5)    // texels are sRGB-encoded
+#define TEXTURE_UV1 (1u << 6)     // looked up by the second set of coordinates
 
 // RGBA8 texels, one uint each (R in the low byte), row by row from the top, at texels[offset].
-// Two textures that differ in sampler alone share texels.
+// Textures that differ in sampler, coordinates or transform alone share texels.
 struct texture_info {
 	uint offset;
 	uint width;
 	uint height;
 	uint flags;
+	float row_u[3];    // looked up at u' = row_u · (u, v, 1), v' = row_v · (u, v, 1): KHR_texture_transform
+	float row_v[3];
 };
-LAYOUT_ASSERT(texture_info, 16)
+LAYOUT_ASSERT(texture_info, 40)
+
+// Per vertex where the scene has them at all, else sections without elements.
+struct vertex_uv1 {
+	float uv[2];
+};
+LAYOUT_ASSERT(vertex_uv1, 8)
+
+// COLOR_0, linear; multiplies the base colour and its alpha. (1, 1, 1, 1) for vertices without.
+struct vertex_color {
+	float rgba[4];
+};
+LAYOUT_ASSERT(vertex_color, 16)
+
+// World-space tangent, unit, and the bitangent's sign (-1 or 1): bitangent = sign · cross(normal, tangent). All zero: none.
+struct vertex_tangent {
+	float xyzw[4];
+};
+LAYOUT_ASSERT(vertex_tangent, 16)
 
 // ---- lights -----------------------------------------------------------------------------------------------------------
 

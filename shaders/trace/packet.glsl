@@ -9,6 +9,7 @@
 #define TRACE_PACKET_GLSL
 
 #include "common/scene.glsl"
+#include "trace/alpha.glsl"
 #include "trace/triangle.glsl"
 #include "trace/walk.glsl"
 
@@ -137,6 +138,8 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 			vec2 uv;
 			bool inside = hit_triangle(ray, WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), WORD_VEC3(w, 8u), t, uv);
 			bool nearer = inside && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE));
+			if (EFFECT_ALPHA_MASK && nearer)
+				nearer = is_there(id, material, uv);
 			hit.t = nearer ? t : hit.t;
 			hit.id = nearer ? id : hit.id;
 			hit.uv = nearer ? uv : hit.uv;

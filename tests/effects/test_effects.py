@@ -8,7 +8,8 @@ import numpy
 import make
 from render import Daemon
 
-EFFECTS = ("textures", "emitters", "lights", "environment", "bounces")
+EFFECTS = ("textures", "emitters", "lights", "environment", "bounces", "glossy", "normal-maps", "alpha-mask", "vertex-colors",
+           "unlit")
 
 
 def setUpModule():

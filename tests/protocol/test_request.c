@@ -116,7 +116,7 @@ static void cameras(void **state)
 static void effects_and_outputs(void **state)
 {
 	(void)state;
-	assert_int_equal(BROKEN(r.effects_on = 1u << 5), STATUS_UNSUPPORTED);
+	assert_int_equal(BROKEN(r.effects_on = 1u << _candil_Effect_ARRAYSIZE), STATUS_UNSUPPORTED);
 	assert_int_equal(BROKEN(r.effects_off = 1u << 31), STATUS_UNSUPPORTED);
 	assert_int_equal(BROKEN(r.effects_on = r.effects_off = 2), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN((r.effects_on = 1, r.effects_off = 30)), STATUS_OK);

@@ -132,6 +132,26 @@ def data_uri(content, mime="image/png"):
     return "data:%s;base64,%s" % (mime, base64.b64encode(content).decode())
 
 
+def texture_info(content):
+    """The base colour's textureInfo, with more in it."""
+    return gltf(lambda root: root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(content), texture=True)
+
+
+def attribute(name, count, width, value=1.0, texture=False, info=None, normal_map=False):
+    """The box with one more attribute of `count` vectors; it has 8 vertices."""
+    def make(folder):
+        g = boxed(texture=texture)
+        accessor = g.floats([[value] * width] * count, "VEC%d" % width)
+        g.json["accessors"][accessor].pop("min", None)
+        g.json["meshes"][0]["primitives"][0]["attributes"][name] = accessor
+        if info:
+            g.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(info)
+        if normal_map:
+            g.json["materials"][0]["normalTexture"] = {"index": 0}
+        return g.save(folder, "scene.gltf")
+    return make
+
+
 def deep_nodes(count):
     """The box below a chain of nodes."""
     def edit(root):
@@ -262,6 +282,32 @@ BAD = {
     "sparse_index_out_of_range": sparse(60000),
     "spot_without_cone": lights({"type": "spot"}),
     "light_out_of_range": gltf(lambda root: root["nodes"][0].update({"extensions": {"KHR_lights_punctual": {"light": 4}}})),
+    # ---- materials
+    "alpha_mode_wrong_type": gltf(set_in("materials", 0, "alphaMode", 1)),
+    "cutoff_wrong_type": gltf(set_in("materials", 0, "alphaCutoff", "half")),
+    "normal_texture_out_of_range": gltf(set_in("materials", 0, "normalTexture", {"index": 9})),
+    "normal_scale_wrong_type": gltf(set_in("materials", 0, "normalTexture", {"index": 0, "scale": "1"}), texture=True),
+    "surface_texture_out_of_range": gltf(set_in(
+        "materials", 0, "pbrMetallicRoughness", "metallicRoughnessTexture", {"index": 9})),
+    "material_extensions_are_a_list": gltf(set_in("materials", 0, "extensions", ["KHR_materials_unlit"])),
+    "ior_wrong_type": gltf(set_in("materials", 0, "extensions", {"KHR_materials_ior": {"ior": "glass"}})),
+    "ior_is_a_number": gltf(set_in("materials", 0, "extensions", {"KHR_materials_ior": 1.5})),
+    "specular_colour_of_two": gltf(set_in(
+        "materials", 0, "extensions", {"KHR_materials_specular": {"specularColorFactor": [1, 1]}})),
+    "specular_texture_without_index": gltf(set_in(
+        "materials", 0, "extensions", {"KHR_materials_specular": {"specularColorTexture": {"index": "first"}}})),
+    "specular_texture_out_of_range": gltf(set_in(
+        "materials", 0, "extensions", {"KHR_materials_specular": {"specularColorTexture": {"index": 2147483647}}})),
+    "transform_offset_of_three": texture_info({"extensions": {"KHR_texture_transform": {"offset": [0, 0, 0]}}}),
+    "transform_rotation_wrong_type": texture_info({"extensions": {"KHR_texture_transform": {"rotation": [0]}}}),
+    "transform_set_negative": texture_info({"extensions": {"KHR_texture_transform": {"texCoord": -1}}}),
+    "transform_is_a_list": texture_info({"extensions": {"KHR_texture_transform": []}}),
+    "set_huge": texture_info({"texCoord": 1 << 40}),
+    "colours_wrong_type": attribute("COLOR_0", 8, 2),
+    "colours_too_few": attribute("COLOR_0", 7, 4),
+    "colours_out_of_range": gltf(set_in("meshes", 0, "primitives", 0, "attributes", "COLOR_0", 99)),
+    "second_set_too_short": attribute("TEXCOORD_1", 5, 2, texture=True, info={"texCoord": 1}),
+    "tangents_too_few": attribute("TANGENT", 3, 4, texture=True, normal_map=True),
     # ---- the hierarchy
     "node_is_its_parent": gltf(own_parent),
     "node_with_two_parents": gltf(two_parents),
@@ -311,7 +357,26 @@ ODD = {
                          {"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}, {"type": "point"}),
     "colour_above_one": gltf(set_in("materials", 0, "pbrMetallicRoughness", "baseColorFactor", [2, .5, -1, 1])),
     "no_nodes": gltf(set_in("scenes", 0, {})),
-    "used_extension": gltf(set_in("extensionsUsed", ["KHR_texture_transform"])),
+    "used_extension": gltf(set_in("extensionsUsed", ["KHR_materials_clearcoat"])),
+    "read_extensions_required": gltf(set_in("extensionsRequired", ["KHR_texture_transform", "KHR_materials_unlit",
+                                                                    "KHR_materials_specular", "KHR_materials_ior"])),
+    "factors_out_of_range": gltf(lambda root: root["materials"][0]["pbrMetallicRoughness"].update(
+        metallicFactor=-1, roughnessFactor=7)),
+    "ior_negative": gltf(set_in("materials", 0, "extensions", {"KHR_materials_ior": {"ior": -1}})),
+    "cutoff_negative": gltf(lambda root: root["materials"][0].update(alphaMode="MASK", alphaCutoff=-1e300)),
+    "cutoff_over_tiny_alpha": gltf(lambda root: (root["materials"][0].update(alphaMode="MASK", alphaCutoff=1e300), root[
+        "materials"][0]["pbrMetallicRoughness"].update(baseColorFactor=[1, 1, 1, 1e-300]))),
+    "normal_scale_huge": gltf(set_in("materials", 0, "normalTexture", {"index": 0, "scale": 1e300}), texture=True),
+    "normal_map_without_coordinates": gltf(set_in("materials", 0, "normalTexture", {"index": 0, "texCoord": 1}), texture=True),
+    "transform_huge": texture_info({"extensions": {"KHR_texture_transform": {"scale": [1e300, 1]}}}),
+    "colours_nan": attribute("COLOR_0", 8, 4, NAN),
+    "colours_negative": attribute("COLOR_0", 8, 3, -INF),
+    "second_set_nan": attribute("TEXCOORD_1", 8, 2, NAN, texture=True, info={"texCoord": 1}),
+    "tangents_nan": attribute("TANGENT", 8, 4, NAN, texture=True, normal_map=True),
+    "clearcoat": gltf(set_in("materials", 0, "extensions", {"KHR_materials_clearcoat": {"clearcoatFactor": 1}})),
+    "alpha_blend": gltf(set_in("materials", 0, "alphaMode", "BLEND")),
+    "specular_alpha_texture": gltf(set_in("materials", 0, "extensions", {"KHR_materials_specular": {
+        "specularTexture": {"index": 0}}}), texture=True),
     "obj_point_cloud": obj(["v %d %d %d" % (i, i * i % 7, i * 3 % 5) for i in range(9)]),
     "obj_degenerate": obj(QUAD + ["f 1 2 3", "f 1 1 2", "f 1 2 1", "f 2 2 2"]),
     "obj_concave": obj(STAR + ["f " + " ".join(str(i + 1) for i in range(10))]),

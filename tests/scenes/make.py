@@ -4,7 +4,8 @@
     make.py FOLDER [NAME...]    write the named scenes (all without a name), print their paths
 
 As a module: each function below writes one scene into a folder and returns the path of its file; every glTF has a camera
-named "camera". Nothing here has vertex normals unless it says so: surfaces are flat, as the closed forms want them.
+named "camera". Unless it says so nothing here has vertex normals or a specular lobe: surfaces are flat and purely diffuse, as
+the closed forms want them.
 """
 import math
 import sys
@@ -153,6 +154,112 @@ def offset_in_vertices(folder, offset=(1e5, 0, 0), name="offset_vertices.gltf"):
     return g.save(folder, name)
 
 
+def ggx_furnace(folder, roughness=0.5, metallic=1, specular=1, albedo=1.0, subdivisions=4, name=None):
+    """A smooth sphere of glTF's own surface, with vertex normals. Under a background of 1 a white metal is 1 where the model
+    loses no energy."""
+    g = Gltf()
+    positions, triangles = icosphere(subdivisions)
+    surface = g.material("surface", (albedo,) * 3, metallic=metallic, roughness=roughness, specular=specular)
+    g.node(mesh=g.mesh(positions, triangles, surface, normals=positions))
+    g.camera((0, 0, 4), (0, 0, 0), 40)
+    return g.save(folder, name or "ggx_furnace_%g_%g_%g_%g.gltf" % (roughness, metallic, specular, albedo))
+
+
+PICTURE_UVS = [(0, 1), (1, 1), (1, 0), (0, 0)]  # of a quad from its lower left, so that a picture stands upright on it
+
+
+def normal_mapped_quad(folder, tilt=(0.6, 0.0, 0.8), scale=1.0, tangents=None, mirrored=False, name="normal_map.gltf"):
+    """A quad in z = 0 whose normal map holds the one direction `tilt` (x right, y up, z out), so that its shading normal is
+    that. It shines under one light that travels along -z: pixel albedo / pi * intensity * tilt.z, the light straight ahead.
+    `mirrored`: u runs to the left, and so does the map's x."""
+    g = Gltf()
+    texel = tuple(round((0.5 + 0.5 * c) * 255) for c in tilt)
+    material = g.material("tilted", (.5,) * 3)
+    g.json["materials"][material]["normalTexture"] = {"index": g.image(png(2, 2, lambda x, y: texel)), "scale": scale}
+    uvs = [(1 - u, v) for u, v in PICTURE_UVS] if mirrored else PICTURE_UVS
+    g.node(mesh=g.mesh(*quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), material, uvs=uvs, normals=[(0, 0, 1)] * 4,
+                       tangents=tangents))
+    g.light("directional", 1.0, (0, 0, 2), (0, 0, 0), up=(0, 1, 0))
+    g.camera((0, 0, 2), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
+def alpha_mask(folder, alpha=1.0, cutoff=0.5, name="alpha_mask.gltf"):
+    """A quad whose right half is cut out hangs between a lamp and the floor: its left half throws a shadow, through its
+    right half the camera sees the floor."""
+    g = Gltf()
+    texture = g.image(png(2, 1, lambda x, y: (255, 255, 255, 255 if x == 0 else 0)), magFilter=9728, wrapS=33071)
+    g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("floor", (.5,) * 3))
+    leaf = g.material("leaf", (.2, .6, .2), texture=texture, alpha=alpha, cutoff=cutoff)
+    g.node(mesh=g.mesh(*quad((-1, 1, 1), (1, 1, 1), (1, 1, -1), (-1, 1, -1)), leaf, uvs=PICTURE_UVS))
+    g.place(*quad((-.25, 3, -.25), (.25, 3, -.25), (.25, 3, .25), (-.25, 3, .25)), g.material("lamp", (0, 0, 0), (10,) * 3))
+    g.camera((0, 4, 4), (0, 0.5, 0), 50)
+    return g.save(folder, name)
+
+
+def vertex_colours(folder, width=4, name="vertex_colours.gltf"):
+    """A white quad, red green blue white from its lower left, colours linear, under a light along -z: albedo is the
+    interpolated colour."""
+    g = Gltf()
+    colours = [(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)]
+    g.node(mesh=g.mesh(*quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), g.material("white"),
+                       colors=[c[:width] for c in colours]))
+    g.light("directional", 1.0, (0, 0, 2), (0, 0, 0), up=(0, 1, 0))
+    g.camera((0, 0, 2), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
+def second_uvs(folder, offset=(0, 1), rotation=math.pi / 2, scale=(.5, .5), override=True, name="second_uvs.gltf"):
+    """A picture of four colours (red green / blue white from the top), looked up by the second set of coordinates through
+    KHR_texture_transform. As it stands, the lower left quarter of the picture, blue, fills the quad."""
+    colours = [[(255, 0, 0), (0, 255, 0)], [(0, 0, 255), (255, 255, 255)]]
+    g = Gltf()
+    info = {"index": g.image(png(2, 2, lambda x, y: colours[y][x]), magFilter=9728)}
+    transform = {"offset": list(offset), "rotation": rotation, "scale": list(scale)}
+    if override:
+        transform["texCoord"] = 1
+    else:
+        info["texCoord"] = 1
+    g.extend(info, "KHR_texture_transform", transform)
+    g.node(mesh=g.mesh(*quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), g.material("picture", texture=info),
+                       uvs=[(0, 0)] * 4, uvs1=PICTURE_UVS))
+    g.light("directional", 1.0, (0, 0, 2), (0, 0, 0), up=(0, 1, 0))
+    g.camera((0, 0, 2), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
+def unlit_quad(folder, albedo=(.25, .5, .75), name="unlit_quad.gltf"):
+    """A quad of KHR_materials_unlit over a floor, no light at all: the quad shows its colour, the floor stays black."""
+    g = Gltf()
+    g.place(*quad((-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)), g.material("sign", albedo, unlit=True))
+    g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("floor", (.5,) * 3))
+    g.camera((0, 1, 5), (0, 1, 0), 40)
+    return g.save(folder, name)
+
+
+def plates(folder, name="plates.gltf"):
+    """Three metal plates of roughness 0.05, 0.2 and 0.5, each turned to show a small and a large lamp of the same power to
+    the camera: a small lamp in a rough plate wants light sampling, a large one in a smooth plate the lobe's."""
+    g = Gltf()
+    eye, lamps = (0, 2, 9), (("small", -1.5, .1), ("large", 1.5, .8))
+    for i, roughness in enumerate((.05, .2, .5)):
+        middle = (0, .3 + .5 * i, 2.0 - 1.5 * i)
+        # Turned so that the plate mirrors the lamps' middle to the eye.
+        to_eye = [eye[c] - middle[c] for c in range(3)]
+        to_lamp = [(0, 3, -3)[c] - middle[c] for c in range(3)]
+        half = [to_eye[c] / math.hypot(*to_eye) + to_lamp[c] / math.hypot(*to_lamp) for c in range(3)]
+        degrees = math.degrees(math.atan2(half[2], half[1]))
+        plate, triangles = quad((-3, 0, .5), (3, 0, .5), (3, 0, -.5), (-3, 0, -.5))
+        g.place(transformed(plate, rotation((1, 0, 0), degrees), offset=middle), triangles,
+                g.material("plate %g" % roughness, (.8,) * 3, metallic=1, roughness=roughness))
+    for lamp, x, half_side in lamps:
+        s = half_side
+        g.place(*quad((x - s, 3 - s, -3), (x + s, 3 - s, -3), (x + s, 3 + s, -3), (x - s, 3 + s, -3)),
+                g.material(lamp, (0, 0, 0), (1 / (s * s),) * 3))
+    g.camera(eye, (0, 1.5, 0), 40)
+    return g.save(folder, name)
+
+
 CORNELL = [  # name, colour, corners counter-clockwise seen from inside
     ("floor", (.73, .73, .73), ((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1))),
     ("ceiling", (.73, .73, .73), ((-1, 2, -1), (1, 2, -1), (1, 2, 1), (-1, 2, 1))),
@@ -220,6 +327,13 @@ SCENES = {
     "hierarchy": hierarchy,
     "offset_by_node": offset_by_node,
     "offset_in_vertices": offset_in_vertices,
+    "ggx_furnace": ggx_furnace,
+    "normal_mapped_quad": normal_mapped_quad,
+    "alpha_mask": alpha_mask,
+    "vertex_colours": vertex_colours,
+    "second_uvs": second_uvs,
+    "unlit_quad": unlit_quad,
+    "plates": plates,
     "cornell": cornell,
     "cornell_obj": cornell_obj,
 }

@@ -62,34 +62,56 @@ class Gltf:
         return self.add("accessors", {"bufferView": self.view(struct.pack("<%dI" % len(values), *values)),
                                       "componentType": 5125, "count": len(values), "type": "SCALAR"})
 
-    def material(self, name, albedo=(1, 1, 1), emission=(0, 0, 0), both_sides=False, texture=None):
-        """Emission is a radiance; above 1 it goes through KHR_materials_emissive_strength."""
-        pbr = {"baseColorFactor": [*albedo, 1], "metallicFactor": 0, "roughnessFactor": 1}
+    def material(self, name, albedo=(1, 1, 1), emission=(0, 0, 0), both_sides=False, texture=None, metallic=0, roughness=1,
+                 specular=0, ior=None, alpha=1, cutoff=None, unlit=False):
+        """Emission is a radiance; above 1 it goes through KHR_materials_emissive_strength. `specular` is the factor of
+        KHR_materials_specular: at 0, as here, and without metal the surface is a pure Lambert one, which closed forms need;
+        1 is glTF's own default. `cutoff` makes it an alpha mask. A texture is an index or a whole textureInfo."""
+        pbr = {"baseColorFactor": [*albedo, alpha], "metallicFactor": metallic, "roughnessFactor": roughness}
         if texture is not None:
-            pbr["baseColorTexture"] = {"index": texture}
+            pbr["baseColorTexture"] = texture if isinstance(texture, dict) else {"index": texture}
         material = {"name": name, "pbrMetallicRoughness": pbr}
+        if specular != 1:
+            self.extend(material, "KHR_materials_specular", {"specularFactor": specular})
+        if ior is not None:
+            self.extend(material, "KHR_materials_ior", {"ior": ior})
+        if unlit:
+            self.extend(material, "KHR_materials_unlit", {})
+        if cutoff is not None:
+            material.update(alphaMode="MASK", alphaCutoff=cutoff)
         strength = max(emission)
         if strength > 1:
             material["emissiveFactor"] = [e / strength for e in emission]
-            material["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}
-            self.use("KHR_materials_emissive_strength")
+            self.extend(material, "KHR_materials_emissive_strength", {"emissiveStrength": strength})
         elif strength > 0:
             material["emissiveFactor"] = list(emission)
         if both_sides:
             material["doubleSided"] = True
         return self.add("materials", material)
 
+    def extend(self, item, extension, content):
+        """Put an extension into any object of the file."""
+        item.setdefault("extensions", {})[extension] = content
+        self.use(extension)
+        return item
+
     def use(self, extension):
         used = self.json.setdefault("extensionsUsed", [])
         if extension not in used:
             used.append(extension)
 
-    def mesh(self, positions, triangles, material=None, uvs=None, normals=None):
+    def mesh(self, positions, triangles, material=None, uvs=None, normals=None, uvs1=None, colors=None, tangents=None):
         attributes = {"POSITION": self.floats(positions, "VEC3")}
         if normals:
             attributes["NORMAL"] = self.floats(normals, "VEC3")
         if uvs:
             attributes["TEXCOORD_0"] = self.floats(uvs, "VEC2")
+        if uvs1:
+            attributes["TEXCOORD_1"] = self.floats(uvs1, "VEC2")
+        if colors:
+            attributes["COLOR_0"] = self.floats(colors, "VEC%d" % len(colors[0]))
+        if tangents:
+            attributes["TANGENT"] = self.floats(tangents, "VEC4")
         primitive = {"attributes": attributes, "indices": self.indices([i for t in triangles for i in t])}
         if material is not None:
             primitive["material"] = material
@@ -186,14 +208,14 @@ def save(folder, name, data):
 
 
 def png(width, height, pixel):
-    """An 8-bit RGB PNG; pixel(x, y) gives (r, g, b)."""
+    """An 8-bit PNG; pixel(x, y) gives (r, g, b) or (r, g, b, a)."""
     import zlib
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     rows = b"".join(b"\0" + bytes(c for x in range(width) for c in pixel(x, y)) for y in range(height))
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", width, height, 8, 6 if len(pixel(0, 0)) == 4 else 2, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b"")
 
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "server/scene/blob.h"
+#include "server/scene/facts.h"
 
 #define SMALL_BLOB_ROOM 65536u
 
@@ -32,10 +33,11 @@ static inline void small_box(float min[3], float max[3], float x0, float x1)
 	}
 }
 
-// Four triangles side by side along x, three nodes, two materials, a texture, two emitters, a light of each kind, a camera.
+// Four triangles side by side along x, three nodes, two materials (glossy and masked with all maps, and a lamp), a texture
+// by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex.
 static inline void small_make(struct small_blob *b)
 {
-	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2};
+	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2, 12, 12, 12};
 	struct blob_header *h = small_header(b);
 	uint64_t end = (sizeof *h + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
 	memset(b, 0, sizeof *b);
@@ -79,11 +81,29 @@ static inline void small_make(struct small_blob *b)
 		n[1 + i].count0 = n[1 + i].count1 = 1;
 	}
 	struct material *m = small_section(b, BLOB_MATERIALS);
-	m[0] = (struct material){.albedo = {.5f, .5f, .5f}, .emission_texture = NONE};
-	m[1] = (struct material){
-	    .emission = {1, 1, 1}, .albedo_texture = NONE, .emission_texture = NONE, .power_density = 3.14f};
+	m[0] = (struct material){.albedo = {.5f, .5f, .5f},
+				 .emission_texture = NONE,
+				 .specular = {.04f, .04f, .04f},
+				 .specular_weight = 1,
+				 .roughness = .5f,
+				 .normal_scale = 1,
+				 .alpha_cutoff = .5f,
+				 .flags = MATERIAL_ALPHA_MASK};
+	m[1] = (struct material){.emission = {1, 1, 1},
+				 .albedo_texture = NONE,
+				 .emission_texture = NONE,
+				 .specular_texture = NONE,
+				 .surface_texture = NONE,
+				 .normal_texture = NONE,
+				 .power_density = 3.14f};
+	struct vertex_color *colors = small_section(b, BLOB_COLORS);
+	struct vertex_tangent *tangents = small_section(b, BLOB_TANGENTS);
+	for (uint32_t i = 0; i < 12; i++) {
+		colors[i] = (struct vertex_color){{1, 1, 1, .5f}};
+		tangents[i] = (struct vertex_tangent){{1, 0, 0, i % 2 ? 1 : -1}};
+	}
 	struct texture_info *texture = small_section(b, BLOB_TEXTURES);
-	texture[0] = (struct texture_info){0, 3, 2, TEXTURE_SRGB};
+	texture[0] = (struct texture_info){0, 3, 2, TEXTURE_SRGB | TEXTURE_UV1, {1, 0, 0}, {0, 1, 0}};
 	struct emitter *e = small_section(b, BLOB_EMITTERS);
 	e[0] = (struct emitter){2, 1, 0, .5f};
 	e[1] = (struct emitter){3, 1, 1, .5f};
@@ -100,6 +120,7 @@ static inline void small_make(struct small_blob *b)
 	c[0] = (struct blob_camera){.name = "camera", .forward = {0, 0, -1}, .up = {0, 1, 0}, .vfov_degrees = 40};
 	h->bounds_max[0] = 3.5f;
 	h->bounds_max[1] = 1;
+	h->facts = facts_collect(h);
 }
 
 #endif

@@ -172,7 +172,66 @@ static void colours(void **state)
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].width = 0x80000001u,
 		SECTION(texture_info, BLOB_TEXTURES)[0].height = 2);
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].flags = 3u << TEXTURE_WRAP_T_SHIFT);
-	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].flags = 1u << 6);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].flags = 1u << 7);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].row_u[2] = NAN);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].row_v[0] = INFINITY);
+}
+
+static void surfaces(void **state)
+{
+	(void)state;
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].surface_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].normal_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular[1] = 1.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular[1] = NAN);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular_weight = -0.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular_weight = NAN);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].metallic = 1.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].metallic = NAN);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].roughness = 1.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].roughness = NAN);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].normal_scale = INFINITY);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].alpha_cutoff = -0.1f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].alpha_cutoff = INFINITY);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].flags |= 8);
+}
+
+static void parts_of_vertices(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	(void)state;
+	REFUSED(SECTION(vertex_uv1, BLOB_UV1)[11].uv[1] = NAN);
+	REFUSED(SECTION(vertex_color, BLOB_COLORS)[11].rgba[3] = -0.1f);
+	REFUSED(SECTION(vertex_color, BLOB_COLORS)[4].rgba[0] = 1001);
+	REFUSED(SECTION(vertex_color, BLOB_COLORS)[0].rgba[2] = NAN);
+	REFUSED(SECTION(vertex_tangent, BLOB_TANGENTS)[11].xyzw[1] = INFINITY);
+	REFUSED(SECTION(vertex_tangent, BLOB_TANGENTS)[0].xyzw[3] = 0.5f);
+	REFUSED(SECTION(vertex_tangent, BLOB_TANGENTS)[0].xyzw[3] = NAN);
+	for (unsigned s = BLOB_UV1; s <= BLOB_TANGENTS; s++)
+		REFUSED(h->sections[s].count = 11);
+	REFUSED(h->sections[BLOB_UV1].count = 0); // a texture asks for them
+	REFUSED(h->sections[BLOB_TANGENTS].count = 0); // so does a normal map
+	small_make(&blob);
+	h->sections[BLOB_COLORS].count = 0;
+	h->facts = facts_collect(h);
+	assert_int_equal(check(), STATUS_OK);
+	SECTION(material, BLOB_MATERIALS)[0].normal_texture = NONE;
+	h->sections[BLOB_TANGENTS].count = 0;
+	h->facts = facts_collect(h);
+	assert_int_equal(check(), STATUS_OK);
+	SECTION(texture_info, BLOB_TEXTURES)[0].flags = 0;
+	h->sections[BLOB_UV1].count = 0;
+	assert_int_equal(check(), STATUS_OK);
+}
+
+static void facts_are_those_of_the_contents(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	(void)state;
+	for (unsigned bit = 0; bit < 32; bit++)
+		REFUSED(h->facts ^= 1u << bit);
+	REFUSED(h->sections[BLOB_COLORS].count = 0);
 }
 
 static void lights_and_cameras(void **state)
@@ -203,6 +262,7 @@ static void a_missing_child_is_fine_in_a_tiny_scene(void **state)
 	(void)state;
 	h->sections[BLOB_NODES].count = h->sections[BLOB_TRIANGLES].count = h->sections[BLOB_LEAF_TRIANGLES].count = 1;
 	h->sections[BLOB_EMITTERS].count = 0;
+	h->facts = facts_collect(h);
 	h->bvh_depth = 1;
 	n[0] = n[1];
 	n[0].child1 = n[0].count1 = 0;
@@ -223,6 +283,9 @@ int main(void)
 	    cmocka_unit_test_setup(tree, fresh),
 	    cmocka_unit_test_setup(a_leaf_has_fifteen_triangles_at_most, fresh),
 	    cmocka_unit_test_setup(colours, fresh),
+	    cmocka_unit_test_setup(surfaces, fresh),
+	    cmocka_unit_test_setup(parts_of_vertices, fresh),
+	    cmocka_unit_test_setup(facts_are_those_of_the_contents, fresh),
 	    cmocka_unit_test_setup(lights_and_cameras, fresh),
 	    cmocka_unit_test_setup(a_missing_child_is_fine_in_a_tiny_scene, fresh),
 	};

@@ -27,7 +27,8 @@ static void everything(void **state)
 {
 	(void)state;
 	assert_int_equal(facts(), FACT_TEXTURES | FACT_EMITTERS | FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS |
-				      FACT_DIRECTIONAL_LIGHTS | FACT_REFLECTS);
+				      FACT_DIRECTIONAL_LIGHTS | FACT_REFLECTS | FACT_GLOSSY | FACT_NORMAL_MAPS |
+				      FACT_ALPHA_MASK | FACT_VERTEX_COLORS);
 }
 
 static void lights_by_kind(void **state)
@@ -60,20 +61,68 @@ static void unused_materials_say_nothing(void **state)
 	assert_int_equal(facts() & (FACT_TEXTURES | FACT_REFLECTS), FACT_TEXTURES | FACT_REFLECTS);
 }
 
+static void textures_of_any_kind(void **state)
+{
+	struct material *m = small_section(&blob, BLOB_MATERIALS);
+	(void)state;
+	for (int i = 0; i < 5; i++) {
+		uint32_t *const slots[] = {&m->albedo_texture, &m->emission_texture, &m->specular_texture,
+					   &m->surface_texture, &m->normal_texture};
+		for (int k = 0; k < 5; k++)
+			*slots[k] = k == i ? 0 : NONE;
+		assert_true(facts() & FACT_TEXTURES);
+		*slots[i] = NONE;
+		assert_false(facts() & FACT_TEXTURES);
+		assert_false(facts() & FACT_NORMAL_MAPS);
+	}
+}
+
+static void gloss(void **state)
+{
+	struct material *m = small_section(&blob, BLOB_MATERIALS);
+	(void)state;
+	*m = (struct material){.albedo = {.5f, 0, 0}};
+	assert_int_equal(facts() & (FACT_GLOSSY | FACT_REFLECTS), FACT_REFLECTS);
+	*m = (struct material){.metallic = .1f};
+	assert_int_equal(facts() & (FACT_GLOSSY | FACT_REFLECTS), FACT_GLOSSY | FACT_REFLECTS);
+	*m = (struct material){.specular_weight = .1f};
+	assert_int_equal(facts() & (FACT_GLOSSY | FACT_REFLECTS), FACT_GLOSSY | FACT_REFLECTS);
+	*m = (struct material){.specular = {0, 0, .1f}};
+	assert_int_equal(facts() & (FACT_GLOSSY | FACT_REFLECTS), FACT_GLOSSY | FACT_REFLECTS);
+	*m = (struct material){.albedo = {1, 1, 1}, .specular_weight = 1, .flags = MATERIAL_UNLIT};
+	assert_int_equal(facts() & (FACT_GLOSSY | FACT_REFLECTS | FACT_UNLIT | FACT_ALPHA_MASK), FACT_UNLIT);
+}
+
+static void white_vertices_have_no_colour(void **state)
+{
+	struct vertex_color *colors = small_section(&blob, BLOB_COLORS);
+	(void)state;
+	for (int i = 0; i < 12; i++)
+		colors[i] = (struct vertex_color){{1, 1, 1, 1}};
+	assert_false(facts() & FACT_VERTEX_COLORS);
+	colors[11].rgba[1] = .9f;
+	assert_true(facts() & FACT_VERTEX_COLORS);
+}
+
 static void every_fact_has_a_name(void **state)
 {
 	(void)state;
-	for (uint32_t bit = 1; bit <= FACT_REFLECTS; bit <<= 1)
+	for (uint32_t bit = 1; bit <= FACT_UNLIT; bit <<= 1)
 		assert_non_null(fact_name((enum fact)bit));
-	assert_null(fact_name((enum fact)(FACT_REFLECTS << 1)));
+	assert_null(fact_name((enum fact)(FACT_UNLIT << 1)));
 	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test_setup(everything, fresh), cmocka_unit_test_setup(lights_by_kind, fresh),
-	    cmocka_unit_test_setup(emitters, fresh),   cmocka_unit_test_setup(unused_materials_say_nothing, fresh),
+	    cmocka_unit_test_setup(everything, fresh),
+	    cmocka_unit_test_setup(lights_by_kind, fresh),
+	    cmocka_unit_test_setup(textures_of_any_kind, fresh),
+	    cmocka_unit_test_setup(gloss, fresh),
+	    cmocka_unit_test_setup(white_vertices_have_no_colour, fresh),
+	    cmocka_unit_test_setup(emitters, fresh),
+	    cmocka_unit_test_setup(unused_materials_say_nothing, fresh),
 	    cmocka_unit_test(every_fact_has_a_name),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

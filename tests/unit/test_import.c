@@ -161,7 +161,7 @@ static void emitters_go_by_power(void **state)
 	uint32_t count, again;
 	float power, doubled;
 	struct geometry g;
-	const struct material dark = {.albedo_texture = NONE, .emission_texture = NONE};
+	const struct material dark = import_plain_material(0);
 	(void)state;
 	for (int i = 0; i < 4; i++) {
 		struct material m = dark;

@@ -15,9 +15,12 @@ from writers import Gltf, Obj, look_at, png, quad, save  # noqa: E402
 
 LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
 SECTIONS = ["nodes", "leaf_triangles", "triangles", "vertices", "materials", "textures", "texels", "emitters", "lights",
-            "cameras", "names"]
-FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fIIf2f", "textures": "<4I", "texels": "<I",
-           "emitters": "<IfIf", "lights": "<3fI3ff3fffIff"}
+            "cameras", "names", "uv1", "colors", "tangents"]
+FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fI3fIIffIf3f", "textures": "<4I3f3f", "texels": "<I",
+           "emitters": "<IfIf", "lights": "<3fI3ff3fffIff", "uv1": "<2f", "colors": "<4f", "tangents": "<4f"}
+# Where a material's fields lie in its tuple.
+(ALBEDO, EMISSION, SPECULAR, WEIGHT, METALLIC, ROUGHNESS, SURFACE, NORMAL, SCALE, CUTOFF, FLAGS, POWER) = (
+    0, 4, 8, 12, 13, 14, 15, 16, 17, 18, 19, 20)
 NONE = 0xFFFFFFFF
 
 
@@ -180,7 +183,7 @@ class Load(unittest.TestCase):
         info, blob = self.load(make.cornell(self.folder, 15.0))
         lamp = blob.materials[-1]
         self.near(lamp[4:7], (15, 15, 15), 5)
-        self.assertAlmostEqual(lamp[9], 15 * math.pi, 4)
+        self.assertAlmostEqual(lamp[POWER], 15 * math.pi, 4)
         self.assertEqual([e[3] for e in blob.emitters], [0.5, 0.5])
         _, twice = self.load(make.cornell(self.folder, 30.0))
         self.assertEqual(blob.emitters, twice.emitters)
@@ -191,11 +194,11 @@ class Load(unittest.TestCase):
         g.place(*quad((2, 0, 0), (3, 0, 0), (3, 1, 0), (2, 1, 0)), g.material("two", emission=(1, 1, 1), both_sides=True))
         _, blob = self.load(g.save(self.folder, "sides.gltf"))
         self.near([e[3] for e in blob.emitters], [1 / 6, 1 / 6, 1 / 3, 1 / 3])
-        self.assertEqual([m[8] for m in blob.materials], [0, 1])
+        self.assertEqual([m[FLAGS] for m in blob.materials], [0, 1])
 
     def test_texture(self):
         _, blob = self.load(make.textured_quad(self.folder, magFilter=9728, wrapS=33071, wrapT=33648))
-        offset, width, height, flags = blob.textures[0]
+        offset, width, height, flags = blob.textures[0][:4]
         self.assertEqual((width, height), (2, 2))
         self.assertEqual(flags, 1 | 2 << 2 | 1 << 4 | 1 << 5)  # clamp, mirror, nearest, sRGB
         self.assertEqual(blob.texels, [(0xFF0000FF,), (0xFF00FF00,), (0xFFFF0000,), (0xFFFFFFFF,)])
@@ -245,13 +248,210 @@ class Load(unittest.TestCase):
         lamp, picture = sorted((blob.materials[m] for m in materials), key=lambda m: -m[4])
         self.near(lamp[:3], (.25, .5, .75))
         self.near(lamp[4:7], (17, 12, 4))
-        self.assertEqual(lamp[8], 0)
+        self.assertEqual(lamp[FLAGS], 0)
         self.assertEqual(picture[3], 0)
         self.assertEqual(blob.texels, [(0xFF0000FF,), (0xFFFF0000,)])
         textured = next(i for i in range(2) if blob.triangles[i][3] == blob.materials.index(picture))
         self.near(blob.corner(textured, 0)[6:8], (0, 1))  # vt 0 0 is the lower left: our last row
         self.near(blob.corner(textured, 2)[6:8], (1, 0))
-        self.assertEqual(info["ignored"], ["Ns"])
+        self.assertEqual(info["ignored"], [])
+
+    def material(self, edit=None, **keywords):
+        """The one material of a quad with all that a primitive can have, after edit(gltf, its JSON)."""
+        g = Gltf()
+        number = g.material("m", (.5, .5, .5), **keywords)
+        if edit:
+            edit(g, g.json["materials"][number])
+        uvs = [(0, 1), (1, 1), (1, 0), (0, 0)]
+        g.node(mesh=g.mesh(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), number, uvs=uvs, uvs1=[(v, u) for u, v in uvs],
+                           normals=[(0, 0, 1)] * 4))
+        info, blob = self.load(g.save(self.folder, "material.gltf"))
+        self.assertEqual(info["ignored"], [])
+        self.blob = blob
+        return info, blob.materials[0]
+
+    def test_a_surface_is_pure_lambert_where_the_file_says_so(self):
+        info, m = self.material()
+        self.near(m[SPECULAR:SPECULAR + 3], (0, 0, 0))
+        self.assertEqual((m[WEIGHT], m[METALLIC], m[ROUGHNESS]), (0, 0, 1))
+        self.assertNotIn("glossy surfaces", info["facts"])
+
+    def test_metal_roughness_and_specular(self):
+        info, m = self.material(metallic=.25, roughness=.5, specular=1)
+        self.assertEqual((m[WEIGHT], m[METALLIC], m[ROUGHNESS]), (1, .25, .5))
+        self.near(m[SPECULAR:SPECULAR + 3], (.04,) * 3)
+        self.assertIn("glossy surfaces", info["facts"])
+        _, m = self.material(specular=.5, ior=2)
+        self.near(m[SPECULAR:SPECULAR + 3], (1 / 18,) * 3)
+        self.assertEqual(m[WEIGHT], .5)
+
+        def colours(g, m):
+            m["extensions"]["KHR_materials_specular"]["specularColorFactor"] = [.5, 0, 100]
+        _, m = self.material(colours, specular=.5)
+        self.near(m[SPECULAR:SPECULAR + 3], (.01, 0, .5))  # clamped before the factor
+        _, m = self.material(specular=1, ior=0)
+        self.near(m[SPECULAR:SPECULAR + 3], (1, 1, 1))
+
+    def test_the_default_material(self):
+        g = Gltf()
+        g.place(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)))
+        _, blob = self.load(g.save(self.folder, "default.gltf"))
+        m = blob.materials[0]
+        self.near(m[:3] + m[EMISSION:EMISSION + 3] + m[SPECULAR:SPECULAR + 3], (1, 1, 1, 0, 0, 0, .04, .04, .04))
+        self.assertEqual((m[WEIGHT], m[METALLIC], m[ROUGHNESS], m[FLAGS]), (1, 1, 1, 0))
+
+    def test_maps_and_their_spaces(self):
+        def edit(g, m):
+            pictures = [g.image(png(1, 1, lambda x, y: (i, i, i))) for i in range(5)]
+            m["pbrMetallicRoughness"]["baseColorTexture"] = {"index": pictures[0]}
+            m["pbrMetallicRoughness"]["metallicRoughnessTexture"] = {"index": pictures[1], "texCoord": 1}
+            m["normalTexture"] = {"index": pictures[2], "scale": -.5}
+            m["emissiveTexture"] = {"index": pictures[3]}
+            m["emissiveFactor"] = [1, 1, 1]
+            m["extensions"]["KHR_materials_specular"] = {"specularColorTexture": {"index": pictures[4], "texCoord": 1}}
+        info, m = self.material(edit)
+        picture = [self.blob.texels[self.blob.textures[m[i]][0]][0] & 255 for i in (3, SURFACE, NORMAL, 7, 11)]
+        self.assertEqual(picture, [0, 1, 2, 3, 4])
+        flags = [self.blob.textures[m[i]][3] for i in (3, SURFACE, NORMAL, 7, 11)]
+        self.assertEqual(flags, [32, 64, 0, 32, 96])  # sRGB for colours, second coordinates where asked
+        self.assertEqual(m[SCALE], -.5)
+        self.near(self.blob.uv1[self.blob.triangles[0][0]], (1, 0))
+        self.assertIn("normal maps", info["facts"])
+
+    def test_what_is_hidden_is_not_read(self):
+        def edit(g, m):
+            m["emissiveTexture"] = {"index": g.image(png(1, 1, lambda x, y: (9, 9, 9)))}
+        self.material(edit)
+        self.assertEqual(len(self.blob.textures) + len(self.blob.uv1) + len(self.blob.tangents) + len(self.blob.colors), 0)
+
+    def test_alpha_mask(self):
+        info, m = self.material(cutoff=.25)
+        self.assertEqual((m[FLAGS], m[CUTOFF]), (2, .25))
+        self.assertIn("alpha masks", info["facts"])
+        _, m = self.material(cutoff=.25, alpha=.5)
+        self.assertEqual(m[CUTOFF], .5)
+        _, m = self.material(cutoff=.25, alpha=0)
+        self.assertGreater(m[CUTOFF], 1e38)
+        _, m = self.material(cutoff=0, alpha=0)
+        self.assertEqual(m[CUTOFF], 0)
+        _, blob = self.load(make.alpha_mask(self.folder))
+        self.assertEqual(blob.texels, [(0xFFFFFFFF,), (0x00FFFFFF,)])
+        info, _ = self.material(alpha=.5)
+        self.assertNotIn("alpha masks", info["facts"])
+
+    def test_unlit(self):
+        def edit(g, m):
+            m.update(emissiveFactor=[1, 1, 1], doubleSided=True)
+            m["normalTexture"] = {"index": g.image(png(1, 1, lambda x, y: (128, 128, 255)))}
+        info, m = self.material(edit, unlit=True, metallic=1, specular=1, cutoff=.5)
+        self.assertEqual(m[FLAGS], 6)
+        self.near(m[:3], (.5, .5, .5))
+        self.assertEqual(m[EMISSION:EMISSION + 3] + m[SPECULAR:SPECULAR + 3] + (m[WEIGHT], m[METALLIC], m[POWER]), (0,) * 9)
+        self.assertEqual((info["emissive_triangles"], info["facts"]), (0, ["alpha masks", "unlit surfaces"]))
+
+    def test_texture_transform(self):
+        def rows(**transform):
+            _, blob = self.load(make.second_uvs(self.folder, **transform))
+            self.assertEqual(blob.textures[0][3], 16 | 32 | 64)
+            return blob.textures[0][4:7], blob.textures[0][7:10]
+        for override in (True, False):
+            u, v = rows(offset=(.25, .5), rotation=0, scale=(2, -3), override=override)
+            self.assertEqual((u, v), ((2, 0, .25), (0, -3, .5)))
+        u, v = rows()  # the extension's own example: the lower left quarter
+        for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
+            at = [row[0] * corner[0] + row[1] * corner[1] + row[2] for row in (u, v)]
+            self.assertTrue(-1e-6 <= at[0] <= .5 + 1e-6 and .5 - 1e-6 <= at[1] <= 1 + 1e-6, at)
+        u, v = rows(offset=(0, 0), rotation=math.radians(30), scale=(2, 3))
+        self.near(u, (2 * math.cos(math.radians(30)), 3 * math.sin(math.radians(30)), 0))
+        self.near(v, (-2 * math.sin(math.radians(30)), 3 * math.cos(math.radians(30)), 0))
+
+    def test_third_coordinates_are_ignored(self):
+        g = Gltf()
+        texture = {"index": g.image(png(1, 1, lambda x, y: (9, 9, 9))), "texCoord": 2}
+        g.place(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), g.material("m", texture=texture))
+        info, blob = self.load(g.save(self.folder, "third.gltf"))
+        self.assertEqual(info["ignored"], ["TEXCOORD_2"])
+        self.assertEqual(blob.textures[0][3] & 64, 0)
+
+    def test_vertex_colours(self):
+        for width in (3, 4):
+            info, blob = self.load(make.vertex_colours(self.folder, width))
+            self.assertEqual(blob.colors, [(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)])
+            self.assertIn("vertex colours", info["facts"])
+
+    def test_colours_as_integers(self):
+        for kind, layout, full in ((5121, "<4B", 255), (5123, "<4H", 65535)):
+            g = Gltf()
+            g.place(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), g.material("m"))
+            data = b"".join(struct.pack(layout, full, full // 5, 0, full) for _ in range(4))
+            accessor = {"bufferView": g.view(data), "componentType": kind, "normalized": True, "count": 4, "type": "VEC4"}
+            g.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = g.add("accessors", accessor)
+            _, blob = self.load(g.save(self.folder, "integers.gltf"))
+            for colour in blob.colors:
+                self.near(colour, (1, .2, 0, 1))
+
+    def test_white_vertices_take_no_room(self):
+        g = Gltf()
+        g.node(mesh=g.mesh(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), g.material("m"), colors=[(1, 1, 1)] * 4))
+        _, blob = self.load(g.save(self.folder, "white.gltf"))
+        self.assertEqual(blob.colors, [])
+
+    def test_primitives_with_and_without(self):
+        g = Gltf()
+        m = g.material("m")
+        for x, colours in ((0, None), (2, [(.5, .5, .5)] * 4), (4, None)):
+            g.node(mesh=g.mesh(*quad((x, 0, 0), (x + 1, 0, 0), (x + 1, 1, 0), (x, 1, 0)), m, colors=colours))
+        _, blob = self.load(g.save(self.folder, "some.gltf"))
+        self.assertEqual(blob.colors, [(1, 1, 1, 1)] * 4 + [(.5, .5, .5, 1)] * 4 + [(1, 1, 1, 1)] * 4)
+
+    def test_tangents(self):
+        for mirrored, want in ((False, (1, 0, 0, 1)), (True, (-1, 0, 0, -1))):
+            _, blob = self.load(make.normal_mapped_quad(self.folder, mirrored=mirrored))
+            self.assertEqual(len(blob.tangents), 4)
+            for tangent in blob.tangents:
+                self.near(tangent, want)
+
+    def test_tangents_follow_their_node(self):
+        # The file's own, and made ones, under a mirror: both must come out the same.
+        for given in (None, [(2, 0, 0, 1)] * 4):
+            for scale, want in (([1, 3, 1], (1, 0, 0, 1)), ([-1, 1, 1], (-1, 0, 0, -1)), ([1, -1, 1], (1, 0, 0, -1)),
+                                ([1, 1, -1], (1, 0, 0, -1)), ([-1, -1, 1], (-1, 0, 0, 1))):
+                path = make.normal_mapped_quad(self.folder, tangents=given)
+                with open(path) as file:
+                    root = json.load(file)
+                root["nodes"][0]["scale"] = scale
+                _, blob = self.load(save(self.folder, "turned.gltf", json.dumps(root).encode()))
+                for tangent in blob.tangents:
+                    self.near(tangent, want)
+
+    def test_mtl_surfaces(self):
+        save(self.folder, "flat.png", png(2, 2, lambda x, y: (128, 128, 255)))
+        save(self.folder, "heights.png", png(4, 4, lambda x, y: (60 * x,) * 3))
+        o = Obj()
+        o.material("dull", (.5,) * 3, None, "Ks 0.5 0.5 0.5", "Ns 30", "illum 1")
+        o.material("shiny", (.5,) * 3, None, "Ks 0.5 0.25 0", "Ns 30", "illum 2", "map_Ks flat.png", "map_Bump -bm 0.25 flat.png")
+        o.material("bumpy", (.5,) * 3, None, "bump heights.png")
+        o.material("normal", (.5,) * 3, None, "norm flat.png")
+        o.lines += ["vt 0 0", "vt 1 0", "vt 1 1"]
+        names = ("dull", "shiny", "bumpy", "normal")
+        for i, name in enumerate(names):
+            o.lines += ["v %d 0 0" % (2 * i), "v %d 0 0" % (2 * i + 1), "v %d 1 0" % (2 * i + 1), "usemtl " + name,
+                        "f %d/1 %d/2 %d/3" % (3 * i + 1, 3 * i + 2, 3 * i + 3)]
+        info, blob = self.load(o.save(self.folder, "surfaces.obj"))
+        self.assertEqual((info["ignored"], info["warnings"]), ([], []))
+        place = {round(blob.corner(t, 0)[0]) // 2: t for t in range(4)}
+        dull, shiny, bumpy, normal = (blob.materials[blob.triangles[place[i]][3]] for i in range(4))
+        self.assertEqual(dull[SPECULAR:WEIGHT + 3], (0, 0, 0, NONE, 0, 0, 1))
+        self.near(shiny[SPECULAR:SPECULAR + 3] + shiny[WEIGHT:WEIGHT + 3], (.5, .25, 0, .5, 0, .5))
+        self.assertEqual(blob.textures[shiny[11]][3], 32)
+        self.assertEqual((blob.textures[shiny[NORMAL]][3], shiny[SCALE]), (0, .25))
+        self.assertEqual(blob.texels[blob.textures[shiny[NORMAL]][0]], (0xFFFF8080,))
+        self.assertEqual(normal[NORMAL], shiny[NORMAL])
+        made = blob.texels[blob.textures[bumpy[NORMAL]][0] + 1][0]  # rises to the right by 60 of 255 a texel
+        slope = 60 / 255
+        self.assertEqual(made & 255, round(255 * (.5 - .5 * slope / math.hypot(slope, 1))))
+        self.assertEqual((made >> 8 & 255, bumpy[SCALE]), (128, 1))
+        self.near(blob.tangents[blob.triangles[place[1]][0]], (1, 0, 0, 1))
 
     def test_wrong_arguments(self):
         for arguments in ([], ["--describe"], ["--file", "x"] + ["--up", "x"], ["--describe", "--dir", ".", "--file", "x", "--unit", "0"],

@@ -19,6 +19,12 @@ _Static_assert((int)SPEC_EMITTERS == (int)candil_Effect_EFFECT_EMITTERS, "one co
 _Static_assert((int)SPEC_LIGHTS == (int)candil_Effect_EFFECT_LIGHTS, "one constant an effect");
 _Static_assert((int)SPEC_ENVIRONMENT == (int)candil_Effect_EFFECT_ENVIRONMENT, "one constant an effect");
 _Static_assert((int)SPEC_BOUNCES == (int)candil_Effect_EFFECT_BOUNCES, "one constant an effect");
+_Static_assert((int)SPEC_GLOSSY == (int)candil_Effect_EFFECT_GLOSSY, "one constant an effect");
+_Static_assert((int)SPEC_NORMAL_MAPS == (int)candil_Effect_EFFECT_NORMAL_MAPS, "one constant an effect");
+_Static_assert((int)SPEC_ALPHA_MASK == (int)candil_Effect_EFFECT_ALPHA_MASK, "one constant an effect");
+_Static_assert((int)SPEC_VERTEX_COLORS == (int)candil_Effect_EFFECT_VERTEX_COLORS, "one constant an effect");
+_Static_assert((int)SPEC_UNLIT == (int)candil_Effect_EFFECT_UNLIT, "one constant an effect");
+_Static_assert((int)SPEC_EFFECTS == (int)_candil_Effect_ARRAYSIZE, "no effect without a constant");
 
 static const struct shader path_shader = {.name = "path",
 					  .code = shader_path_comp,
@@ -76,12 +82,18 @@ static uint32_t scene_bindings(const struct plan *plan)
 {
 	uint32_t bits = 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES | 1u << BIND_TRIANGLES | 1u << BIND_VERTICES |
 			1u << BIND_MATERIALS;
-	if (plan_has(plan, candil_Effect_EFFECT_TEXTURES))
-		bits |= 1u << BIND_TEXTURES | 1u << BIND_TEXELS | 1u << BIND_SRGB_TABLE;
 	if (plan_has(plan, candil_Effect_EFFECT_EMITTERS))
 		bits |= 1u << BIND_EMITTERS;
 	if (plan_has(plan, candil_Effect_EFFECT_LIGHTS))
 		bits |= 1u << BIND_LIGHTS;
+	if (plan_has(plan, candil_Effect_EFFECT_TEXTURES) || plan_has(plan, candil_Effect_EFFECT_NORMAL_MAPS))
+		bits |= 1u << BIND_TEXTURES | 1u << BIND_TEXELS | 1u << BIND_SRGB_TABLE | 1u << BIND_UV1;
+	if (plan_has(plan, candil_Effect_EFFECT_NORMAL_MAPS))
+		bits |= 1u << BIND_TANGENTS;
+	if (plan_has(plan, candil_Effect_EFFECT_VERTEX_COLORS))
+		bits |= 1u << BIND_COLORS;
+	if (plan_has(plan, candil_Effect_EFFECT_GLOSSY))
+		bits |= 1u << BIND_GGX_TABLE;
 	return bits;
 }
 
@@ -114,6 +126,8 @@ static void fill_job(const struct technique_job *j, struct pt_job *out)
 	out->light_count = blob_count(blob, BLOB_LIGHTS);
 	out->emitter_share = emitter_share(p, blob);
 	out->emitter_power_inv = blob->emitter_power > 0 ? 1.0f / blob->emitter_power : 0.0f;
+	out->has_uv1 = blob_count(blob, BLOB_UV1) > 0;
+	out->has_colors = blob_count(blob, BLOB_COLORS) > 0;
 	out->orthographic = p->camera.orthographic ? 1.0f : 0.0f;
 	for (int i = 0; i < 3; i++) {
 		out->eye[i] = (float)(p->camera.eye[i] - blob->origin[i]);

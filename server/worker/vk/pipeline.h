@@ -7,8 +7,8 @@
 #include "server/worker/vk/buffer.h"
 #include "server/worker/vk/device.h"
 
-#define PIPELINE_BINDINGS_MAX 16u
-#define PIPELINE_CONSTANTS_MAX 8u
+#define PIPELINE_BINDINGS_MAX 20u
+#define PIPELINE_CONSTANTS_MAX 16u
 
 struct shader {
 	const char *name;            // unique: the key with the constants

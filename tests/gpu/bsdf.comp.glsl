@@ -1,0 +1,48 @@
+// The BSDF by itself, seen from one direction: directions that it samples, or its values for given ones.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define BIND_GGX_TABLE 0
+#include "common/bsdf.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant) uniform Push {
+	float cosine;      // of the view to the surface
+	float roughness;
+	float f0;
+	float diffuse;
+	float tilt;        // of the shading normal towards +x, radians
+	uint seed;
+	uint mode;         // 0: sample; 1: evaluate the grid of directions
+	uint side;         // mode 1: directions are side × side, (z, phi) evenly
+} push;
+layout(std430, set = 0, binding = 1) writeonly buffer Out {
+	vec4 results[];    // mode 0: direction and pdf, then weight; mode 1: value and pdf
+};
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	surface s;
+	s.position = vec3(0.0);
+	s.geometric = vec3(0.0, 0.0, 1.0);
+	s.shading = vec3(sin(push.tilt), 0.0, cos(push.tilt));
+	s.albedo = vec3(push.diffuse);
+	s.f0 = vec3(push.f0);
+	s.f90 = vec3(push.f0 > 0.0 ? 1.0 : 0.0);
+	s.roughness = push.roughness;
+	vec3 view = vec3(sqrt(1.0 - push.cosine * push.cosine), 0.0, push.cosine);
+	bsdf b = bsdf_make(s, -view);
+	if (push.mode == 0u) {
+		sampler_state rnd = sampler_make(i, 0u, 0u, push.seed, 0u);
+		vec3 weight;
+		float pdf;
+		vec3 w = bsdf_sample(b, sample_2d(rnd, 0u).x, sample_2d(rnd, 1u), weight, pdf);
+		results[2u * i] = vec4(w, pdf);
+		results[2u * i + 1u] = vec4(weight, 0.0);
+	} else {
+		float z = (float(i / push.side) + 0.5) / float(push.side);
+		float phi = 2.0 * PI * (float(i % push.side) + 0.5) / float(push.side);
+		float r = sqrt(1.0 - z * z);
+		results[i] = bsdf_eval(b, vec3(r * cos(phi), r * sin(phi), z));
+	}
+}

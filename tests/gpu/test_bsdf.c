@@ -1,0 +1,146 @@
+// Sampling against density: directions that the BSDF samples fill the hemisphere as its own density says, by Pearson's χ² over
+// 16 × 32 bins, at a significance of 0.01 for all configurations and seeds together (Šidák). And the density is one: it
+// integrates to what is not lost, and the mean weight is the integral of the value.
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ggx_table.h"
+#include "shaders/bsdf_comp.h"
+#include "tests/gpu/run_shader.h"
+
+#define SAMPLES (1u << 18)
+#define SIDE 1024u        // of the grid of evaluated directions
+#define Z_BINS 16u
+#define PHI_BINS 32u
+#define BINS (Z_BINS * PHI_BINS)
+#define SEEDS 3u
+
+struct config {
+	float cosine, roughness, f0, diffuse, tilt;
+};
+
+static const struct config configs[] = {
+	{0.9f, 1.0f, 0.0f, 0.5f, 0.0f},   {0.3f, 1.0f, 0.0f, 0.5f, 0.4f},  {0.8f, 0.5f, 1.0f, 0.0f, 0.0f},
+	{0.8f, 0.4f, 0.04f, 0.5f, 0.0f},  {0.2f, 0.5f, 1.0f, 0.0f, 0.0f},  {0.5f, 0.7f, 0.5f, 0.8f, 0.5f},
+	{0.9f, 0.6f, 0.04f, 0.9f, -0.8f}, {0.05f, 0.8f, 0.9f, 0.3f, 0.0f}, {0.6f, 1.0f, 1.0f, 0.0f, 1.0f},
+};
+#define CONFIGS (sizeof configs / sizeof *configs)
+
+static const struct shader shader = {
+	.name = "bsdf", .code = shader_bsdf_comp, .bytes = sizeof shader_bsdf_comp, .bindings = 2, .push_bytes = 32};
+
+static float results[SIDE * SIDE][4];
+
+static enum status run(struct shader_run *r, const struct config *c, uint32_t seed, uint32_t mode, uint32_t count, struct error *err)
+{
+	struct {
+		struct config c;
+		uint32_t seed, mode, side;
+	} push = {*c, seed, mode, SIDE};
+	enum status s = shader_run_dispatch(r, &push, sizeof push, count / 64, err);
+	return s == STATUS_OK ? buffer_read(&r->out, r->device, 0, (mode ? 1u : 2u) * count * sizeof *results, results, err) : s;
+}
+
+static uint32_t bin_of(double z, double phi)
+{
+	const uint32_t zi = (uint32_t)fmin(fmax(z, 0) * Z_BINS, Z_BINS - 1);
+	double turn = phi / (2 * 3.14159265358979);
+	turn -= floor(turn);
+	return zi * PHI_BINS + (uint32_t)fmin(turn * PHI_BINS, PHI_BINS - 1);
+}
+
+// Expected share of each bin, and the integrals of density and value.
+static void integrate(double share[BINS], double *density, double *value)
+{
+	const double solid_angle = 2 * 3.14159265358979 / ((double)SIDE * SIDE);
+	memset(share, 0, BINS * sizeof *share);
+	*density = *value = 0;
+	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+		const double z = (i / SIDE + 0.5) / SIDE, phi = 2 * 3.14159265358979 * (i % SIDE + 0.5) / SIDE;
+		share[bin_of(z, phi)] += (double)results[i][3] * solid_angle;
+		*density += (double)results[i][3] * solid_angle;
+		*value += (double)results[i][0] * solid_angle;
+	}
+}
+
+// Upper tail of χ² with k degrees: Wilson and Hilferty 1931.
+static double tail(double chi2, double k)
+{
+	const double z = (cbrt(chi2 / k) - (1 - 2 / (9 * k))) / sqrt(2 / (9 * k));
+	return 0.5 * erfc(z / sqrt(2.0));
+}
+
+static double test_counts(const double share[BINS], const uint32_t counts[BINS], uint32_t total)
+{
+	double chi2 = 0, rare_expected = 0, rare_seen = 0;
+	uint32_t bins = 0;
+	for (uint32_t i = 0; i < BINS; i++) {
+		const double expected = share[i] * total;
+		// Bins with few expected are taken together.
+		if (expected < 20) {
+			rare_expected += expected;
+			rare_seen += counts[i];
+			continue;
+		}
+		chi2 += (counts[i] - expected) * (counts[i] - expected) / expected;
+		bins++;
+	}
+	if (rare_expected > 5) {
+		chi2 += (rare_seen - rare_expected) * (rare_seen - rare_expected) / rare_expected;
+		bins++;
+	}
+	return bins > 1 ? tail(chi2, bins - 1) : 0;
+}
+
+static bool test_config(struct shader_run *r, const struct config *c, double significance, struct error *err)
+{
+	double share[BINS], density, value, mean = 0, least = 1;
+	uint32_t taken = 0;
+	if (run(r, c, 0, 1, SIDE * SIDE, err) != STATUS_OK)
+		return false;
+	integrate(share, &density, &value);
+	for (uint32_t seed = 1; seed <= SEEDS; seed++) {
+		uint32_t counts[BINS] = {0}, valid = 0;
+		if (run(r, c, seed, 0, SAMPLES, err) != STATUS_OK)
+			return false;
+		for (uint32_t i = 0; i < SAMPLES; i++) {
+			mean += (double)results[2 * i + 1][0] / (SAMPLES * (double)SEEDS);
+			// A sample that the masking took away has no weight, and its density is none of the hemisphere's.
+			if (!(results[2 * i + 1][0] > 0))
+				continue;
+			counts[bin_of((double)results[2 * i][2], atan2((double)results[2 * i][1], (double)results[2 * i][0]))]++;
+			valid++;
+		}
+		taken += valid;
+		// Of all samples: what is lost below the surface is missing from the density as well.
+		least = fmin(least, test_counts(share, counts, SAMPLES));
+	}
+	const double kept = taken / (SAMPLES * (double)SEEDS);
+	const bool good = least > significance && fabs(kept - density) < 0.005 && fabs(mean - value) < 0.005 && density < 1.003;
+	printf("%s cosine %.2f roughness %.2f F0 %.2f diffuse %.2f tilt %.1f: p %.4f, density %.4f of %.4f kept, mean weight %.4f of %.4f\n",
+	       good ? "ok" : "FAIL", (double)c->cosine, (double)c->roughness, (double)c->f0, (double)c->diffuse, (double)c->tilt, least, density,
+	       kept, mean, value);
+	return good;
+}
+
+int main(void)
+{
+	struct shader_run r;
+	struct error err = {0};
+	const double significance = 1 - pow(1 - 0.01, 1.0 / (CONFIGS * SEEDS));
+	bool good = true;
+	enum status s = shader_run_init(&r, &shader, ggx_table, sizeof ggx_table, sizeof results, &err);
+	if (s == STATUS_DEVICE) {
+		printf("skipped: %s\n", err.text);
+		return 77;
+	}
+	for (size_t i = 0; s == STATUS_OK && i < CONFIGS; i++)
+		good = test_config(&r, &configs[i], significance, &err) && good;
+	shader_run_finish(&r);
+	if (s != STATUS_OK || err.code != STATUS_OK)
+		printf("FAIL: %s\n", err.text);
+	return good && s == STATUS_OK ? 0 : 1;
+}

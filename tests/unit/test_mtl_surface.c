@@ -1,0 +1,140 @@
+// What MTL's statements become: the roughness of an exponent, which illum shines, heights as normals.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "server/loader/mtl_surface.h"
+
+static candil_SceneInfo info;
+static struct import import;
+
+static int fresh(void **state)
+{
+	(void)state;
+	memset(&info, 0, sizeof info);
+	import_init(&import, NULL, &info);
+	return 0;
+}
+
+static bool near_to(double a, double b)
+{
+	return fabs(a - b) < 1e-6;
+}
+
+static void exponents(void **state)
+{
+	(void)state;
+	assert_true(mtl_roughness(0) == 1);
+	assert_true(near_to(mtl_roughness(30), 0.5)); // α = sqrt(2/32) = 1/4
+	assert_true(near_to(mtl_roughness(510), sqrt(0.0625))); // α = 1/16
+	assert_true(mtl_roughness(-5) == 1 && mtl_roughness(NAN) == 1 && mtl_roughness(INFINITY) == 1);
+	assert_true(mtl_roughness(1e30) > 0 && mtl_roughness(1e30) < 1e-6f);
+}
+
+static struct material surface(int illum, double ks, double ns)
+{
+	const struct mtl_note note = {.illum = illum, .specular = {ks, ks / 2, 0}, .exponent = ns, .bump = 1};
+	struct material m = import_plain_material(0.5f);
+	assert_true(mtl_set_surface(&import, &note, &m) == (ks <= 1));
+	return m;
+}
+
+static void illumination_models(void **state)
+{
+	(void)state;
+	for (int illum = 0; illum <= 1; illum++) {
+		const struct material m = surface(illum, 0.5, 30);
+		assert_true(m.specular[0] == 0 && m.specular_weight == 0 && m.roughness == 1);
+	}
+	for (int illum = 2; illum <= 3; illum++) {
+		const struct material m = surface(illum, 0.5, 30);
+		assert_true(m.specular[0] == 0.5f && m.specular[1] == 0.25f && m.specular[2] == 0);
+		assert_true(m.specular_weight == 0.5f && m.metallic == 0 && near_to(m.roughness, 0.5));
+	}
+	assert_int_equal(info.ignored_count, 0);
+	assert_true(surface(7, 0.5, 30).specular_weight == 0.5f);
+	assert_int_equal(info.ignored_count, 1);
+	assert_string_equal(info.ignored[0], "illum 7");
+	assert_true(surface(2, 3, 30).specular[0] == 1);
+	assert_true(surface(2, 0.5, 0).roughness == 1);
+	assert_true(surface(2, 0, 30).specular_weight == 0);
+	// Without an illum both must be given.
+	assert_true(surface(-1, 0.5, 30).specular_weight == 0.5f);
+	assert_true(surface(-1, 0.5, 0).specular_weight == 0);
+	assert_true(surface(-1, 0, 30).specular_weight == 0);
+}
+
+static void statements(void **state)
+{
+	static char text[] = "newmtl a\nKs 0.25 0.5 1\n  Ns 12\nillum 2\nmap_Bump -bm 0.5 a.png\nKd 1 1 1\n"
+			     "newmtl b\nKs 0.5\nbump b.png\nmap_Ks x.png\nnorm n.png\n"
+			     "newmtl c\nillum -7\nbump -bm\n";
+	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
+	struct mtl_notes notes = {0};
+	(void)state;
+	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
+	const struct mtl_note *a = mtl_notes_find(&notes, "a"), *b = mtl_notes_find(&notes, "b"),
+			      *c = mtl_notes_find(&notes, "c");
+	assert_non_null(a);
+	assert_true(a->specular[0] == 0.25 && a->specular[1] == 0.5 && a->specular[2] == 1);
+	assert_true(a->exponent == 12 && a->illum == 2 && a->bump == 0.5 && a->has_diffuse);
+	assert_non_null(b);
+	assert_true(b->specular[0] == 0.5 && b->specular[1] == 0.5 && b->specular[2] == 0.5);
+	assert_true(b->illum == -1 && b->bump == 1 && !b->has_diffuse);
+	assert_non_null(c);
+	assert_true(c->illum == -1 && c->bump == 1);
+	assert_int_equal(info.ignored_count, 0);
+	mtl_notes_finish(&notes);
+}
+
+static void normal_maps_are_told_from_heights(void **state)
+{
+	const uint32_t flat = 128u | 128u << 8 | 255u << 16, grey = 128u | 128u << 8 | 128u << 16, white = 0xFFFFFF;
+	const uint32_t mixed[4] = {flat, 90u | 128u << 8 | 240u << 16, 160u | 100u << 8 | 240u << 16, flat};
+	(void)state;
+	assert_true(mtl_is_normal_map(&flat, 1, 1));
+	assert_true(mtl_is_normal_map(mixed, 2, 2));
+	assert_false(mtl_is_normal_map(&grey, 1, 1));
+	assert_false(mtl_is_normal_map(&white, 1, 1));
+}
+
+// Four columns of grey: 0, 51, 102, 51 of 255, that is 0, 0.2, 0.4, 0.2.
+static void heights_become_normals(void **state)
+{
+	static const uint32_t grey[4] = {0, 51, 102, 51};
+	uint32_t heights[8], *normals;
+	(void)state;
+	for (int i = 0; i < 8; i++)
+		heights[i] = grey[i % 4] * 0x010101u;
+	assert_int_equal(mtl_normals_of_heights(heights, 4, 2, &normals, NULL), STATUS_OK);
+	const double rise = 0.2, x = rise / sqrt(rise * rise + 1), z = 1 / sqrt(rise * rise + 1);
+	const uint32_t up = (uint32_t)lround(255 * (0.5 - x / 2)), down = (uint32_t)lround(255 * (0.5 + x / 2));
+	const uint32_t out = (uint32_t)lround(255 * (0.5 + z / 2));
+	assert_int_equal(normals[0], 128u | 128u << 8 | 255u << 16 | 255u << 24); // a valley
+	assert_int_equal(normals[1], up | 128u << 8 | out << 16 | 255u << 24); // rises to the right: leans left
+	assert_int_equal(normals[7], down | 128u << 8 | out << 16 | 255u << 24); // second row, falling
+	free(normals);
+	// The same along y, which points up: bright below dark leans up.
+	const uint32_t column[4] = {0, 51u * 0x010101u, 102u * 0x010101u, 51u * 0x010101u};
+	assert_int_equal(mtl_normals_of_heights(column, 1, 4, &normals, NULL), STATUS_OK);
+	assert_int_equal(normals[1], 128u | down << 8 | out << 16 | 255u << 24);
+	free(normals);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(exponents),
+	    cmocka_unit_test_setup(illumination_models, fresh),
+	    cmocka_unit_test_setup(statements, fresh),
+	    cmocka_unit_test(normal_maps_are_told_from_heights),
+	    cmocka_unit_test(heights_become_normals),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
