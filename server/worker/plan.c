@@ -24,7 +24,7 @@ static const struct effect_rule rules[] = {
 	{candil_Effect_EFFECT_LIGHTS, "lights", "the scene has point, spot or directional lights",
 	 "the scene has no point, spot or directional light", "point, spot and directional lights are dark"},
 	{candil_Effect_EFFECT_ENVIRONMENT, "environment", "the background is not black", "the background is black",
-	 "the background is black"},
+	 "whatever the background is, it is drawn black"},
 	{candil_Effect_EFFECT_BOUNCES, "bounces", "light scatters more than once",
 	 "light cannot scatter twice: pt.depth is below 2, nothing reflects or nothing shines", "direct light alone"},
 	{candil_Effect_EFFECT_GLOSSY, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic",
@@ -99,7 +99,7 @@ static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
 		const char *why;
 		if (r->effects_off & bit) {
 			report->state = candil_EffectState_EFFECT_STATE_SWITCHED_OFF;
-			why = called ? rule->substitute : rule->absent;
+			why = rule->substitute;
 		} else if (called) {
 			report->state = candil_EffectState_EFFECT_STATE_SIMULATED;
 			why = rule->simulated;
