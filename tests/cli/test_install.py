@@ -50,7 +50,7 @@ def main():
         check_symbols(libraries)
 
         env = dict(os.environ, PKG_CONFIG_PATH=found[0])
-        flags = must("pkg-config", f"--define-variable=prefix={prefix}", "--cflags", "--libs", "candil", env=env).split()
+        flags = must("pkg-config", "--cflags", "--libs", "candil", env=env).split()
         program = os.path.join(folder, "minimal")
         must("cc", "-Wall", "-Wextra", "-Werror", *FLAGS, example, *flags, "-o", program)
         result = run(program, os.path.join(folder, "nobody"), "x", "y", env=dict(env, LD_LIBRARY_PATH=libraries))
