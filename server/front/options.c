@@ -21,8 +21,8 @@ enum option_id {
 	SLICE,
 	LIBEXEC,
 	PRIVATE_FD,
-	HELP,
-	VERSION
+	VERSION,
+	HELP = 'h'
 };
 
 static const struct option long_options[] = {
@@ -45,7 +45,8 @@ const char *options_help(void)
 	return "candild: renders scenes for clients of its socket\n"
 	       "\n"
 	       "  --socket PATH        listen here (default $XDG_RUNTIME_DIR/candil.sock)\n"
-	       "  --scene NAME=FILE    load FILE at start and keep it as NAME; may be repeated\n"
+	       "  --scene NAME=FILE    load FILE at start and keep it as NAME; may be repeated. If one cannot be loaded,\n"
+	       "                       the daemon says why and ends with status 1\n"
 	       "  --scene-root DIR     clients may load files beneath DIR by path\n"
 	       "  --device WHICH       a device's number or UUID, or cpu (default: the best there is)\n"
 	       "  --require-gpu        refuse to render on a software device\n"
@@ -53,7 +54,7 @@ const char *options_help(void)
 	       "  --slice MS           length of a slice of device time, 1 to 1000 (default 50)\n"
 	       "  --libexec DIR        where candil-loader and candil-worker are\n"
 	       "  --private-fd N       serve the connected socket N alone and exit when it closes\n"
-	       "  --help, --version\n"
+	       "  -h, --help, --version\n"
 	       "\n"
 	       "$CANDIL_LOG = error, warning, info or debug sets how much is written to standard error.\n";
 }
@@ -140,6 +141,17 @@ static enum status set(struct options *options, int id, const char *text, struct
 	return error_set(err, STATUS_BAD_ARGUMENT, "unknown option; candild --help lists them");
 }
 
+// What getopt_long would not take: `result` is its own, `about` what it left in optopt.
+static enum status refuse(int result, int about, const char *word, struct error *err)
+{
+	if (result == ':')
+		return error_set(err, STATUS_BAD_ARGUMENT, "%.80s takes a value, and there is none; see candild --help",
+				 word);
+	if (about >= SOCKET)
+		return error_set(err, STATUS_BAD_ARGUMENT, "%.80s: this option takes no value; see candild --help", word);
+	return error_set(err, STATUS_BAD_ARGUMENT, "%.80s: there is no such option; see candild --help", word);
+}
+
 static enum status default_socket(struct options *options, struct error *err)
 {
 	const char *folder = getenv("XDG_RUNTIME_DIR");
@@ -177,13 +189,10 @@ enum status options_parse(struct options *options, int argc, char *const argv[],
 	optind = 0;
 	opterr = 0;
 	while (status == STATUS_OK) {
-		int id = getopt_long(argc, argv, "", long_options, NULL);
+		int id = getopt_long(argc, argv, ":h", long_options, NULL);
 		if (id == -1)
 			break;
-		if (id == '?' || id == ':')
-			return error_set(err, STATUS_BAD_ARGUMENT,
-					 "%.80s: unknown option or no value; candild --help lists them", argv[optind - 1]);
-		status = set(options, id, optarg, err);
+		status = id == '?' || id == ':' ? refuse(id, optopt, argv[optind - 1], err) : set(options, id, optarg, err);
 	}
 	if (status != STATUS_OK || options->help || options->version)
 		return status;

@@ -171,6 +171,7 @@ enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct s
 	s->blob = -1;
 	memcpy(s->info.name, load->name, sizeof s->info.name);
 	s->session = session;
+	s->own = !session;
 	s->request = request;
 	s->source = *source;
 	source->folder = -1;

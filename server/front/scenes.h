@@ -30,6 +30,7 @@ struct scene {
 	candil_SceneInfo info;
 	// the load under way
 	struct session *session; // who asked; NULL: the daemon itself, or gone
+	bool own; // the daemon itself asked
 	uint32_t request;
 	struct source source;
 	candil_UpAxis up;

@@ -123,6 +123,9 @@ static void scene_failed(void *owner, struct scene *scene, const struct error *e
 		reply_error(scene->session, scene->request, err);
 	}
 	jobs_fail_scene(&service->jobs, scene, err);
+	// Whoever names a scene on the command line counts on it: a daemon without it is no use to him.
+	if (scene->own && !service->leaving && err->code != STATUS_CANCELLED)
+		error_set(&service->own_failure, err->code, "--scene %s: %s", scene->info.name, err->text);
 }
 
 static void scene_gone(void *owner, struct scene *scene)
@@ -184,22 +187,6 @@ static void do_nothing(void *owner)
 	(void)owner;
 }
 
-static void settle(void *owner)
-{
-	struct service *service = owner;
-	sessions_flush(&service->sessions);
-	if (!service->leaving) {
-		scenes_dispatch(&service->scenes);
-		jobs_dispatch(&service->jobs);
-	}
-	// What was sent just now may let more be sent or read: the loop comes by again without waiting.
-	if (sessions_flush(&service->sessions))
-		loop_timer_set(service->loop, &service->again, 0, do_nothing, service);
-	sessions_sweep(&service->sessions);
-	if (service->leaving && service->sessions.count == 0)
-		service->stop = true;
-}
-
 // Tell everybody, let them read it, go.
 static void leave(struct service *service)
 {
@@ -224,6 +211,24 @@ static void leave(struct service *service)
 	for (struct session *s = service->sessions.first; s; s = s->next)
 		session_close(s);
 	loop_timer_set(service->loop, &service->departure, clock_us() + LIMIT_LINGER_MS * 1000ull, stop_now, service);
+}
+
+static void settle(void *owner)
+{
+	struct service *service = owner;
+	sessions_flush(&service->sessions);
+	if (!service->leaving) {
+		scenes_dispatch(&service->scenes);
+		jobs_dispatch(&service->jobs);
+	}
+	if (service->own_failure.code != STATUS_OK && !service->leaving)
+		leave(service);
+	// What was sent just now may let more be sent or read: the loop comes by again without waiting.
+	if (sessions_flush(&service->sessions))
+		loop_timer_set(service->loop, &service->again, 0, do_nothing, service);
+	sessions_sweep(&service->sessions);
+	if (service->leaving && service->sessions.count == 0)
+		service->stop = true;
 }
 
 static void signalled(void *owner, uint32_t events)
@@ -344,6 +349,10 @@ enum status service_run(const struct options *options, struct error *err)
 	enum status status = set_up(service, err);
 	if (status == STATUS_OK)
 		status = loop_run(service->loop, settle, service, &service->stop, err);
+	if (status == STATUS_OK && service->own_failure.code != STATUS_OK) {
+		*err = service->own_failure;
+		status = err->code;
+	}
 	tear_down(service);
 	free(service);
 	return status;

@@ -23,6 +23,7 @@ struct service {
 	uint64_t started_us;
 	bool leaving; // a signal came
 	bool stop;
+	struct error own_failure; // of a --scene; code != OK: the daemon ends with it
 };
 
 #endif

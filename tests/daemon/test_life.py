@@ -202,6 +202,9 @@ class Program(unittest.TestCase):
             refused = self.run_it(*arguments)
             self.assertEqual(refused.returncode, 2)
             self.assertTrue(refused.stderr.startswith("candild: "))
+        self.assertIn("takes a value", self.run_it("--socket").stderr)
+        self.assertIn("no such option", self.run_it("--sockets").stderr)
+        self.assertIn("takes no value", self.run_it("--require-gpu=1").stderr)
 
     def test_closed_standard_descriptors_are_filled(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -48,6 +48,8 @@ static void everything_is_read(void **state)
 	assert_int_equal(options.private_fd, 5);
 	assert_int_equal(PARSE("--help"), STATUS_OK);
 	assert_true(options.help);
+	assert_int_equal(PARSE("-h"), STATUS_OK);
+	assert_true(options.help);
 }
 
 static void nonsense_is_refused(void **state)

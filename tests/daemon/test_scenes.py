@@ -1,10 +1,11 @@
 """Scenes: how they come, what may be read, who keeps them, and loaders that are lost."""
 import os
 import signal
+import subprocess
 import unittest
 
 import wire
-from fakes import FakeCase, endless, render
+from fakes import LIBEXEC, FakeCase, endless, render
 from wire import pb
 
 
@@ -217,14 +218,28 @@ class NoRoot(FakeCase):
 
 class OwnScenes(FakeCase):
     def prepare(self):
-        self.write("bad.gltf", "refuse")
-        self.daemon.arguments += ["--scene", f"first={self.scenes}/box.gltf", "--scene", f"bad={self.scenes}/bad.gltf"]
+        self.daemon.arguments += ["--scene", f"first={self.scenes}/box.gltf"]
 
     def test_loaded_at_start(self):
         connection = self.connect()
         self.assertEqual(connection.follow(connection.send(wire.RENDER, render("first")))[-1].kind, wire.DONE)
-        wire.wait_for(lambda: connection.stats().loader_failures == 1, "the bad one has failed")
         self.assertEqual([entry.name for entry in connection.ask(wire.LIST_SCENES).body.scenes], ["first"])
+
+    def test_a_client_may_fail_where_the_daemon_may_not(self):
+        self.write("bad.gltf", "refuse")
+        connection = self.connect()
+        self.assert_error(connection.receive_for(connection.send_load("first", self.scenes, "bad.gltf")), "scene-invalid")
+        self.assert_serves()
+
+    def test_one_that_cannot_be_loaded_ends_the_daemon(self):
+        self.write("bad.gltf", "refuse")
+        for file in ("bad.gltf", "missing/bad.gltf"):
+            second = subprocess.run([os.path.join(wire.BUILD, "bin", "candild"), "--libexec", LIBEXEC, "--socket",
+                                     os.path.join(self.daemon.folder, "second.sock"), "--scene",
+                                     f"good={self.scenes}/box.gltf", "--scene", f"bad={self.scenes}/{file}"],
+                                    stderr=subprocess.PIPE, timeout=wire.PATIENCE, text=True, check=False)
+            self.assertEqual(second.returncode, 1, second.stderr)
+            self.assertIn("bad", second.stderr)
 
 
 if __name__ == "__main__":
