@@ -328,9 +328,10 @@ struct candil_stats {
 	uint32_t scenes;
 	uint64_t scene_bytes, buffered_bytes;
 	uint32_t worker_pid, loader_pid;
-	char device[128];
+	char device[128]; // "" while the worker starts
 	uint64_t device_bytes, validation_errors;
 	uint32_t slice_ms;
+	char device_error[256]; // why there is no usable device; "" if there is one
 };
 
 // ---- blocking calls -------------------------------------------------------------------------------------------------

@@ -246,6 +246,7 @@ static void read_stats(const candil_StatsReply *from, struct candil_stats *to)
 	to->device_bytes = from->device_bytes;
 	to->validation_errors = from->validation_errors;
 	to->slice_ms = from->slice_ms;
+	TEXT(to->device_error, from->device_error);
 }
 
 static void read_error(const candil_Error *from, struct candil_error *to)

@@ -207,6 +207,8 @@ static enum status on_stats(const struct message *m, struct error *err)
 				   .loader_pid = (uint32_t)scenes_loader_pid(&s->scenes)};
 	reply.scenes = scenes_count(&s->scenes, &reply.scene_bytes);
 	memcpy(reply.device, s->worker.device, sizeof reply.device);
+	if (s->worker.device_error.code != STATUS_OK)
+		memcpy(reply.device_error, s->worker.device_error.text, sizeof reply.device_error);
 	reply_message(m->session, MESSAGE_STATS_REPLY, m->header->request, candil_StatsReply_fields, &reply);
 	return STATUS_OK;
 }

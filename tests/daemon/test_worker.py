@@ -194,6 +194,10 @@ class NoDevice(FakeCase):
         self.assert_error(connection.follow(connection.send(wire.RENDER, render()))[-1], "device")
         self.assertEqual(connection.stats().worker_starts, 1)
 
+    def test_stats_tell_why(self):
+        connection = self.connect()
+        wire.wait_for(lambda: connection.stats().device_error, "the worker has said why")
+
 
 class Missing(FakeCase):
     def prepare(self):
