@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "ggx_table.h"
+#include "server/base/log.h"
 #include "server/base/memfd.h"
 
 static const enum blob_section section_of[BIND_SCENE_COUNT] = {
@@ -47,6 +48,28 @@ static void destroy(struct resident_scenes *scenes, struct resident_scene *scene
 	free(scene);
 }
 
+static bool is_on_device(const struct resident_scene *scene)
+{
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		if (scene->buffers[i].handle)
+			return true;
+	return false;
+}
+
+bool resident_evict(struct resident_scenes *scenes)
+{
+	struct resident_scene *oldest = NULL;
+	for (struct resident_scene *s = scenes->first; s; s = s->next)
+		if (s->jobs == 0 && is_on_device(s) && (!oldest || s->used < oldest->used))
+			oldest = s;
+	if (!oldest)
+		return false;
+	log_line(LOG_INFO, "scene %llu makes room", (unsigned long long)oldest->id);
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		buffer_finish(&oldest->buffers[i], scenes->device);
+	return true;
+}
+
 static struct resident_scene *find(const struct resident_scenes *scenes, uint64_t id)
 {
 	struct resident_scene *s = scenes->first;
@@ -85,6 +108,7 @@ enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, struct
 		s->bytes = bytes;
 	}
 	s->jobs++;
+	s->used = ++scenes->turn;
 	*scene = s;
 	return STATUS_OK;
 }

@@ -98,7 +98,11 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	if (bytes > s->device->budget)
 		return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget is %llu MiB: render smaller",
 				 (unsigned long long)(bytes >> 20), (unsigned long long)(s->device->budget >> 20));
-	return job->technique->begin(s->device, job->scene, &job->plan, &job->work, err);
+	// Scenes that nobody renders now make room, the one unused for longest first.
+	do
+		r = job->technique->begin(s->device, job->scene, &job->plan, &job->work, err);
+	while (r == STATUS_MEMORY && resident_evict(&s->scenes));
+	return r;
 }
 
 static enum status on_begin(struct server *s, const struct ipc_begin *m)
@@ -110,6 +114,8 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 	} else {
 		job->id = m->head.job;
 		if (begin(s, m, job, &answer.error) == STATUS_OK) {
+			// An attempt before room was made may have left its reason.
+			answer.error = (struct error){.code = STATUS_OK};
 			fill_accepted(s, job, &answer.accepted);
 			job->next = s->jobs;
 			s->jobs = job;

@@ -1,0 +1,54 @@
+"""More scenes than the memory budget holds: the least recently used leaves the device, and comes back when it is asked for."""
+import tempfile
+import unittest
+
+import numpy
+
+import make
+from render import Daemon, Failed
+from writers import Gltf, png, quad
+
+SIDE = 2048   # texels: 16 MiB a scene
+
+
+def textured(folder, name, shade):
+    g = Gltf()
+    texture = g.image(png(SIDE, SIDE, lambda x, y: (shade, shade, x * 255 // SIDE)))
+    positions, triangles = quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))
+    g.node(mesh=g.mesh(positions, triangles, g.material("picture", texture=texture), uvs=[(0, 1), (1, 1), (1, 0), (0, 0)]))
+    g.camera((0, 0, 2), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
+class Residency(unittest.TestCase):
+    def test_least_recently_used_makes_room(self):
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
+            scenes = {name: textured(folder, name + ".gltf", shade) for name, shade in (("a", 60), ("b", 120), ("c", 240))}
+            with Daemon("--memory-budget", "40") as daemon:
+                for name, path in scenes.items():
+                    daemon.candil("load", path, "--name", name)
+                seen = {}
+                # Two fit: every third render has to push one out.
+                for name in "abcacbabc":
+                    picture = daemon.render(name, size=(32, 32), spp=2, arguments=["--background", "1,1,1"])
+                    seen.setdefault(name, set()).add(picture.radiance.tobytes())
+                    self.assertLessEqual(daemon.stats()["device_bytes"], 40 << 20)
+                self.assertEqual([len(s) for s in seen.values()], [1, 1, 1])
+                self.assertEqual(daemon.stats()["loader_starts"], 3)
+
+    def test_what_cannot_fit_is_refused_and_the_rest_goes_on(self):
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
+            large = textured(folder, "large.gltf", 9)
+            with Daemon("--memory-budget", "8") as daemon:
+                with self.assertRaises(Failed) as refused:
+                    daemon.render(large, size=(32, 32), spp=1, arguments=["--background", "1,1,1"])
+                self.assertEqual(refused.exception.status, 6)
+                self.assertIn("memory", refused.exception.text)
+                with self.assertRaises(Failed) as refused:
+                    daemon.render(make.cornell(folder), size=(2000, 2000), spp=1)
+                self.assertEqual(refused.exception.status, 6)
+                self.assertGreater(float(daemon.render(make.cornell(folder), size=(32, 32), spp=1).radiance.max()), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
