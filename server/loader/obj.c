@@ -281,7 +281,11 @@ enum status obj_import(struct import *im, const char *name, const struct file_by
 	} else if (!scene) {
 		char why[128];
 		import_clean_text(why, sizeof why, aiGetErrorString());
-		status = error_set(err, STATUS_SCENE_INVALID, "the OBJ file is invalid: %s; export it again", why);
+		size_t length = strlen(why);
+		if (length > 0 && why[length - 1] == '.')
+			why[length - 1] = '\0';
+		status =
+		    error_set(err, STATUS_SCENE_INVALID, "the OBJ file is invalid, line unknown: %s; export it again", why);
 	} else {
 		status = add_scene(&files, scene, err);
 	}
