@@ -11,7 +11,14 @@ import socket
 import struct
 import sys
 
-import candil_pb2 as pb
+try:
+    import candil_pb2 as pb
+except ModuleNotFoundError as missing:
+    if missing.name != "candil_pb2":
+        raise
+    sys.exit("client.py: there is no module candil_pb2: make it with\n"
+             "  protoc --python_out=. -I protocol protocol/candil.proto\n"
+             "and put its folder into PYTHONPATH")
 
 HEADER = struct.Struct("<IBBHII")  # magic, version, type, flags, length, request id
 MAGIC, VERSION, FLAG_FD = 0x4C444E43, 1, 1
@@ -27,7 +34,10 @@ class Refused(Exception):
 class Client:
     def __init__(self, path):
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self.socket.connect(path)
+        try:
+            self.socket.connect(path)
+        except OSError as error:
+            raise ConnectionError(f"cannot connect to {path}: {error.strerror or error}") from error
         self.last_id = 0
         self.call(HELLO, pb.Hello(version_min=VERSION, version_max=VERSION, client="client.py"), HELLO_REPLY,
                   pb.HelloReply)
@@ -123,7 +133,7 @@ def main():
         sys.exit(f"client.py: {error}")
     with open(out, "wb") as file:
         file.write(image)
-    print(f"{out}: {info.triangles} triangles, {done.samples} samples, {done.elapsed_us / 1000:.1f} ms")
+    print(f"{out}: {info.triangles} triangle{'s'[:info.triangles != 1]}, {done.samples} samples, {done.elapsed_us / 1000:.1f} ms")
 
 
 if __name__ == "__main__":
