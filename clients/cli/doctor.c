@@ -106,8 +106,9 @@ static json_t *findings_json(const struct findings *f)
 							  cli_json_text(p->path), "needed", (int)p->needed, "works",
 							  (int)p->works, "why", cli_json_text(p->why)));
 	}
-	json_t *daemon = json_pack("{s:b,s:o,s:o}", "reachable", (int)f->daemon.reachable, "address",
-				   cli_json_text(f->daemon.address), "what", cli_json_text(f->daemon.what));
+	json_t *daemon = json_pack("{s:b,s:o,s:o,s:b,s:o}", "reachable", (int)f->daemon.reachable, "address",
+				   cli_json_text(f->daemon.address), "what", cli_json_text(f->daemon.what), "ready",
+				   (int)f->daemon.ready, "device", cli_json_text(f->daemon.device));
 	json_t *kernel =
 	    json_pack("{s:b,s:b,s:b,s:i}", "memfd_sealing", (int)f->kernel.memfd_sealing, "openat2", (int)f->kernel.openat2,
 		      "seccomp", (int)f->kernel.seccomp, "landlock_abi", f->kernel.landlock_abi);
@@ -146,6 +147,8 @@ static void print_findings(const struct findings *f)
 	print_devices(f);
 	printf("  daemon   %s: %s\n", f->daemon.address,
 	       f->daemon.reachable ? f->daemon.what : "not running; candil render FILE starts its own");
+	if (f->daemon.reachable)
+		printf("           %s%s\n", f->daemon.ready ? "renders on " : "cannot render: ", f->daemon.device);
 	for (int i = 0; i < PROGRAMS; i++) {
 		const struct program_check *p = &f->programs[i];
 		printf("  program  %s (%s): %s%s%s\n", p->name, p->purpose,
@@ -184,6 +187,7 @@ static enum exit_code run_doctor(struct cli *cli, const struct command *self, in
 	check_devices(&f);
 	check_kernel(&f);
 	doctor_check_daemon(&f.daemon, cli->address);
+	f.ok = f.ok && (!f.daemon.reachable || f.daemon.ready);
 	doctor_check_cache(&f.cache);
 	code = f.ok ? EXIT_DONE : EXIT_DEVICE;
 	if (cli->json) {
@@ -204,8 +208,9 @@ const struct command doctor_command = {
 	"Usage: candil doctor [--connect ADDR] [--json]\n\n"
 	"Lists the devices, which one is chosen and why, whether the daemon answers, whether candil's programs start,\n"
 	"what the kernel offers, and what is missing with the Debian package that has it.\n"
-	"Exit code 0 if a render could work here, 5 if not; a daemon need not be running.\n\n"
-	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\"},\n"
+	"Exit code 0 if a render could work here, 5 if not. A daemon need not be running; one that runs must have a\n"
+	"device that it may use.\n\n"
+	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\", \"ready\", \"device\" (or why it has none)},\n"
 	"\"programs\": [{\"name\", \"path\", \"needed\", \"works\", \"why\"}],\n"
 	"\"kernel\": {\"memfd_sealing\", \"openat2\", \"seccomp\", \"landlock_abi\"},\n"
 	"\"shader_cache\": {\"path\", \"writable\"}, \"missing\": [{\"what\", \"package\"}],\n"

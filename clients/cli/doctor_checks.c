@@ -10,10 +10,12 @@
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 #define START_MS 20000
 #define PING_MS 3000u
+#define WORKER_START_MS 15000u
 #define NOT_FOUND 127 // exit status of the dynamic linker when a library is missing
 
 const char *doctor_package_of(const char *library)
@@ -71,10 +73,34 @@ void doctor_check_program(struct program_check *check, char *argument)
 	}
 }
 
+// A worker that starts has neither a device nor a reason yet: it is given some time.
+static void check_worker_of(candil_client *client, struct daemon_check *check)
+{
+	const struct timespec pause = {0, 50 * 1000 * 1000};
+	static struct candil_stats stats;
+	struct candil_error error;
+	for (unsigned waited = 0; waited < WORKER_START_MS; waited += 50) {
+		if (candil_stats(client, &stats, &error) != CANDIL_STATUS_OK) {
+			snprintf(check->device, sizeof(check->device), "%s", error.text);
+			return;
+		}
+		if (stats.device[0] || stats.device_error[0])
+			break;
+		nanosleep(&pause, NULL);
+	}
+	check->ready = stats.device[0] && !stats.device_error[0];
+	snprintf(check->device, sizeof(check->device), "%s",
+		 check->ready            ? stats.device
+		 : stats.device_error[0] ? stats.device_error
+					 : "its worker does not become ready; the daemon's log says why");
+}
+
 void doctor_check_daemon(struct daemon_check *check, const char *address)
 {
 	struct candil_error error;
 	candil_client *client;
+	check->ready = false;
+	check->device[0] = '\0';
 	if (address)
 		snprintf(check->address, sizeof(check->address), "%s", address);
 	else if (!candil_default_address(check->address, sizeof(check->address)))
@@ -85,6 +111,8 @@ void doctor_check_daemon(struct daemon_check *check, const char *address)
 		check->reachable = candil_ping(client, NULL, &error) == CANDIL_STATUS_OK;
 		snprintf(check->what, sizeof(check->what), "%s",
 			 check->reachable ? candil_server(client)->name : error.text);
+		if (check->reachable)
+			check_worker_of(client, check);
 		candil_disconnect(client);
 	} else {
 		snprintf(check->what, sizeof(check->what), "%s", error.text);

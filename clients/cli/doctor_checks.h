@@ -20,8 +20,10 @@ void doctor_check_program(struct program_check *check, char *argument);
 
 struct daemon_check {
 	bool reachable;
+	bool ready; // its worker has a device
 	char address[256];
 	char what[256]; // its name, or why it is not reachable
+	char device[256]; // its worker's; not ready: why it has none
 };
 void doctor_check_daemon(struct daemon_check *check, const char *address);
 
