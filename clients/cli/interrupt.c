@@ -6,7 +6,7 @@
 
 static volatile sig_atomic_t seen; // a handler can reach nothing else
 static sigset_t mask_before;
-static struct sigaction before_int, before_term;
+static struct sigaction before_int, before_term, before_hup;
 
 static void note(int number)
 {
@@ -24,15 +24,20 @@ void interrupt_begin(void)
 	sigemptyset(&held);
 	sigaddset(&held, SIGINT);
 	sigaddset(&held, SIGTERM);
+	sigaddset(&held, SIGHUP);
 	sigprocmask(SIG_BLOCK, &held, &mask_before);
 	sigaction(SIGINT, &action, &before_int);
 	sigaction(SIGTERM, &action, &before_term);
+	sigaction(SIGHUP, &action, &before_hup);
+	if (before_hup.sa_handler == SIG_IGN)
+		sigaction(SIGHUP, &before_hup, NULL); // nohup asked for that
 }
 
 void interrupt_end(void)
 {
 	sigaction(SIGINT, &before_int, NULL);
 	sigaction(SIGTERM, &before_term, NULL);
+	sigaction(SIGHUP, &before_hup, NULL);
 	sigprocmask(SIG_SETMASK, &mask_before, NULL);
 }
 
