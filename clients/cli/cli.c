@@ -16,7 +16,7 @@ const char cli_exit_codes[] =
     "  4  the scene: not found, not readable, refused\n"
     "  5  the device: none that is usable, or it failed\n"
     "  6  memory: the job does not fit\n"
-    "  7  the deadline passed (the best image so far is written)\n"
+    "  7  reserved for deadlines, which no option asks for yet\n"
     "  8  cancelled (Ctrl-C)\n"
     "  9  the worker process was lost, and the retry too\n";
 
@@ -30,6 +30,7 @@ bool cli_common_option(struct cli *cli, const struct command *self, int option, 
 		cli->json = true;
 		return true;
 	case OPTION_HELP:
+	case 'h':
 		fputs(self->help, stdout);
 		*code = cli_flush(stdout, EXIT_DONE);
 		return false;
@@ -45,7 +46,7 @@ bool cli_parse_simple(struct cli *cli, const struct command *self, int argc, cha
 {
 	static const struct option options[] = {CLI_COMMON_OPTIONS, {NULL, 0, NULL, 0}};
 	int option;
-	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
+	while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
 		if (!cli_common_option(cli, self, option, code))
 			return false;
 	}

@@ -19,7 +19,7 @@ enum exit_code {
 	EXIT_SCENE = 4,
 	EXIT_DEVICE = 5,
 	EXIT_MEMORY = 6,
-	EXIT_DEADLINE = 7,
+	EXIT_DEADLINE = 7, // reserved: no request has one yet
 	EXIT_CANCELLED = 8,
 	EXIT_WORKER = 9,
 };
@@ -80,6 +80,12 @@ bool cli_parse_doubles(const char *text, double *out, size_t count);
 
 // A JSON string, with '?' for what is no UTF-8.
 json_t *cli_json_text(const char *text);
+// The ending of a noun behind a count.
+static inline const char *cli_s(uint64_t count)
+{
+	return count == 1 ? "" : "s";
+}
+
 json_t *cli_json_u64(uint64_t value);
 json_t *cli_json_vec3(const struct candil_vec3 *v);
 

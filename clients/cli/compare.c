@@ -20,7 +20,7 @@ static enum exit_code run_compare(struct cli *cli, const struct command *self, i
 	if (cli->json)
 		arguments[count++] = json;
 	arguments[count] = NULL;
-	if (argc == 2 && strcmp(argv[1], "--help") == 0) {
+	if (argc == 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
 		fputs(self->help, stdout);
 		return cli_flush(stdout, EXIT_DONE);
 	}
@@ -33,12 +33,19 @@ static enum exit_code run_compare(struct cli *cli, const struct command *self, i
 const struct command compare_command = {
     .name = "compare",
     .summary = "measure how far an image is from a reference",
-    .help = "Usage: candil compare A B [--mask-above RADIANCE] [--error-image OUT.png]\n"
-	    "                      [--side-by-side OUT.png] [--json]\n\n"
-	    "Prints the difference of image A from reference B: RMSE, relative MSE (mean of (a-b)²/(b²+0.01)), signed\n"
-	    "mean, and pixels that an eye would tell apart. No daemon is needed.\n\n"
-	    "  --mask-above RADIANCE  leave out pixels where the reference is brighter\n"
-	    "  --error-image OUT.png  draw the error in false colours\n"
-	    "  --side-by-side OUT.png draw A, B and the error beside one another\n",
+    .help =
+	"Usage: candil compare A B [--mask-above RADIANCE] [--error-image OUT.png]\n"
+	"                      [--side-by-side OUT.png] [--json]\n\n"
+	"Prints the difference of image A from reference B: RMSE, relative MSE (mean of (a-b)²/(b²+0.01)), signed\n"
+	"mean, and pixels that an eye would tell apart. No daemon is needed.\n"
+	"The sizes are the same, or one is a whole multiple of the other (1024x1024 and 512x512), which is then\n"
+	"averaged down to it.\n\n"
+	"  --mask-above RADIANCE  leave out pixels where the reference is brighter\n"
+	"  --error-image OUT.png  draw the error in false colours\n"
+	"  --side-by-side OUT.png draw A, B and the error beside one another\n\n"
+	"candil compare room.exr reference.exr --mask-above 10   leaves out the lamp that is seen itself\n\n"
+	"--json: {\"a\", \"b\", \"width\", \"height\", \"pixels\", \"masked\", \"non_finite_a\", \"non_finite_b\",\n"
+	"\"perceptual_failures\", \"rmse\", \"relmse\", \"mean_difference\", \"mean_difference_relative\", \"max_abs\",\n"
+	"\"mean_a\", \"mean_b\", \"mean_a_rgb\", \"mean_b_rgb\"}; a value that is not finite is null\n",
     .run = run_compare,
 };

@@ -11,7 +11,7 @@ static const struct command *const commands[] = {
 static enum exit_code print_help(void)
 {
 	puts("Usage: candil [--connect ADDR] COMMAND [--json] …\n"
-	     "       candil COMMAND --help | --version\n\n"
+	     "       candil help [COMMAND] | COMMAND --help | --version\n\n"
 	     "Asks candild, the render daemon, for pictures of scenes.\n\n"
 	     "Commands:");
 	for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++)
@@ -33,8 +33,27 @@ static const struct command *find_command(const char *name)
 	return NULL;
 }
 
+static enum exit_code no_such_command(const char *name)
+{
+	fprintf(stderr, "candil: there is no command \"%s\"; see candil --help\n", name);
+	return EXIT_USAGE;
+}
+
+// candil help [COMMAND]
+static enum exit_code help(int argc, char **argv)
+{
+	if (argc == 1)
+		return print_help();
+	const struct command *command = find_command(argv[1]);
+	if (!command)
+		return no_such_command(argv[1]);
+	fputs(command->help, stdout);
+	return cli_flush(stdout, EXIT_DONE);
+}
+
 int main(int argc, char **argv)
 {
+	static char program[] = "candil";
 	static const struct option options[] = {
 	    {"connect", required_argument, NULL, OPTION_CONNECT},
 	    {"json", no_argument, NULL, OPTION_JSON},
@@ -44,6 +63,8 @@ int main(int argc, char **argv)
 	};
 	struct cli cli = {0};
 	int option;
+	if (argc > 0)
+		argv[0] = program; // what getopt_long puts before its sentences
 	while ((option = getopt_long(argc, argv, "+hV", options, NULL)) != -1) {
 		switch (option) {
 		case OPTION_CONNECT:
@@ -66,12 +87,13 @@ int main(int argc, char **argv)
 		fputs("candil: a command is missing; see candil --help\n", stderr);
 		return EXIT_USAGE;
 	}
-	const struct command *command = find_command(argv[optind]);
-	if (!command) {
-		fprintf(stderr, "candil: there is no command \"%s\"; see candil --help\n", argv[optind]);
-		return EXIT_USAGE;
-	}
 	int first = optind;
+	if (strcmp(argv[first], "help") == 0)
+		return (int)help(argc - first, argv + first);
+	const struct command *command = find_command(argv[first]);
+	if (!command)
+		return (int)no_such_command(argv[first]);
+	argv[first] = program;
 	optind = 0; // makes getopt_long start anew on what follows the command
 	return (int)command->run(&cli, command, argc - first, argv + first);
 }

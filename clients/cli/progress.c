@@ -5,6 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "clients/cli/cli.h"
+
 #define BAR 30
 
 void progress_init(struct progress *progress, bool quiet)
@@ -30,8 +32,8 @@ void progress_draw(struct progress *progress, const struct candil_progress *at)
 	memset(bar, '#', (size_t)filled);
 	bar[BAR] = '\0';
 	double seconds = (double)at->elapsed_us * 1e-6;
-	snprintf(line, sizeof(line), "[%s] %3.0f %%  %" PRIu32 "/%" PRIu32 " samples  %.1f s", bar, at->fraction * 100.0,
-		 at->samples_done, at->samples, seconds);
+	snprintf(line, sizeof(line), "[%s] %3.0f %%  %" PRIu32 "/%" PRIu32 " sample%s  %.1f s", bar, at->fraction * 100.0,
+		 at->samples_done, at->samples, cli_s(at->samples), seconds);
 	progress_say(progress, line);
 }
 

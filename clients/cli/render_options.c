@@ -4,6 +4,7 @@
 #include <strings.h>
 
 #include "clients/cli/scene_options.h"
+#include "protocol/limits.h"
 
 #define ALL_EFFECTS ((1u << CANDIL_EFFECT_COUNT) - 1u)
 
@@ -56,7 +57,50 @@ static const struct option long_options[] = {
 struct given {
 	const char *format;
 	bool half, single, exposure, view;
+	const char *word; // of a list: the one that is wrong
 };
+
+// What an option takes, for a sentence.
+static const char *form_of(int option)
+{
+	switch (option) {
+	case OPTION_OUTPUT:
+		return "a file name, or - for standard output";
+	case OPTION_FORMAT:
+		return "exr or png";
+	case OPTION_TECHNIQUE:
+		return "auto, pt, vct, radiosity or direct";
+	case OPTION_SIZE:
+		return "WxH, two whole numbers of pixels such as 640x480";
+	case OPTION_SPP:
+		return "a whole number from 1 to 16777216";
+	case OPTION_FIRST_SAMPLE:
+		return "a whole number from 0 to 16777215";
+	case OPTION_SEED:
+		return "a whole number from 0 on";
+	case OPTION_CAMERA:
+		return "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV";
+	case OPTION_BACKGROUND:
+		return "r,g,b, three numbers such as 1,1,1";
+	case OPTION_EFFECTS:
+		return "auto, all or none, then +NAME or -NAME, between commas; a NAME is textures, emitters, lights, "
+		       "environment, bounces, glossy, normal-maps, alpha-mask, vertex-colors or unlit";
+	case OPTION_AOV:
+		return "depth, normal, albedo and id, between commas";
+	case OPTION_EXPOSURE:
+		return "a number of stops such as -1.5";
+	case OPTION_VIEW:
+		return "none, reinhard or filmic";
+	case OPTION_SET:
+		return "NAME=VALUE such as pt.depth=8, up to 16 times";
+	case OPTION_UP:
+		return "y or z";
+	case OPTION_UNIT:
+		return "a length in metres above 0";
+	default:
+		return "something else";
+	}
+}
 
 static bool parse_size(const char *text, struct candil_render_request *r)
 {
@@ -118,7 +162,7 @@ static bool parse_effect(const char *word, struct candil_render_request *r)
 	return false;
 }
 
-static bool parse_effects(char *list, struct candil_render_request *r)
+static bool parse_effects(char *list, struct candil_render_request *r, struct given *given)
 {
 	char *word;
 	while ((word = next_word(&list))) {
@@ -131,13 +175,14 @@ static bool parse_effects(char *list, struct candil_render_request *r)
 			r->effects_on = 0;
 			r->effects_off = ALL_EFFECTS;
 		} else if (!parse_effect(word, r)) {
+			given->word = word;
 			return false;
 		}
 	}
 	return true;
 }
 
-static bool parse_aovs(char *list, struct candil_render_request *r)
+static bool parse_aovs(char *list, struct candil_render_request *r, struct given *given)
 {
 	static const char *const names[] = {"depth", "normal", "albedo", "id"};
 	char *word;
@@ -145,8 +190,10 @@ static bool parse_aovs(char *list, struct candil_render_request *r)
 		unsigned i = 0;
 		while (i < 4 && strcmp(word, names[i]) != 0)
 			i++;
-		if (i == 4)
+		if (i == 4) {
+			given->word = word;
 			return false;
+		}
 		r->aovs |= 1u << i;
 	}
 	return true;
@@ -201,9 +248,9 @@ static bool take_option(int option, char *value, struct render_options *options,
 	case OPTION_SIZE:
 		return parse_size(value, r);
 	case OPTION_SPP:
-		return cli_parse_u32(value, &r->samples) && r->samples > 0;
+		return cli_parse_u32(value, &r->samples) && r->samples > 0 && r->samples <= LIMIT_SAMPLES;
 	case OPTION_FIRST_SAMPLE:
-		return cli_parse_u32(value, &r->first_sample);
+		return cli_parse_u32(value, &r->first_sample) && r->first_sample < LIMIT_SAMPLES;
 	case OPTION_SEED:
 		return cli_parse_u64(value, &r->seed);
 	case OPTION_CAMERA:
@@ -211,9 +258,9 @@ static bool take_option(int option, char *value, struct render_options *options,
 	case OPTION_BACKGROUND:
 		return parse_background(value, r);
 	case OPTION_EFFECTS:
-		return parse_effects(value, r);
+		return parse_effects(value, r, given);
 	case OPTION_AOV:
-		return parse_aovs(value, r);
+		return parse_aovs(value, r, given);
 	case OPTION_EXPOSURE:
 		given->exposure = true;
 		return cli_parse_double(value, &r->exposure_ev);
@@ -289,17 +336,18 @@ bool render_options_parse(struct cli *cli, const struct command *self, int argc,
 	memset(options, 0, sizeof(*options));
 	candil_render_request_init(&options->request);
 	options->request.options = options->settings;
-	while ((option = getopt_long(argc, argv, "o:", long_options, &index)) != -1) {
+	while ((option = getopt_long(argc, argv, "ho:", long_options, &index)) != -1) {
 		char whole[256];
 		snprintf(whole, sizeof(whole), "%s", optarg ? optarg : "");
-		if (option >= OPTION_CONNECT && option <= OPTION_HELP) {
+		if ((option >= OPTION_CONNECT && option <= OPTION_HELP) || option == 'h') {
 			if (!cli_common_option(cli, self, option, code))
 				return false;
 		} else if (option == '?') {
 			return cli_common_option(cli, self, option, code);
 		} else if (!take_flag(option, options, &given) && !take_option(option, optarg, options, &given)) {
-			*code = cli_usage(self, "%s cannot be \"%s\"",
-					  option == OPTION_OUTPUT ? "the output" : long_options[index].name, whole);
+			*code = cli_usage(self, "--%s cannot be \"%s\": it takes %s",
+					  option == OPTION_OUTPUT ? "output" : long_options[index].name,
+					  given.word ? given.word : whole, form_of(option));
 			return false;
 		}
 	}

@@ -8,16 +8,30 @@ static bool is_simulated(const struct candil_effect_report *effect)
 	return effect->state == CANDIL_EFFECT_SIMULATED || effect->state == CANDIL_EFFECT_FORCED;
 }
 
-// Whether the daemon told of every source of light that it is left out.
-static bool is_unlit(const struct candil_accepted *accepted)
+// If the daemon told of every source of light that it is left out: what would give some.
+static void print_unlit(const struct candil_accepted *accepted, FILE *stream)
 {
 	const uint32_t sources = 1u << CANDIL_EFFECT_EMITTERS | 1u << CANDIL_EFFECT_LIGHTS | 1u << CANDIL_EFFECT_ENVIRONMENT;
-	uint32_t left_out = 0;
+	uint32_t left_out = 0, off = 0;
 	for (uint32_t i = 0; i < accepted->plan_count; i++) {
-		if (!is_simulated(&accepted->plan[i]) && (uint32_t)accepted->plan[i].effect < CANDIL_EFFECT_COUNT)
-			left_out |= 1u << accepted->plan[i].effect;
+		const struct candil_effect_report *e = &accepted->plan[i];
+		if (is_simulated(e) || (uint32_t)e->effect >= CANDIL_EFFECT_COUNT)
+			continue;
+		left_out |= 1u << e->effect;
+		if (e->state == CANDIL_EFFECT_SWITCHED_OFF)
+			off |= 1u << e->effect;
 	}
-	return (left_out & sources) == sources;
+	if ((left_out & sources) != sources)
+		return;
+	fputs("light      nothing gives any, so all is black", stream);
+	const char *separator = "; switched off: ";
+	for (uint32_t i = 0; i < CANDIL_EFFECT_COUNT; i++) {
+		if (!(off & sources & 1u << i))
+			continue;
+		fprintf(stream, "%s%s", separator, candil_effect_name((enum candil_effect)i));
+		separator = ", ";
+	}
+	fputs(off & sources ? "\n" : "; --background 1,1,1 would\n", stream);
 }
 
 static void print_effects(const struct candil_accepted *accepted, bool simulated, FILE *stream)
@@ -30,6 +44,8 @@ static void print_effects(const struct candil_accepted *accepted, bool simulated
 		fprintf(stream, "%s%s", separator, candil_effect_name(e->effect));
 		if (e->state == CANDIL_EFFECT_FORCED)
 			fputs(" (forced)", stream);
+		if (e->state == CANDIL_EFFECT_SWITCHED_OFF)
+			fputs(" (switched off)", stream);
 		if (e->why[0])
 			fprintf(stream, ": %s", e->why);
 		separator = "; ";
@@ -52,17 +68,19 @@ void report_print(const struct report *r, FILE *stream)
 	const struct candil_done *done = &r->done;
 	fprintf(stream, "image      %s, %" PRIu32 "x%" PRIu32 ", %s, %" PRIu64 " bytes\n", r->options->output,
 		request->width, request->height, candil_format_name(request->format), r->bytes);
-	fprintf(stream, "technique  %s, %" PRIu32 " samples, depth %" PRIu32 ", on %s\n",
-		candil_technique_name(r->accepted.technique), done->samples, r->accepted.depth,
+	fprintf(stream, "technique  %s, %" PRIu32 " sample%s, depth %" PRIu32 ", on %s\n",
+		candil_technique_name(r->accepted.technique), done->samples, cli_s(done->samples), r->accepted.depth,
 		done->device[0] ? done->device : r->accepted.device);
 	print_stages(done, stream);
 	print_effects(&r->accepted, true, stream);
 	print_effects(&r->accepted, false, stream);
-	if (done->estimated_relmse >= 0)
+	if (done->estimated_relmse == 0)
+		fputs("error      none: every sample says the same\n", stream);
+	else if (done->estimated_relmse > 0)
 		fprintf(stream, "error      relative MSE about %.2e, estimated\n", done->estimated_relmse);
 	if (done->non_finite_samples > 0)
-		fprintf(stream, "mended     %" PRIu64 " samples were not finite and count as zero\n",
-			done->non_finite_samples);
+		fprintf(stream, "mended     %" PRIu64 " sample%s not finite, counted as zero\n", done->non_finite_samples,
+			cli_s(done->non_finite_samples));
 	if (done->retries > 0)
 		fprintf(stream, "retries    %" PRIu32 ": the worker was lost and the job begun again\n", done->retries);
 	if (strcmp(r->camera, "framed") == 0)
@@ -71,20 +89,46 @@ void report_print(const struct report *r, FILE *stream)
 			"%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,0,1,0,%g)\n",
 			request->eye.x, request->eye.y, request->eye.z, request->target.x, request->target.y,
 			request->target.z, request->vfov_degrees);
-	if (is_unlit(&r->accepted))
-		fputs("light      nothing gives any, so all is black; --background 1,1,1 would\n", stream);
-	if (r->scene->warning_count > 0)
+	print_unlit(&r->accepted, stream);
+	if (r->scene->warning_count == 1 && r->scene->warnings_more == 0)
+		fputs("warning    1 about the scene; see candil describe\n", stream);
+	else if (r->scene->warning_count > 0)
 		fprintf(stream, "warnings   %" PRIu32 " about the scene; see candil describe\n",
 			r->scene->warning_count + r->scene->warnings_more);
+}
+
+// The scene's camera that the render took; NULL if the list that came is too short for it.
+static const struct candil_camera_info *find_camera(const struct report *r)
+{
+	const char *name = r->options->request.camera_name;
+	for (uint32_t i = 0; i < r->scene->camera_list_count; i++) {
+		if (!name || strcmp(r->scene->cameras[i].name, name) == 0)
+			return &r->scene->cameras[i];
+	}
+	return NULL;
+}
+
+static void put_scene_camera(json_t *object, const struct report *r)
+{
+	const struct candil_camera_info *camera = find_camera(r);
+	if (!camera && r->options->request.camera_name)
+		json_object_set_new(object, "name", cli_json_text(r->options->request.camera_name));
+	if (!camera)
+		return;
+	json_object_set_new(object, "name", cli_json_text(camera->name));
+	json_object_set_new(object, "eye", cli_json_vec3(&camera->eye));
+	json_object_set_new(object, "target", cli_json_vec3(&camera->target));
+	json_object_set_new(object, "up", cli_json_vec3(&camera->up));
+	json_object_set_new(object, "vfov_degrees", json_real(camera->vfov_degrees));
 }
 
 static json_t *camera_json(const struct report *r)
 {
 	const struct candil_render_request *request = &r->options->request;
 	json_t *camera = json_pack("{s:s}", "source", r->camera);
-	if (request->camera_name)
-		json_object_set_new(camera, "name", cli_json_text(request->camera_name));
-	if (request->has_camera) {
+	if (!request->has_camera) {
+		put_scene_camera(camera, r);
+	} else {
 		json_object_set_new(camera, "eye", cli_json_vec3(&request->eye));
 		json_object_set_new(camera, "target", cli_json_vec3(&request->target));
 		json_object_set_new(camera, "up", cli_json_vec3(&request->up));

@@ -38,20 +38,22 @@ static enum exit_code run_load(struct cli *cli, const struct command *self, int 
 	bool under_root = false;
 	char name[256];
 	int option;
-	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
+	while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
 		if (option == 'n')
 			request.name = optarg;
 		else if (option == 'r')
 			under_root = true;
 		else if (option == OPTION_UP || option == OPTION_UNIT) {
 			if (!scene_option(option, optarg, &request))
-				return cli_usage(self, "\"%s\" is no axis or length", optarg);
+				return cli_usage(self, "%s, not \"%s\"", scene_option_form(option), optarg);
 		} else if (!cli_common_option(cli, self, option, &code)) {
 			return code;
 		}
 	}
 	if (argc - optind != 1)
 		return cli_usage(self, "one scene file is needed");
+	if (!scene_options_fit(argv[optind], &request))
+		return cli_usage(self, SCENE_OPTIONS_ARE_FOR_OBJ);
 	if (!request.name) {
 		name_from_file(argv[optind], name, sizeof(name));
 		request.name = name;
@@ -141,13 +143,16 @@ static enum exit_code run_scenes(struct cli *cli, const struct command *self, in
 	} else if (cli->json) {
 		code = cli_print_json(list_json(&list), stdout, code);
 	} else {
+		if (list.count == 0)
+			puts("no scenes");
 		for (uint32_t i = 0; i < list.count; i++) {
 			const struct candil_scene_entry *s = &list.scenes[i];
 			if (s->loading)
 				printf("%-24s loading\n", s->name);
 			else
-				printf("%-24s %10" PRIu32 " triangles %8.1f MiB %3" PRIu32 " jobs\n", s->name, s->triangles,
-				       (double)s->blob_bytes / 1048576.0, s->jobs);
+				printf("%-24s %10" PRIu32 " triangle%s %8.1f MiB %3" PRIu32 " job%s\n", s->name,
+				       s->triangles, cli_s(s->triangles), (double)s->blob_bytes / 1048576.0, s->jobs,
+				       cli_s(s->jobs));
 		}
 		code = cli_flush(stdout, code);
 	}
@@ -169,10 +174,10 @@ static enum exit_code run_describe(struct cli *cli, const struct command *self, 
 	struct candil_load_request how = {0};
 	enum exit_code code = EXIT_DONE;
 	int option;
-	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
+	while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
 		if (option == OPTION_UP || option == OPTION_UNIT) {
 			if (!scene_option(option, optarg, &how))
-				return cli_usage(self, "\"%s\" is no axis or length", optarg);
+				return cli_usage(self, "%s, not \"%s\"", scene_option_form(option), optarg);
 		} else if (!cli_common_option(cli, self, option, &code)) {
 			return code;
 		}

@@ -1,6 +1,7 @@
 #include "clients/cli/scene_options.h"
 
 #include <string.h>
+#include <strings.h>
 
 bool scene_option(int option, const char *text, struct candil_load_request *request)
 {
@@ -13,4 +14,21 @@ bool scene_option(int option, const char *text, struct candil_load_request *requ
 	else
 		return false;
 	return true;
+}
+
+const char *scene_option_form(int option)
+{
+	return option == OPTION_UNIT ? "--unit takes a length in metres above 0" : "--up takes y or z";
+}
+
+bool scene_options_given(const struct candil_load_request *request)
+{
+	return request->up != CANDIL_UP_DEFAULT || request->metres_per_unit != 0;
+}
+
+bool scene_options_fit(const char *file, const struct candil_load_request *request)
+{
+	const char *dot = strrchr(file, '.');
+	bool gltf = dot && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0);
+	return !gltf || !scene_options_given(request);
 }

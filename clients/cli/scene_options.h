@@ -14,4 +14,15 @@ enum { OPTION_UP = 1100, OPTION_UNIT };
 // Take one of the two. false: the text is no axis, or no length above 0.
 bool scene_option(int option, const char *text, struct candil_load_request *request);
 
+// What the option takes: "--up takes …".
+const char *scene_option_form(int option);
+
+// Whether either was given.
+bool scene_options_given(const struct candil_load_request *request);
+
+// false: one was given, and the file is a glTF, which states its own.
+bool scene_options_fit(const char *file, const struct candil_load_request *request);
+#define SCENE_OPTIONS_ARE_FOR_OBJ \
+	"--up and --unit are for OBJ files; a glTF file states its own axes, and its unit is the metre"
+
 #endif

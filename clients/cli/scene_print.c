@@ -14,45 +14,53 @@ static void print_cameras(const struct candil_scene_info *s)
 			puts("orthographic");
 	}
 	if (s->camera_count > s->camera_list_count)
-		printf("            and %" PRIu32 " cameras more\n", s->camera_count - s->camera_list_count);
+		printf("            and %" PRIu32 " camera%s more\n", s->camera_count - s->camera_list_count,
+		       cli_s(s->camera_count - s->camera_list_count));
 }
 
 static void print_mended(const struct candil_scene_info *s)
 {
 	const struct {
-		const char *what;
+		const char *one, *many;
 		uint32_t count;
 	} mended[] = {
-	    {"degenerate triangles were dropped", s->dropped_degenerate},
-	    {"triangles that are not finite were dropped", s->dropped_non_finite},
-	    {"triangles with an index out of range were dropped", s->dropped_out_of_range},
-	    {"textures are missing", s->missing_textures},
+	    {"degenerate triangle was dropped", "degenerate triangles were dropped", s->dropped_degenerate},
+	    {"triangle that is not finite was dropped", "triangles that are not finite were dropped", s->dropped_non_finite},
+	    {"triangle with an index out of range was dropped", "triangles with an index out of range were dropped",
+	     s->dropped_out_of_range},
+	    {"texture is missing", "textures are missing", s->missing_textures},
 	};
 	for (size_t i = 0; i < sizeof(mended) / sizeof(mended[0]); i++) {
 		if (mended[i].count > 0)
-			printf("mended      %" PRIu32 " %s\n", mended[i].count, mended[i].what);
+			printf("mended      %" PRIu32 " %s\n", mended[i].count,
+			       mended[i].count == 1 ? mended[i].one : mended[i].many);
 	}
 	for (uint32_t i = 0; i < s->warning_count; i++)
 		printf("warning     %s\n", s->warnings[i]);
 	if (s->warnings_more > 0)
-		printf("            and %" PRIu32 " warnings more\n", s->warnings_more);
+		printf("            and %" PRIu32 " warning%s more\n", s->warnings_more, cli_s(s->warnings_more));
 	for (uint32_t i = 0; i < s->ignored_count; i++)
 		printf("ignored     %s\n", s->ignored[i]);
 }
 
 void scene_print(const struct candil_scene_info *s)
 {
-	printf("scene       %s (%s)\n", s->name, s->file);
-	printf("holds       %" PRIu32 " triangles, %" PRIu32 " materials, %" PRIu32
-	       " textures; %.1f MiB, loaded in %.0f ms\n",
-	       s->triangles, s->materials, s->textures, (double)s->blob_bytes / 1048576.0, (double)s->load_us * 1e-3);
-	printf("lights      %" PRIu32 " emissive triangles, %" PRIu32 " punctual lights\n", s->emissive_triangles,
-	       s->punctual_lights);
+	if (s->name[0])
+		printf("scene       %s (%s)\n", s->name, s->file);
+	else // it was loaded for this call only
+		printf("scene       %s\n", s->file);
+	printf("holds       %" PRIu32 " triangle%s, %" PRIu32 " material%s, %" PRIu32
+	       " texture%s; %.1f MiB, loaded in %.0f ms\n",
+	       s->triangles, cli_s(s->triangles), s->materials, cli_s(s->materials), s->textures, cli_s(s->textures),
+	       (double)s->blob_bytes / 1048576.0, (double)s->load_us * 1e-3);
+	printf("lights      %" PRIu32 " emissive triangle%s, %" PRIu32 " punctual light%s\n", s->emissive_triangles,
+	       cli_s(s->emissive_triangles), s->punctual_lights, cli_s(s->punctual_lights));
 	if (s->light_units[0])
 		printf("units       %s\n", s->light_units);
 	printf("bounds      %g %g %g to %g %g %g m\n", s->bounds_min.x, s->bounds_min.y, s->bounds_min.z, s->bounds_max.x,
 	       s->bounds_max.y, s->bounds_max.z);
-	printf("bvh         %" PRIu32 " nodes, %" PRIu32 " levels\n", s->bvh_nodes, s->bvh_depth);
+	printf("bvh         %" PRIu32 " node%s, %" PRIu32 " level%s\n", s->bvh_nodes, cli_s(s->bvh_nodes), s->bvh_depth,
+	       cli_s(s->bvh_depth));
 	if (s->fact_count > 0)
 		printf("facts       ");
 	for (uint32_t i = 0; i < s->fact_count; i++)

@@ -14,6 +14,7 @@
 
 #include "clients/cli/interrupt.h"
 #include "clients/cli/programs.h"
+#include "clients/cli/scene_options.h"
 
 #define PRIVATE_FD 3
 #define ANSWER_MS 10000u
@@ -38,6 +39,23 @@ static bool is_file(const char *path)
 {
 	struct stat about;
 	return stat(path, &about) == 0 && S_ISREG(about.st_mode);
+}
+
+// Whether it cannot be read as a file, and why. Anything but a folder and what is missing is left to the loader.
+static candil_status check_file(const char *path, const struct candil_load_request *how, struct candil_error *error)
+{
+	struct stat about;
+	if (stat(path, &about) != 0)
+		return errno == ENOENT || errno == ENOTDIR ? fail(error, CANDIL_STATUS_SCENE_NOT_FOUND,
+								  "there is no scene and no file named %.150s; candil "
+								  "scenes lists the scenes",
+								  path)
+							   : CANDIL_STATUS_OK;
+	if (S_ISDIR(about.st_mode))
+		return fail(error, CANDIL_STATUS_SCENE_FILE, "%.150s is a folder: name the scene file in it", path);
+	if (!scene_options_fit(path, how))
+		return fail(error, CANDIL_STATUS_BAD_ARGUMENT, SCENE_OPTIONS_ARE_FOR_OBJ);
+	return CANDIL_STATUS_OK;
 }
 
 // A process group of its own keeps the terminal's Ctrl-C from the daemon: this side cancels the job properly.
@@ -94,10 +112,23 @@ static candil_status connect_any(struct target *target, const char *address, con
 		return status;
 	if (is_file(scene))
 		return connect_private(target, error);
-	if (strpbrk(scene, "./"))
-		return fail(error, CANDIL_STATUS_SCENE_NOT_FOUND, "there is no file %.150s, and no daemon that may know it",
-			    scene);
-	return status;
+	struct candil_error why;
+	if (check_file(scene, &(struct candil_load_request){0}, &why) == CANDIL_STATUS_SCENE_FILE) {
+		*error = why;
+		return why.code;
+	}
+	// With a dot or a slash it was meant as a file, without as a scene's name.
+	bool named = !strpbrk(scene, "./");
+	char nowhere[256];
+	if (!candil_default_address(nowhere, sizeof(nowhere)))
+		return fail(
+		    error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
+		    "there is no file %.120s, and no daemon to ask, for XDG_RUNTIME_DIR is not set; --connect names one",
+		    scene);
+	return fail(error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
+		    "there is no file %.120s, and no daemon at the default address that may have a scene of that name; "
+		    "--connect names another",
+		    scene);
 }
 
 // Load the file under a name that no other call uses.
@@ -146,9 +177,15 @@ candil_status target_open(struct target *target, const char *address, const char
 		snprintf(target->scene, sizeof(target->scene), "%s", scene);
 		candil_set_timeout(target->client, ANSWER_MS);
 		status = candil_describe(target->client, scene, &target->info, error);
-		if (status != CANDIL_STATUS_SCENE_NOT_FOUND || !is_file(scene))
+		if (status == CANDIL_STATUS_OK && scene_options_given(how))
+			return fail(error, CANDIL_STATUS_BAD_ARGUMENT,
+				    "%s is loaded already: give --up and --unit to candil load", scene);
+		if (status != CANDIL_STATUS_SCENE_NOT_FOUND)
 			return status;
 	}
+	status = check_file(scene, how, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	return load_temporary(target, scene, how, error);
 }
 

@@ -1,8 +1,10 @@
 """candil render and its fellows against a real daemon, a private one and Ctrl-C."""
+import base64
 import json
 import os
 import shutil
 import signal
+import struct
 import subprocess
 import tempfile
 import time
@@ -135,9 +137,9 @@ class Render(unittest.TestCase):
         self.assertNotIn(b"stays loaded", errors)
         self.assertEqual(self.scenes(), before)
 
-    def interrupted(self, *more, env=None):
+    def interrupted(self, *more, env=None, how=signal.SIGINT):
         process, output = self.start_endless(*more, env=env)
-        process.send_signal(signal.SIGINT)
+        process.send_signal(how)
         _, errors = process.communicate(timeout=120)
         self.assertEqual(process.returncode, 8, errors)
         with open(output, "rb") as file:
@@ -152,6 +154,57 @@ class Render(unittest.TestCase):
         self.assertEqual(after["jobs_cancelled"], before + 1)
         self.assertEqual(after["jobs"], 0)
         self.assertEqual(self.scenes(), [])
+
+    def test_a_closed_terminal_cancels(self):
+        before = signal.signal(signal.SIGHUP, signal.SIG_DFL)  # one that nohup ignores is inherited, and left alone
+        self.addCleanup(signal.signal, signal.SIGHUP, before)
+        self.interrupted("--connect", self.daemon.socket, how=signal.SIGHUP)
+
+    def test_what_cannot_be_a_scene_is_named(self):
+        result = self.render("no-such.obj", self.path("none.png"))
+        self.assertEqual(result.returncode, 4, result)
+        self.assertIn("no scene and no file named no-such.obj", result.stderr)
+        result = self.render(self.folder, self.path("none.png"))
+        self.assertEqual(result.returncode, 4, result)
+        self.assertIn("is a folder", result.stderr)
+
+    def test_axis_of_a_loaded_scene(self):
+        self.assertEqual(self.candil("scenes").stdout, "no scenes\n")
+        self.assertEqual(self.candil("load", self.scene, "--name", "upright", "--up", "z").returncode, 0)
+        self.assertEqual(self.render("upright", self.path("none.png"), "--up", "z").returncode, 2)
+        self.assertEqual(self.candil("unload", "upright").returncode, 0)
+
+    def test_camera_of_the_scene_is_reported_whole(self):
+        corners = struct.pack("<9f", -1, 0, 0, 1, 0, 0, 0, 1, 0)
+        with open(self.path("seen.gltf"), "w") as file:
+            json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+                       "nodes": [{"mesh": 0}, {"camera": 0, "name": "front", "translation": [0, 0, 5]}],
+                       "cameras": [{"name": "front", "type": "perspective",
+                                    "perspective": {"yfov": 0.5, "znear": 0.1, "aspectRatio": 1}}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+                       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                                      "min": [-1, 0, 0], "max": [1, 1, 0]}],
+                       "bufferViews": [{"buffer": 0, "byteLength": 36}],
+                       "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,"
+                                    + base64.b64encode(corners).decode()}]}, file)
+        described = json.loads(self.candil("describe", self.path("seen.gltf"), "--json").stdout)["cameras"][0]
+        self.assertEqual(described["eye"], [0, 0, 5])
+        for more in ([], ["--camera", described["name"]]):
+            result = self.render(self.path("seen.gltf"), self.path("seen.png"), "--json", *more)
+            self.assertEqual(result.returncode, 0, result)
+            self.assertEqual(json.loads(result.stdout)["camera"], dict(described, source="scene"))
+        self.assertEqual(self.render(self.path("seen.gltf"), self.path("none.png"), "--unit", "2").returncode, 2)
+
+    def test_described_file_has_its_name(self):
+        self.assertRegex(self.candil("describe", self.scene).stdout, r"^scene +room\.obj\n")
+
+    def test_light_that_was_switched_off(self):
+        result = self.render(self.scene, self.path("dark.png"), "--effects", "none", "--background", "1,1,1")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("emitters (switched off)", result.stdout)
+        self.assertIn("switched off: emitters", result.stdout)
+        self.assertNotIn("--background", result.stdout)
+        self.assertIn("error      none", result.stdout)
 
     def test_private_daemon(self):
         with tempfile.TemporaryDirectory() as runtime:

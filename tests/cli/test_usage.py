@@ -4,7 +4,7 @@ import os
 import tempfile
 import unittest
 
-from common import CANDIL, environment, run, write_scene
+from common import CANDIL, Daemon, environment, run, write_scene
 
 COMMANDS = ["ping", "doctor", "load", "unload", "scenes", "describe", "render", "compare", "stats"]
 
@@ -61,6 +61,29 @@ class Usage(unittest.TestCase):
             self.refused(2, "render", "a.gltf", "-o", "a.exr", *wrong)
         self.assertEqual(os.listdir(self.folder.name), [])
 
+    def test_refusals_name_the_form(self):
+        for option, value, words in (("--size", "5", ["it takes WxH", '"5"']), ("--spp", "1e3", ["16777216"]),
+                                     ("--spp", "16777217", ["16777216"]), ("--background", "1", ["r,g,b"]),
+                                     ("--camera", "1,2,3", ["ten numbers"]), ("--unit", "0", ["metres"]),
+                                     ("--effects", "auto,-shiny,lights", ['"-shiny"', "emitters"]),
+                                     ("--aov", "id,colour,depth", ['"colour"', "albedo"])):
+            result = self.refused(2, "render", "a.gltf", "-o", "a.exr", option, value)
+            for word in words:
+                self.assertIn(word, result.stderr)
+        for arguments in (["--no-such"], ["ping", "--no-such"], ["render", "--no-such"]):
+            for line in self.refused(2, *arguments).stderr.splitlines():
+                self.assertTrue(line.startswith("candil: "), line)
+        for arguments in (["load", "a.glb"], ["load", "a.gltf", "--under-root"]):
+            self.assertIn("OBJ", self.refused(2, *arguments, "--up", "z").stderr)
+
+    def test_help_in_every_way(self):
+        self.assertEqual(self.candil("help").stdout, self.candil("--help").stdout)
+        for command in COMMANDS:
+            wanted = self.candil(command, "--help").stdout
+            self.assertEqual(self.candil(command, "-h").stdout, wanted)
+            self.assertEqual(self.candil("help", command).stdout, wanted)
+        self.refused(2, "help", "no-such-command")
+
     def test_nobody_to_connect_to(self):
         for command in (["ping"], ["stats"], ["scenes"], ["unload", "x"], ["describe", "x"],
                         ["render", "x", "-o", "x.png"]):
@@ -75,6 +98,11 @@ class Usage(unittest.TestCase):
         self.refused(4, "render", "missing.gltf", "-o", "x.png")
         self.refused(4, "render", "./missing", "-o", "x.png")
         self.refused(4, "describe", "missing.gltf")
+        self.assertIn("folder", self.refused(4, "describe", ".").stderr)
+        del self.env["XDG_RUNTIME_DIR"]
+        said = self.refused(3, "render", "nothere", "-o", "x.png").stderr
+        self.assertIn("no file nothere", said)
+        self.assertIn("--connect", said)
 
     def test_output_is_tried_before_anything_else(self):
         scene = write_scene(self.folder.name)
@@ -99,6 +127,15 @@ class Usage(unittest.TestCase):
         text = self.candil("doctor")
         self.assertEqual(text.returncode, result.returncode)
         self.assertIn("A render can", text.stdout)
+
+    def test_doctor_asks_the_daemon_for_its_device(self):
+        with Daemon(self.folder.name, "--device", "977") as daemon:
+            result = self.candil("--connect", daemon.socket, "doctor", "--json")
+            found = json.loads(result.stdout)
+            self.assertEqual((result.returncode, found["daemon"]["reachable"], found["daemon"]["ready"]), (5, True, False))
+            text = self.candil("--connect", daemon.socket, "doctor")
+        self.assertEqual(text.returncode, 5)
+        self.assertIn("A render cannot work.", text.stdout)
 
     def test_doctor_names_what_is_missing(self):
         # A candil alone, without its family.
