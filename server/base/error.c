@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static void fill(struct error *err, enum status code, const char *format, va_list args)
+static void __attribute__((format(printf, 3, 0))) fill(struct error *err, enum status code, const char *format, va_list args)
 {
 	err->code = code;
 	vsnprintf(err->text, sizeof err->text, format, args);
