@@ -228,7 +228,7 @@ class OwnScenes(FakeCase):
     def test_a_client_may_fail_where_the_daemon_may_not(self):
         self.write("bad.gltf", "refuse")
         connection = self.connect()
-        self.assert_error(connection.receive_for(connection.send_load("first", self.scenes, "bad.gltf")), "scene-invalid")
+        self.assert_error(connection.receive_for(connection.send_load("other", self.scenes, "bad.gltf")), "scene-invalid")
         self.assert_serves()
 
     def test_one_that_cannot_be_loaded_ends_the_daemon(self):
