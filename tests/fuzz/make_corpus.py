@@ -1,12 +1,15 @@
 """Seeds for the fuzz targets: valid messages and streams, so that mutation starts from something that means something.
 
-    make_corpus.py FOLDER     writes FOLDER/front/* and FOLDER/client/*
+    make_corpus.py FOLDER LOADER     writes FOLDER/front/*, FOLDER/client/* and, by candil-loader, FOLDER/blob/*
 """
 import os
 import struct
+import subprocess
 import sys
+import tempfile
 
 import candil_pb2 as pb
+import make
 
 MAGIC = 0x4C444E43
 
@@ -59,7 +62,18 @@ def client():
     yield "error", hello + message(0xFF, pb.Error(code=40, name="scene-not-found", message="no").SerializeToString(), 2)
 
 
+def blobs(folder):
+    """Small scenes that between them have every section: textures, lights, emitters, masks, colours, second coordinates."""
+    os.makedirs(folder, exist_ok=True)
+    with tempfile.TemporaryDirectory() as scenes:
+        for name in ("cornell", "textured_quad", "spot", "normal_mapped_quad", "alpha_mask", "vertex_colours", "second_uvs"):
+            path = make.SCENES[name](scenes)
+            subprocess.run([sys.argv[2], "--describe", "--dir", scenes, "--file", os.path.basename(path), "--blob",
+                            os.path.join(folder, name)], check=True, stdout=subprocess.DEVNULL)
+
+
 def main():
+    blobs(os.path.join(sys.argv[1], "blob"))
     for folder, seeds in (("front", front), ("client", client)):
         path = os.path.join(sys.argv[1], folder)
         os.makedirs(path, exist_ok=True)
