@@ -16,7 +16,6 @@ struct error {
 enum status error_set(struct error *err, enum status code, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 // The same with ": <errno in words>" behind the sentence. Reads errno first of all.
-enum status error_errno(struct error *err, enum status code, const char *format, ...)
-	__attribute__((format(printf, 3, 4)));
+enum status error_errno(struct error *err, enum status code, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 #endif

@@ -15,40 +15,40 @@
 #include "server/base/error.h"
 
 #define IPC_FD 3
-#define IPC_SCENE_DIR_FD 4       // loader: the scene's folder, O_PATH|O_DIRECTORY or readable
+#define IPC_SCENE_DIR_FD 4 // loader: the scene's folder, O_PATH|O_DIRECTORY or readable
 #define IPC_MAX_BYTES (128u * 1024u)
 
 enum ipc_op {
 	// front -> worker
-	IPC_SCENE = 1,    // struct ipc_scene, one sealed blob: known from now on under its id
-	IPC_FORGET,       // struct ipc_scene: jobs that use it go on; the blob is let go after the last
-	IPC_BEGIN,        // struct ipc_begin
-	IPC_STEP,         // struct ipc_step: work on the job for about budget_us
-	IPC_READ,         // struct ipc_read: encode what has been accumulated
-	IPC_END,          // struct ipc_job: forget the job (READs already asked for still answer)
+	IPC_SCENE = 1, // struct ipc_scene, one sealed blob: known from now on under its id
+	IPC_FORGET, // struct ipc_scene: jobs that use it go on; the blob is let go after the last
+	IPC_BEGIN, // struct ipc_begin
+	IPC_STEP, // struct ipc_step: work on the job for about budget_us
+	IPC_READ, // struct ipc_read: encode what has been accumulated
+	IPC_END, // struct ipc_job: forget the job (READs already asked for still answer)
 	// worker -> front
-	IPC_READY,        // struct ipc_ready, once
-	IPC_BEGUN,        // struct ipc_begun, one a BEGIN
-	IPC_STEPPED,      // struct ipc_stepped, one a STEP
-	IPC_IMAGE,        // struct ipc_image, one a READ, the encoded file as a sealed memfd unless error
+	IPC_READY, // struct ipc_ready, once
+	IPC_BEGUN, // struct ipc_begun, one a BEGIN
+	IPC_STEPPED, // struct ipc_stepped, one a STEP
+	IPC_IMAGE, // struct ipc_image, one a READ, the encoded file as a sealed memfd unless error
 	// loader -> front
-	IPC_LOADED,       // struct ipc_loaded, the blob as a sealed memfd unless error
+	IPC_LOADED, // struct ipc_loaded, the blob as a sealed memfd unless error
 };
 
 struct ipc_head {
-	uint32_t op;       // enum ipc_op
-	uint32_t job;      // 0 where none is meant
+	uint32_t op; // enum ipc_op
+	uint32_t job; // 0 where none is meant
 };
 
 struct ipc_scene {
 	struct ipc_head head;
-	uint64_t scene;    // id, never used twice in the front's life
+	uint64_t scene; // id, never used twice in the front's life
 };
 
 struct ipc_begin {
 	struct ipc_head head;
 	uint64_t scene;
-	candil_Render render;   // checked by the front
+	candil_Render render; // checked by the front
 };
 
 struct ipc_job {
@@ -67,26 +67,26 @@ struct ipc_read {
 
 struct ipc_ready {
 	struct ipc_head head;
-	char build[64];         // ipc_build()
-	char device[128];       // "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6"
-	uint32_t software;      // no GPU behind it
-	struct error error;     // code != OK: no usable device; the worker then only answers BEGIN with this error
+	char build[64]; // ipc_build()
+	char device[128]; // "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6"
+	uint32_t software; // no GPU behind it
+	struct error error; // code != OK: no usable device; the worker then only answers BEGIN with this error
 };
 
 struct ipc_begun {
 	struct ipc_head head;
 	struct error error;
-	candil_Accepted accepted;   // valid if error.code is OK
+	candil_Accepted accepted; // valid if error.code is OK
 };
 
 struct ipc_stepped {
 	struct ipc_head head;
-	struct error error;         // any but OK: the job is dead and needs END
-	uint32_t samples_done;      // complete ones, of every pixel
-	uint32_t finished;          // all samples are in: time for the last READ
-	double fraction;            // of the job's work
-	uint64_t device_us;         // this slice took
-	uint64_t device_bytes;      // held on the device now, all jobs
+	struct error error; // any but OK: the job is dead and needs END
+	uint32_t samples_done; // complete ones, of every pixel
+	uint32_t finished; // all samples are in: time for the last READ
+	double fraction; // of the job's work
+	uint64_t device_us; // this slice took
+	uint64_t device_bytes; // held on the device now, all jobs
 	uint64_t validation_errors; // since the worker started
 };
 
@@ -94,14 +94,14 @@ struct ipc_image {
 	struct ipc_head head;
 	struct error error;
 	candil_ImageFrame frame;
-	candil_Done done;           // the worker's part: samples, stages, estimates, counts, device; for a final READ
+	candil_Done done; // the worker's part: samples, stages, estimates, counts, device; for a final READ
 };
 
 struct ipc_loaded {
 	struct ipc_head head;
 	char build[64];
 	struct error error;
-	candil_SceneInfo info;      // without name and load_us, which the front knows
+	candil_SceneInfo info; // without name and load_us, which the front knows
 };
 
 // Identifies a build: version and a hash of the message sizes.

@@ -9,9 +9,9 @@ static json_t *device_json(const struct device_info *d)
 {
 	char api[16];
 	snprintf(api, sizeof api, "%u.%u", VK_API_VERSION_MAJOR(d->api), VK_API_VERSION_MINOR(d->api));
-	return json_pack("{s:i s:s s:s s:s s:s s:b s:s s:I s:s}", "index", (int)d->index, "name", d->name, "type", d->type, "api",
-			 api, "uuid", d->uuid, "usable", d->usable, "why", d->usable ? "" : d->why_not, "memory_bytes",
-			 (json_int_t)d->memory_bytes, "driver", d->name);
+	return json_pack("{s:i s:s s:s s:s s:s s:b s:s s:I s:s}", "index", (int)d->index, "name", d->name, "type", d->type,
+			 "api", api, "uuid", d->uuid, "usable", d->usable, "why", d->usable ? "" : d->why_not,
+			 "memory_bytes", (json_int_t)d->memory_bytes, "driver", d->name);
 }
 
 int doctor(const struct device_options *options)
@@ -26,8 +26,8 @@ int doctor(const struct device_options *options)
 	for (uint32_t i = 0; i < count; i++)
 		json_array_append_new(devices, device_json(&infos[i]));
 	if (count == 0)
-		json_array_append_new(missing, json_pack("{s:s s:s}", "what", "a Vulkan driver (software will do)", "package",
-							 "mesa-vulkan-drivers"));
+		json_array_append_new(missing, json_pack("{s:s s:s}", "what", "a Vulkan driver (software will do)",
+							 "package", "mesa-vulkan-drivers"));
 	if (s == STATUS_OK)
 		s = device_choose(infos, count, options, &chosen, why, &err);
 	json_t *root = json_pack("{s:o s:i s:s s:o}", "devices", devices, "chosen", s == STATUS_OK ? (int)chosen : -1, "why",

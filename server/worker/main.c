@@ -12,10 +12,9 @@
 #include "server/worker/serve.h"
 #include "server/worker/vk/device.h"
 
-static const char usage[] =
-	"usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB]\n"
-	"       candil-worker --doctor [--device …]     list the devices as JSON\n"
-	"candild starts this program; it serves the descriptor that candild leaves it.\n";
+static const char usage[] = "usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB]\n"
+			    "       candil-worker --doctor [--device …]     list the devices as JSON\n"
+			    "candild starts this program; it serves the descriptor that candild leaves it.\n";
 
 struct settings {
 	struct device_options device;
@@ -69,7 +68,7 @@ int main(int argc, char **argv)
 	// A worker without its front has nobody to serve.
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	signal(SIGPIPE, SIG_IGN);
-	signal(SIGINT, SIG_IGN);   // Ctrl-C in a terminal is for the front, which then closes the line
+	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the line
 	if (device_create(&settings.device, &device, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "%s", err.text);
 	enum status s = serve(IPC_FD, device, &err);

@@ -12,30 +12,32 @@
 struct effect_rule {
 	candil_Effect effect;
 	const char *name;
-	const char *simulated;   // why it runs
-	const char *absent;      // why it does not
-	const char *substitute;  // what is drawn instead when it is switched off
+	const char *simulated; // why it runs
+	const char *absent; // why it does not
+	const char *substitute; // what is drawn instead when it is switched off
 };
 
 static const struct effect_rule rules[] = {
-	{candil_Effect_EFFECT_TEXTURES, "textures", "materials have textures", "no material has a texture",
-	 "materials show their factors alone"},
-	{candil_Effect_EFFECT_EMITTERS, "emitters", "surfaces emit light", "no surface emits light", "emissive surfaces are black"},
-	{candil_Effect_EFFECT_LIGHTS, "lights", "the scene has point, spot or directional lights",
-	 "the scene has no point, spot or directional light", "point, spot and directional lights are dark"},
-	{candil_Effect_EFFECT_ENVIRONMENT, "environment", "the background is not black", "the background is black",
-	 "whatever the background is, it is drawn black"},
-	{candil_Effect_EFFECT_BOUNCES, "bounces", "light scatters more than once",
-	 "light cannot scatter twice: pt.depth is below 2, nothing reflects or nothing shines", "direct light alone"},
-	{candil_Effect_EFFECT_GLOSSY, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic",
-	 "surfaces are diffuse with their base colour"},
-	{candil_Effect_EFFECT_NORMAL_MAPS, "normal-maps", "materials have normal maps", "no material has a normal map",
-	 "surfaces have the mesh's own normals"},
-	{candil_Effect_EFFECT_ALPHA_MASK, "alpha-mask", "materials are cut out by alpha", "no material is cut out by alpha",
-	 "surfaces have no holes"},
-	{candil_Effect_EFFECT_VERTEX_COLORS, "vertex-colors", "vertices have colours", "no vertex has a colour",
-	 "vertices are white"},
-	{candil_Effect_EFFECT_UNLIT, "unlit", "materials are unlit", "no material is unlit", "unlit surfaces are lit like any other"},
+    {candil_Effect_EFFECT_TEXTURES, "textures", "materials have textures", "no material has a texture",
+     "materials show their factors alone"},
+    {candil_Effect_EFFECT_EMITTERS, "emitters", "surfaces emit light", "no surface emits light",
+     "emissive surfaces are black"},
+    {candil_Effect_EFFECT_LIGHTS, "lights", "the scene has point, spot or directional lights",
+     "the scene has no point, spot or directional light", "point, spot and directional lights are dark"},
+    {candil_Effect_EFFECT_ENVIRONMENT, "environment", "the background is not black", "the background is black",
+     "whatever the background is, it is drawn black"},
+    {candil_Effect_EFFECT_BOUNCES, "bounces", "light scatters more than once",
+     "light cannot scatter twice: pt.depth is below 2, nothing reflects or nothing shines", "direct light alone"},
+    {candil_Effect_EFFECT_GLOSSY, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic",
+     "surfaces are diffuse with their base colour"},
+    {candil_Effect_EFFECT_NORMAL_MAPS, "normal-maps", "materials have normal maps", "no material has a normal map",
+     "surfaces have the mesh's own normals"},
+    {candil_Effect_EFFECT_ALPHA_MASK, "alpha-mask", "materials are cut out by alpha", "no material is cut out by alpha",
+     "surfaces have no holes"},
+    {candil_Effect_EFFECT_VERTEX_COLORS, "vertex-colors", "vertices have colours", "no vertex has a colour",
+     "vertices are white"},
+    {candil_Effect_EFFECT_UNLIT, "unlit", "materials are unlit", "no material is unlit",
+     "unlit surfaces are lit like any other"},
 };
 
 const char *effect_name(candil_Effect effect)
@@ -122,15 +124,15 @@ struct option_rule {
 	const char *name;
 	uint32_t least, most;
 	const char *const *words;
-	size_t offset;   // of the uint32_t in struct plan
+	size_t offset; // of the uint32_t in struct plan
 };
 
 static const char *const traversals[] = {"auto", "single", "packet", NULL};
 
 static const struct option_rule options[] = {
-	{"pt.depth", 1, LIMIT_DEPTH, NULL, offsetof(struct plan, depth)},
-	{"pt.segment", 1, LIMIT_DEPTH + 1, NULL, offsetof(struct plan, segment)},
-	{"pt.traversal", 0, 0, traversals, offsetof(struct plan, traversal)},
+    {"pt.depth", 1, LIMIT_DEPTH, NULL, offsetof(struct plan, depth)},
+    {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, offsetof(struct plan, segment)},
+    {"pt.traversal", 0, 0, traversals, offsetof(struct plan, traversal)},
 };
 
 static enum status option_word(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
@@ -151,8 +153,8 @@ static enum status option_number(const struct option_rule *rule, const char *tex
 	char *end;
 	unsigned long v = strtoul(text, &end, 10);
 	if (text[0] < '0' || text[0] > '9' || *end || v < rule->least || v > rule->most)
-		return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a whole number from %u to %u, not '%s'", rule->name,
-				 rule->least, rule->most, text);
+		return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a whole number from %u to %u, not '%s'",
+				 rule->name, rule->least, rule->most, text);
 	*value = (uint32_t)v;
 	return STATUS_OK;
 }
@@ -166,7 +168,8 @@ static enum status plan_option(const candil_Option *o, struct plan *p, struct er
 		if (strcmp(rule->name, o->name) != 0)
 			continue;
 		uint32_t value = 0;
-		enum status s = rule->words ? option_word(rule, o->value, &value, err) : option_number(rule, o->value, &value, err);
+		enum status s =
+		    rule->words ? option_word(rule, o->value, &value, err) : option_number(rule, o->value, &value, err);
 		if (s == STATUS_OK)
 			memcpy((char *)p + rule->offset, &value, sizeof value);
 		return s;
@@ -235,7 +238,8 @@ static enum status plan_camera(const candil_Render *r, const struct blob_header 
 		for (uint32_t i = 0; i < count; i++)
 			if (!strcmp(cameras[i].name, c->name))
 				return camera_of_scene(&cameras[i], p, err);
-		return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no camera '%s': `candil describe` lists them", c->name);
+		return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no camera '%s': `candil describe` lists them",
+				 c->name);
 	}
 	if (!r->has_camera || !c->has_eye) {
 		if (count == 0)
@@ -247,7 +251,8 @@ static enum status plan_camera(const candil_Render *r, const struct blob_header 
 	const double y_up[3] = {0, 1, 0};
 	const double up[3] = {c->up.x, c->up.y, c->up.z};
 	if (!(c->vfov_degrees > 0 && c->vfov_degrees < 180))
-		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's vertical field of view must be between 0 and 180 degrees");
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "the camera's vertical field of view must be between 0 and 180 degrees");
 	for (int i = 0; i < 3; i++) {
 		p->camera.eye[i] = eye[i];
 		p->camera.forward[i] = target[i] - eye[i];

@@ -11,10 +11,10 @@
 #define PLAN_SAMPLES_DEFAULT 64u
 
 struct plan_camera {
-	double eye[3];        // metres, world space
-	double forward[3];    // unit
-	double right[3];      // half the image plane's width: at distance 1, or in metres if orthographic
-	double up[3];         // half its height, likewise
+	double eye[3]; // metres, world space
+	double forward[3]; // unit
+	double right[3]; // half the image plane's width: at distance 1, or in metres if orthographic
+	double up[3]; // half its height, likewise
 	bool orthographic;
 };
 
@@ -23,16 +23,16 @@ enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
 struct plan {
 	candil_Technique technique;
 	uint32_t width, height;
-	uint32_t samples;            // of this job
+	uint32_t samples; // of this job
 	uint32_t first_sample;
 	uint64_t seed;
-	uint32_t depth;              // scattering events at most
-	uint32_t segment;            // pt: events in one dispatch at most; 0: as the device bears
-	uint32_t traversal;          // pt: enum plan_traversal
-	uint32_t effects;            // bits 1 << candil_Effect: what runs
-	uint32_t aovs;               // AOV_*
+	uint32_t depth; // scattering events at most
+	uint32_t segment; // pt: events in one dispatch at most; 0: as the device bears
+	uint32_t traversal; // pt: enum plan_traversal
+	uint32_t effects; // bits 1 << candil_Effect: what runs
+	uint32_t aovs; // AOV_*
 	struct plan_camera camera;
-	float background[3];         // W/(m² sr)
+	float background[3]; // W/(m² sr)
 	candil_Format format;
 	candil_View view;
 	double exposure_ev;

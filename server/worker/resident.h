@@ -10,13 +10,13 @@
 struct resident_scene {
 	struct resident_scene *next;
 	uint64_t id;
-	int fd;                                   // of the blob
-	const struct blob_header *blob;           // NULL until the first use
+	int fd; // of the blob
+	const struct blob_header *blob; // NULL until the first use
 	size_t bytes;
-	struct buffer buffers[BIND_SCENE_COUNT];  // by binding; zeroed: not on the device
-	uint32_t jobs;                            // that use it
-	uint64_t used;                            // when a job last began with it, in turns of resident_scenes.turn
-	bool forgotten;                           // goes with its last job
+	struct buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device
+	uint32_t jobs; // that use it
+	uint64_t used; // when a job last began with it, in turns of resident_scenes.turn
+	bool forgotten; // goes with its last job
 };
 
 struct resident_scenes {
@@ -38,8 +38,8 @@ void resident_release(struct resident_scenes *scenes, struct resident_scene *sce
 // Bring these bindings (bits 1 << BIND_…) onto the device, those that are not there yet. Sections without elements stay off.
 enum status resident_upload(struct resident_scene *scene, struct device *device, uint32_t bindings, struct error *err);
 
-// Take the least recently used scene that no job needs off the device; its blob stays mapped. False if there is none: then all
-// that is on the device is in use.
+// Take the least recently used scene that no job needs off the device; its blob stays mapped. False if there is none: then
+// all that is on the device is in use.
 bool resident_evict(struct resident_scenes *scenes);
 
 void resident_finish(struct resident_scenes *scenes);

@@ -14,25 +14,25 @@
 #define BIND_TEXELS 6
 #define BIND_EMITTERS 7
 #define BIND_LIGHTS 8
-#define BIND_SRGB_TABLE 9     // 256 floats: sRGB byte to linear
+#define BIND_SRGB_TABLE 9 // 256 floats: sRGB byte to linear
 #define BIND_UV1 10
 #define BIND_COLORS 11
 #define BIND_TANGENTS 12
 #ifndef BIND_GGX_TABLE
-#define BIND_GGX_TABLE 13     // directional albedos of the microfacet lobe: common/ggx.glsl
+#define BIND_GGX_TABLE 13 // directional albedos of the microfacet lobe: common/ggx.glsl
 #endif
 #define BIND_SCENE_COUNT 14
 // The job.
-#define BIND_JOB 14           // struct pt_job
-#define BIND_COUNTERS 15      // struct pt_counters
+#define BIND_JOB 14 // struct pt_job
+#define BIND_COUNTERS 15 // struct pt_counters
 #ifndef BIND_ACCUMULATOR
-#define BIND_ACCUMULATOR 16   // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
+#define BIND_ACCUMULATOR 16 // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
 #endif
-#define BIND_PATHS 17         // path: struct path_state, one an invocation, for paths longer than a dispatch
+#define BIND_PATHS 17 // path: struct path_state, one an invocation, for paths longer than a dispatch
 #define BIND_PATH_COUNT 18
-#define BIND_AOV 16           // aov: 8 words a pixel: depth, normal, albedo, id
+#define BIND_AOV 16 // aov: 8 words a pixel: depth, normal, albedo, id
 #define BIND_AOV_COUNT 17
-#define BIND_RAYS 15          // cast: struct cast_ray in; struct cast_hit out at BIND_HITS
+#define BIND_RAYS 15 // cast: struct cast_ray in; struct cast_hit out at BIND_HITS
 #define BIND_HITS 16
 #define BIND_CAST_COUNT 17
 
@@ -50,40 +50,40 @@
 #define SPEC_EFFECTS 10
 // And of how a path is run.
 #define SPEC_RESUMED 10
-#define SPEC_PACKET 11        // walk the tree by subgroups
-#define SPEC_WIDTH 12         // lanes of a subgroup
+#define SPEC_PACKET 11 // walk the tree by subgroups
+#define SPEC_WIDTH 12 // lanes of a subgroup
 #define SPEC_COUNT 13
 
-// The table at BIND_GGX_TABLE: for each of GGX_ROUGHNESSES perceptual roughnesses r, GGX_COSINES cosines μ, two floats, √r and
-// √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere.
+// The table at BIND_GGX_TABLE: for each of GGX_ROUGHNESSES perceptual roughnesses r, GGX_COSINES cosines μ, two floats, √r
+// and √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere.
 #define GGX_COSINES 64
 #define GGX_ROUGHNESSES 64
-#define GGX_ALPHA_LEAST 1e-4  // α below it is a perfect mirror
+#define GGX_ALPHA_LEAST 1e-4 // α below it is a perfect mirror
 
 #define ACCUMULATOR_FLOATS 12
 #define AOV_WORDS 8
-#define TILE_SIDE 8           // pixels; one workgroup
+#define TILE_SIDE 8 // pixels; one workgroup
 #define TILE_PIXELS 64
 
 // Everything about a job that stays the same from dispatch to dispatch.
 struct pt_job {
 	uint width;
 	uint height;
-	uint tiles_x;              // tiles in a row of the image
-	uint depth;                // scattering events at most
+	uint tiles_x; // tiles in a row of the image
+	uint depth; // scattering events at most
 	uint seed[2];
 	uint emitter_count;
 	uint light_count;
-	float eye[3];              // metres, relative to the blob's origin
-	float emitter_share;       // probability that next-event estimation goes to the emissive triangles
-	float right[3];            // half the image plane's width at distance 1
-	float emitter_power_inv;   // 1 / W: area pdf of an emissive triangle = power_density × this
-	float up[3];               // half its height
-	float orthographic;        // 1: right and up are metres, rays are parallel
-	float forward[3];          // unit
-	uint has_uv1;              // the scene has a second set of coordinates
-	float background[3];       // W/(m² sr)
-	uint has_colors;           // and vertex colours
+	float eye[3]; // metres, relative to the blob's origin
+	float emitter_share; // probability that next-event estimation goes to the emissive triangles
+	float right[3]; // half the image plane's width at distance 1
+	float emitter_power_inv; // 1 / W: area pdf of an emissive triangle = power_density × this
+	float up[3]; // half its height
+	float orthographic; // 1: right and up are metres, rays are parallel
+	float forward[3]; // unit
+	uint has_uv1; // the scene has a second set of coordinates
+	float background[3]; // W/(m² sr)
+	uint has_colors; // and vertex colours
 };
 LAYOUT_ASSERT(pt_job, 112)
 
@@ -91,26 +91,26 @@ LAYOUT_ASSERT(pt_job, 112)
 struct path_push {
 	uint first_tile;
 	uint tile_count;
-	uint first_row;            // of the band whose sums or AOVs are bound; pixels count from there
-	uint sample_half;          // 0 or 1: which of the two sequences
-	uint sample_index;         // within it
-	uint first_event;          // 0: start the paths; else go on with those kept in BIND_PATHS
-	uint event_count;          // scattering events at most in this dispatch
+	uint first_row; // of the band whose sums or AOVs are bound; pixels count from there
+	uint sample_half; // 0 or 1: which of the two sequences
+	uint sample_index; // within it
+	uint first_event; // 0: start the paths; else go on with those kept in BIND_PATHS
+	uint event_count; // scattering events at most in this dispatch
 };
 
 struct pt_counters {
 	uint rays;
-	uint non_finite;           // samples with a NaN or an infinity, taken as zero
-	uint cut;                  // loops that the driver ended before their condition did
+	uint non_finite; // samples with a NaN or an infinity, taken as zero
+	uint cut; // loops that the driver ended before their condition did
 	uint reserved;
 };
 LAYOUT_ASSERT(pt_counters, 16)
 
 struct path_state {
 	float origin[3];
-	uint event;                // scattering events so far; PATH_DONE: nothing left to do
+	uint event; // scattering events so far; PATH_DONE: nothing left to do
 	float direction[3];
-	float pdf;                 // of the direction, solid angle
+	float pdf; // of the direction, solid angle
 	float throughput[3];
 	uint rays;
 	float radiance[3];
@@ -129,7 +129,7 @@ LAYOUT_ASSERT(cast_ray, 32)
 
 struct cast_hit {
 	float t;
-	uint id;                   // triangle id; NONE: nothing hit. For any: 0 if something was hit
+	uint id; // triangle id; NONE: nothing hit. For any: 0 if something was hit
 	float u;
 	float v;
 };

@@ -1,5 +1,5 @@
-// Structures that C and GLSL share: what lies in a scene blob is what a shader reads. Only 4-byte scalars and arrays of them,
-// so that C's layout and std430's are the same; the asserts below hold C to it, and GLSL has no other choice.
+// Structures that C and GLSL share: what lies in a scene blob is what a shader reads. Only 4-byte scalars and arrays of
+// them, so that C's layout and std430's are the same; the asserts below hold C to it, and GLSL has no other choice.
 #ifndef CANDIL_SHARED_LAYOUT_H
 #define CANDIL_SHARED_LAYOUT_H
 
@@ -53,7 +53,7 @@ LAYOUT_ASSERT(bvh_node, 64)
 // A triangle in leaf order, ready to be hit. Corners are bit for bit those of `vertex`, so that shared edges are.
 struct leaf_triangle {
 	float v0[3];
-	uint id;         // triangle id
+	uint id; // triangle id
 	float v1[3];
 	uint material;
 	float v2[3];
@@ -63,28 +63,28 @@ LAYOUT_ASSERT(leaf_triangle, 48)
 
 // ---- materials --------------------------------------------------------------------------------------------------------
 
-#define MATERIAL_EMITS_BOTH_SIDES 1u  // glTF doubleSided emitters; else the front (counter-clockwise) side alone emits
-#define MATERIAL_ALPHA_MASK 2u        // not there where alpha is below alpha_cutoff
-#define MATERIAL_UNLIT 4u             // shows its base colour as radiance, neither lit nor casting light
+#define MATERIAL_EMITS_BOTH_SIDES 1u // glTF doubleSided emitters; else the front (counter-clockwise) side alone emits
+#define MATERIAL_ALPHA_MASK 2u // not there where alpha is below alpha_cutoff
+#define MATERIAL_UNLIT 4u // shows its base colour as radiance, neither lit nor casting light
 
 // Base colour, metallic and roughness as glTF 2.0 has them (appendix B), with KHR_materials_specular for what is no metal.
 // Colours are linear Rec.709, 0…1. A texture is an index or NONE and multiplies the factor beside it.
 struct material {
-	float albedo[3];          // base colour: diffuse albedo, or reflectance of a metal at normal incidence
-	uint albedo_texture;      // its alpha is for MATERIAL_ALPHA_MASK
-	float emission[3];        // radiance, W/(m² sr)
+	float albedo[3]; // base colour: diffuse albedo, or reflectance of a metal at normal incidence
+	uint albedo_texture; // its alpha is for MATERIAL_ALPHA_MASK
+	float emission[3]; // radiance, W/(m² sr)
 	uint emission_texture;
-	float specular[3];        // reflectance of the dielectric part at normal incidence
-	uint specular_texture;    // colour
-	float specular_weight;    // its reflectance at grazing incidence; 0 with specular 0: no specular lobe, pure Lambert
+	float specular[3]; // reflectance of the dielectric part at normal incidence
+	uint specular_texture; // colour
+	float specular_weight; // its reflectance at grazing incidence; 0 with specular 0: no specular lobe, pure Lambert
 	float metallic;
-	float roughness;          // perceptual: the microfacets' α is its square; 0: a perfect mirror
-	uint surface_texture;     // green: roughness, blue: metallic
-	uint normal_texture;      // tangent space, +Z out
-	float normal_scale;       // of its X and Y
-	float alpha_cutoff;       // with the base colour's alpha factor divided out
-	uint flags;               // MATERIAL_…
-	float power_density;      // π · mean luminance of the emission · sides, W/m²: emitters are chosen by it
+	float roughness; // perceptual: the microfacets' α is its square; 0: a perfect mirror
+	uint surface_texture; // green: roughness, blue: metallic
+	uint normal_texture; // tangent space, +Z out
+	float normal_scale; // of its X and Y
+	float alpha_cutoff; // with the base colour's alpha factor divided out
+	uint flags; // MATERIAL_…
+	float power_density; // π · mean luminance of the emission · sides, W/m²: emitters are chosen by it
 	float reserved[3];
 };
 LAYOUT_ASSERT(material, 96)
@@ -92,11 +92,11 @@ LAYOUT_ASSERT(material, 96)
 #define WRAP_REPEAT 0u
 #define WRAP_CLAMP 1u
 #define WRAP_MIRROR 2u
-#define TEXTURE_WRAP_S_SHIFT 0u   // two bits
-#define TEXTURE_WRAP_T_SHIFT 2u   // two bits
+#define TEXTURE_WRAP_S_SHIFT 0u // two bits
+#define TEXTURE_WRAP_T_SHIFT 2u // two bits
 #define TEXTURE_NEAREST (1u << 4) // else bilinear, in linear light
-#define TEXTURE_SRGB (1u << 5)    // texels are sRGB-encoded
-#define TEXTURE_UV1 (1u << 6)     // looked up by the second set of coordinates
+#define TEXTURE_SRGB (1u << 5) // texels are sRGB-encoded
+#define TEXTURE_UV1 (1u << 6) // looked up by the second set of coordinates
 
 // RGBA8 texels, one uint each (R in the low byte), row by row from the top, at texels[offset].
 // Textures that differ in sampler, coordinates or transform alone share texels.
@@ -105,7 +105,7 @@ struct texture_info {
 	uint width;
 	uint height;
 	uint flags;
-	float row_u[3];    // looked up at u' = row_u · (u, v, 1), v' = row_v · (u, v, 1): KHR_texture_transform
+	float row_u[3]; // looked up at u' = row_u · (u, v, 1), v' = row_v · (u, v, 1): KHR_texture_transform
 	float row_v[3];
 };
 LAYOUT_ASSERT(texture_info, 40)
@@ -133,10 +133,10 @@ LAYOUT_ASSERT(vertex_tangent, 16)
 // A row of an alias table (Walker 1977, Vose 1991): pick row i uniformly, keep it with probability `keep`, else take row
 // `alias`. `pmf` is the probability of this entry, all told.
 struct emitter {
-	uint triangle;   // triangle id
+	uint triangle; // triangle id
 	float keep;
 	uint alias;
-	float pmf;       // ∝ area · power_density
+	float pmf; // ∝ area · power_density
 };
 LAYOUT_ASSERT(emitter, 16)
 
@@ -145,13 +145,13 @@ LAYOUT_ASSERT(emitter, 16)
 #define LIGHT_DIRECTIONAL 2u
 
 struct punctual_light {
-	float position[3];    // metres; unused if directional
-	uint kind;            // LIGHT_…
-	float direction[3];   // unit, the way the light travels; unused if point
-	float cos_outer;      // spot: no light beyond
-	float intensity[3];   // W/sr; directional: irradiance, W/m², on a plane facing it
-	float cos_inner;      // spot: full light within
-	float keep;           // alias table over the punctual lights, as in `emitter`
+	float position[3]; // metres; unused if directional
+	uint kind; // LIGHT_…
+	float direction[3]; // unit, the way the light travels; unused if point
+	float cos_outer; // spot: no light beyond
+	float intensity[3]; // W/sr; directional: irradiance, W/m², on a plane facing it
+	float cos_inner; // spot: full light within
+	float keep; // alias table over the punctual lights, as in `emitter`
 	uint alias;
 	float pmf;
 	float reserved;

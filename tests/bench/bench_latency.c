@@ -78,7 +78,8 @@ static candil_client *start_long_frame(const char *socket)
 	must(candil_connect(socket, &client, &error), &error);
 	must(candil_submit_render(client, &request, &id, &error), &error);
 	for (bool begun = false; !begun;) {
-		struct pollfd p = {.fd = candil_fd(client), .events = (short)(candil_wants_write(client) ? POLLIN | POLLOUT : POLLIN)};
+		struct pollfd p = {.fd = candil_fd(client),
+				   .events = (short)(candil_wants_write(client) ? POLLIN | POLLOUT : POLLIN)};
 		poll(&p, 1, 1000);
 		must(candil_process(client, &error), &error);
 		while (candil_next_event(client, &event))
@@ -103,7 +104,7 @@ int main(int argc, char **argv)
 	must(candil_stats(client, &stats, &error), &error);
 	candil_client *other = start_long_frame(argv[1]);
 	const struct figures beside = measure(client, 64, 4);
-	candil_disconnect(other);   // which cancels the frame
+	candil_disconnect(other); // which cancels the frame
 	must(candil_unload(client, SCENE, &error), &error);
 	candil_disconnect(client);
 	printf("device: %s, slices of %u ms, %d requests each\n\n", stats.device, (unsigned)stats.slice_ms, ROUNDS);

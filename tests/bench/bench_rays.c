@@ -46,15 +46,16 @@ static void primary_ray(const struct blob_header *b, uint32_t i, struct cast_ray
 	if (blob_count(b, BLOB_CAMERAS) > 0 && camera->vfov_degrees > 0) {
 		const double half = tan(camera->vfov_degrees * 3.14159265358979 / 360);
 		const double *f = camera->forward, *up = camera->up;
-		const double right[3] = {f[1] * up[2] - f[2] * up[1], f[2] * up[0] - f[0] * up[2], f[0] * up[1] - f[1] * up[0]};
+		const double right[3] = {f[1] * up[2] - f[2] * up[1], f[2] * up[0] - f[0] * up[2],
+					 f[0] * up[1] - f[1] * up[0]};
 		for (int c = 0; c < 3; c++) {
 			r->origin[c] = (float)(camera->eye[c] - b->origin[c]);
 			r->direction[c] = (float)(f[c] + half * (u * right[c] + v * up[c]));
 		}
 	} else {
 		const float eye[3] = {center[0] + 0.3f * extent, center[1] + 0.2f * extent, center[2] + 1.2f * extent};
-		const float to[3] = {center[0] - eye[0] + (float)(0.5 * u) * extent, center[1] - eye[1] + (float)(0.5 * v) * extent,
-				     center[2] - eye[2]};
+		const float to[3] = {center[0] - eye[0] + (float)(0.5 * u) * extent,
+				     center[1] - eye[1] + (float)(0.5 * v) * extent, center[2] - eye[2]};
 		memcpy(r->origin, eye, sizeof eye);
 		memcpy(r->direction, to, sizeof to);
 	}
@@ -79,8 +80,8 @@ static void normal_of(const struct blob_header *b, uint32_t id, const float towa
 }
 
 // From where a primary ray hit: a cosine-distributed direction (the normal plus a point of the unit sphere), and a segment.
-static void next_rays(const struct blob_header *b, const struct cast_ray *p, const struct cast_hit *h, struct cast_ray *secondary,
-		      struct cast_ray *shadow)
+static void next_rays(const struct blob_header *b, const struct cast_ray *p, const struct cast_hit *h,
+		      struct cast_ray *secondary, struct cast_ray *shadow)
 {
 	double n[3] = {0, 0, 1}, z = 2 * random_unit() - 1, phi = 6.283185307179586 * random_unit(), s = sqrt(1 - z * z);
 	const double sphere[3] = {s * cos(phi), s * sin(phi), z};
@@ -142,7 +143,8 @@ static double embree_run(RTCScene scene, const struct cast_ray *rays, bool any, 
 	struct share shares[THREADS_MAX];
 	const uint64_t start = clock_us();
 	for (uint32_t t = 0; t < threads; t++) {
-		shares[t] = (struct share){scene, rays, RAYS / 8 * t / threads * 8, RAYS / 8 * (t + 1) / threads * 8, any, 0};
+		shares[t] =
+		    (struct share){scene, rays, RAYS / 8 * t / threads * 8, RAYS / 8 * (t + 1) / threads * 8, any, 0};
 		pthread_create(&thread[t], NULL, embree_share, &shares[t]);
 	}
 	*hits = 0;
@@ -185,12 +187,13 @@ static void must(enum status s, const struct error *err)
 	exit(1);
 }
 
-static void bench_kind(struct device *device, struct resident_scene *scene, RTCScene judge, const struct cast_ray *rays, enum kind kind)
+static void bench_kind(struct device *device, struct resident_scene *scene, RTCScene judge, const struct cast_ray *rays,
+		       enum kind kind)
 {
 	static struct cast_hit found[RAYS];
 	double embree[ROUNDS], single[ROUNDS], packet[ROUNDS];
-	const uint32_t threads = (uint32_t)sysconf(_SC_NPROCESSORS_ONLN) < THREADS_MAX ? (uint32_t)sysconf(_SC_NPROCESSORS_ONLN)
-										       : THREADS_MAX;
+	const uint32_t threads =
+	    (uint32_t)sysconf(_SC_NPROCESSORS_ONLN) < THREADS_MAX ? (uint32_t)sysconf(_SC_NPROCESSORS_ONLN) : THREADS_MAX;
 	const bool any = kind == SHADOW;
 	struct cast s, p;
 	struct error err;
@@ -208,8 +211,8 @@ static void bench_kind(struct device *device, struct resident_scene *scene, RTCS
 	for (uint32_t i = 0; i < RAYS; i++)
 		ours += found[i].id != NONE;
 	const double e = median(embree), a = median(single), b = median(packet);
-	printf("| %s | %.2f | %.2f | %.2f | %.0f %% | %.0f %% | %.1f %% / %.1f %% |\n", kind_names[kind], e, a, b, 100 * a / e, 100 * b / e,
-	       100.0 * ours / RAYS, 100.0 * hits / RAYS);
+	printf("| %s | %.2f | %.2f | %.2f | %.0f %% | %.0f %% | %.1f %% / %.1f %% |\n", kind_names[kind], e, a, b,
+	       100 * a / e, 100 * b / e, 100.0 * ours / RAYS, 100.0 * hits / RAYS);
 	cast_finish(&s);
 	cast_finish(&p);
 }

@@ -24,14 +24,16 @@ enum status shader_run_init(struct shader_run *run, const struct shader *shader,
 	return s;
 }
 
-enum status shader_run_dispatch(struct shader_run *run, const void *push, uint32_t push_bytes, uint32_t groups, struct error *err)
+enum status shader_run_dispatch(struct shader_run *run, const void *push, uint32_t push_bytes, uint32_t groups,
+				struct error *err)
 {
 	struct device *d = run->device;
 	enum status s = command_begin(d, err);
 	if (s != STATUS_OK)
 		return s;
 	vkCmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, run->pipeline->handle);
-	vkCmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, run->pipeline->layout, 0, 1, &run->bindings.set, 0, NULL);
+	vkCmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, run->pipeline->layout, 0, 1, &run->bindings.set,
+				0, NULL);
 	vkCmdPushConstants(d->commands, run->pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes, push);
 	vkCmdDispatch(d->commands, groups, 1, 1);
 	command_barrier(d);

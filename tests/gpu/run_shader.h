@@ -16,7 +16,8 @@ struct shader_run {
 // caller's matter when this returns STATUS_DEVICE.
 enum status shader_run_init(struct shader_run *run, const struct shader *shader, const void *in, uint64_t in_bytes,
 			    uint64_t out_bytes, struct error *err);
-enum status shader_run_dispatch(struct shader_run *run, const void *push, uint32_t push_bytes, uint32_t groups, struct error *err);
+enum status shader_run_dispatch(struct shader_run *run, const void *push, uint32_t push_bytes, uint32_t groups,
+				struct error *err);
 void shader_run_finish(struct shader_run *run);
 
 #endif

@@ -1,5 +1,5 @@
-// Sampling against density: directions that the BSDF samples fill the hemisphere as its own density says, by Pearson's χ² over
-// 16 × 32 bins, at a significance of 0.01 for all configurations and seeds together (Šidák). And the density is one: it
+// Sampling against density: directions that the BSDF samples fill the hemisphere as its own density says, by Pearson's χ²
+// over 16 × 32 bins, at a significance of 0.01 for all configurations and seeds together (Šidák). And the density is one: it
 // integrates to what is not lost, and the mean weight is the integral of the value.
 #include <math.h>
 #include <stdint.h>
@@ -12,7 +12,7 @@
 #include "tests/gpu/run_shader.h"
 
 #define SAMPLES (1u << 18)
-#define SIDE 1024u        // of the grid of evaluated directions
+#define SIDE 1024u // of the grid of evaluated directions
 #define Z_BINS 16u
 #define PHI_BINS 32u
 #define BINS (Z_BINS * PHI_BINS)
@@ -23,25 +23,27 @@ struct config {
 };
 
 static const struct config configs[] = {
-	{0.9f, 1.0f, 0.0f, 0.5f, 0.0f},   {0.3f, 1.0f, 0.0f, 0.5f, 0.4f},  {0.8f, 0.5f, 1.0f, 0.0f, 0.0f},
-	{0.8f, 0.4f, 0.04f, 0.5f, 0.0f},  {0.2f, 0.5f, 1.0f, 0.0f, 0.0f},  {0.5f, 0.7f, 0.5f, 0.8f, 0.5f},
-	{0.9f, 0.6f, 0.04f, 0.9f, -0.8f}, {0.05f, 0.8f, 0.9f, 0.3f, 0.0f}, {0.6f, 1.0f, 1.0f, 0.0f, 1.0f},
+    {0.9f, 1.0f, 0.0f, 0.5f, 0.0f},   {0.3f, 1.0f, 0.0f, 0.5f, 0.4f},  {0.8f, 0.5f, 1.0f, 0.0f, 0.0f},
+    {0.8f, 0.4f, 0.04f, 0.5f, 0.0f},  {0.2f, 0.5f, 1.0f, 0.0f, 0.0f},  {0.5f, 0.7f, 0.5f, 0.8f, 0.5f},
+    {0.9f, 0.6f, 0.04f, 0.9f, -0.8f}, {0.05f, 0.8f, 0.9f, 0.3f, 0.0f}, {0.6f, 1.0f, 1.0f, 0.0f, 1.0f},
 };
 #define CONFIGS (sizeof configs / sizeof *configs)
 
 static const struct shader shader = {
-	.name = "bsdf", .code = shader_bsdf_comp, .bytes = sizeof shader_bsdf_comp, .bindings = 2, .push_bytes = 32};
+    .name = "bsdf", .code = shader_bsdf_comp, .bytes = sizeof shader_bsdf_comp, .bindings = 2, .push_bytes = 32};
 
 static float results[SIDE * SIDE][4];
 
-static enum status run(struct shader_run *r, const struct config *c, uint32_t seed, uint32_t mode, uint32_t count, struct error *err)
+static enum status run(struct shader_run *r, const struct config *c, uint32_t seed, uint32_t mode, uint32_t count,
+		       struct error *err)
 {
 	struct {
 		struct config c;
 		uint32_t seed, mode, side;
 	} push = {*c, seed, mode, SIDE};
 	enum status s = shader_run_dispatch(r, &push, sizeof push, count / 64, err);
-	return s == STATUS_OK ? buffer_read(&r->out, r->device, 0, (mode ? 1u : 2u) * count * sizeof *results, results, err) : s;
+	return s == STATUS_OK ? buffer_read(&r->out, r->device, 0, (mode ? 1u : 2u) * count * sizeof *results, results, err)
+			      : s;
 }
 
 static uint32_t bin_of(double z, double phi)
@@ -111,7 +113,8 @@ static bool test_config(struct shader_run *r, const struct config *c, double sig
 			// A sample that the masking took away has no weight, and its density is none of the hemisphere's.
 			if (!(results[2 * i + 1][0] > 0))
 				continue;
-			counts[bin_of((double)results[2 * i][2], atan2((double)results[2 * i][1], (double)results[2 * i][0]))]++;
+			counts[bin_of((double)results[2 * i][2],
+				      atan2((double)results[2 * i][1], (double)results[2 * i][0]))]++;
 			valid++;
 		}
 		taken += valid;
@@ -119,10 +122,12 @@ static bool test_config(struct shader_run *r, const struct config *c, double sig
 		least = fmin(least, test_counts(share, counts, SAMPLES));
 	}
 	const double kept = taken / (SAMPLES * (double)SEEDS);
-	const bool good = least > significance && fabs(kept - density) < 0.005 && fabs(mean - value) < 0.005 && density < 1.003;
-	printf("%s cosine %.2f roughness %.2f F0 %.2f diffuse %.2f tilt %.1f: p %.4f, density %.4f of %.4f kept, mean weight %.4f of %.4f\n",
-	       good ? "ok" : "FAIL", (double)c->cosine, (double)c->roughness, (double)c->f0, (double)c->diffuse, (double)c->tilt, least, density,
-	       kept, mean, value);
+	const bool good =
+	    least > significance && fabs(kept - density) < 0.005 && fabs(mean - value) < 0.005 && density < 1.003;
+	printf("%s cosine %.2f roughness %.2f F0 %.2f diffuse %.2f tilt %.1f: p %.4f, density %.4f of %.4f kept, mean "
+	       "weight %.4f of %.4f\n",
+	       good ? "ok" : "FAIL", (double)c->cosine, (double)c->roughness, (double)c->f0, (double)c->diffuse,
+	       (double)c->tilt, least, density, kept, mean, value);
 	return good;
 }
 

@@ -1,6 +1,6 @@
-// The device's traversal against Embree's, as an independent judge: the same rays, RTC_SCENE_FLAG_ROBUST, scenes given on the
-// command line after the loader. Where surfaces coincide the two may name different triangles at one place; beyond that at most
-// one ray in 100,000 may differ, and each of them must be a tie.
+// The device's traversal against Embree's, as an independent judge: the same rays, RTC_SCENE_FLAG_ROBUST, scenes given on
+// the command line after the loader. Where surfaces coincide the two may name different triangles at one place; beyond that
+// at most one ray in 100,000 may differ, and each of them must be a tie.
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <stdio.h>
@@ -42,7 +42,8 @@ static void make_ray(const struct blob_header *b, uint32_t i, struct cast_ray *r
 	double w1 = random_unit(), w2 = random_unit() * (1 - w1);
 	float on[3], extent = 0;
 	for (int c = 0; c < 3; c++) {
-		const float *v[3] = {vertices[t->vertex[0]].position, vertices[t->vertex[1]].position, vertices[t->vertex[2]].position};
+		const float *v[3] = {vertices[t->vertex[0]].position, vertices[t->vertex[1]].position,
+				     vertices[t->vertex[2]].position};
 		on[c] = i % 3 == 2 ? v[0][c] : (float)(v[0][c] * (1 - w1 - w2) + v[1][c] * w1 + v[2][c] * w2);
 		extent = fmaxf(extent, b->bounds_max[c] - b->bounds_min[c]);
 	}
@@ -127,7 +128,7 @@ static enum verdict judge_difference(const struct blob_header *b, const struct c
 	for (int c = 0; c < 3; c++)
 		scale = fmax(scale, fmax(fabs((double)r->origin[c]),
 					 fmax(fabs((double)b->bounds_min[c]), fabs((double)b->bounds_max[c]))));
-	const double rounding = 9.5367431640625e-07 * scale;   // 2⁻²⁰: the error bound that the shaders work with
+	const double rounding = 9.5367431640625e-07 * scale; // 2⁻²⁰: the error bound that the shaders work with
 	if (fabs(ours_t - theirs_t) <= rounding)
 		return SAME_PLACE;
 	// The nearer hit is the one that the other side did not see: by a hair's breadth past an edge, or behind the origin.
@@ -215,11 +216,12 @@ static bool test_walk(struct device *device, struct resident_scene *resident, RT
 	const uint32_t allowed = t.rays[0] / 100000;
 	bool good = s == STATUS_OK && t.hits[0] > RAYS / 3 && t.differ[0] <= allowed && t.unexplained[0] == 0 &&
 		    t.unexplained[1] == 0 && t.any_differs == 0;
-	printf("%s %s, %s: %u triangles; %u rays, %u hit, %u at the same place another triangle, %u differ (%u allowed), %u unexplained; "
+	printf("%s %s, %s: %u triangles; %u rays, %u hit, %u at the same place another triangle, %u differ (%u allowed), %u "
+	       "unexplained; "
 	       "%u rays on edges, %u hit, %u same place, %u differ, %u unexplained; %u any-hits differ %s\n",
-	       good ? "ok" : "FAIL", file, packet ? "packets" : "single rays", blob_count(resident->blob, BLOB_TRIANGLES), t.rays[0],
-	       t.hits[0], t.same_place[0], t.differ[0], allowed, t.unexplained[0], t.rays[1], t.hits[1], t.same_place[1],
-	       t.differ[1], t.unexplained[1], t.any_differs, s == STATUS_OK ? "" : err.text);
+	       good ? "ok" : "FAIL", file, packet ? "packets" : "single rays", blob_count(resident->blob, BLOB_TRIANGLES),
+	       t.rays[0], t.hits[0], t.same_place[0], t.differ[0], allowed, t.unexplained[0], t.rays[1], t.hits[1],
+	       t.same_place[1], t.differ[1], t.unexplained[1], t.any_differs, s == STATUS_OK ? "" : err.text);
 	return good;
 }
 

@@ -11,11 +11,8 @@
 #define POINTS 1024u
 #define BITS 10u
 
-static const struct shader shader = {.name = "sampling",
-				     .code = shader_sampling_comp,
-				     .bytes = sizeof shader_sampling_comp,
-				     .bindings = 2,
-				     .push_bytes = 16};
+static const struct shader shader = {
+    .name = "sampling", .code = shader_sampling_comp, .bytes = sizeof shader_sampling_comp, .bindings = 2, .push_bytes = 16};
 
 static uint32_t points[POINTS][2];
 
@@ -87,7 +84,8 @@ int main(void)
 		return 1;
 	}
 	double ratio = estimated / actual;
-	printf("net violations: %u; estimated over true squared error of two halves: %.3f; their correlation: %.3g of the variance\n", bad,
-	       ratio, correlation / (2 * actual));
+	printf("net violations: %u; estimated over true squared error of two halves: %.3f; their correlation: %.3g of the "
+	       "variance\n",
+	       bad, ratio, correlation / (2 * actual));
 	return bad == 0 && ratio > 0.7 && ratio < 1.4 ? 0 : 1;
 }

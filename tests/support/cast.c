@@ -14,8 +14,8 @@ static const struct shader cast_shader = {.name = "cast",
 					  .bindings = BIND_CAST_COUNT,
 					  .push_bytes = 12};
 
-enum status cast_init(struct cast *c, struct device *d, struct resident_scene *scene, const struct cast_ray *rays, uint32_t count,
-		      bool packet, struct error *err)
+enum status cast_init(struct cast *c, struct device *d, struct resident_scene *scene, const struct cast_ray *rays,
+		      uint32_t count, bool packet, struct error *err)
 {
 	uint32_t constants[SPEC_COUNT] = {0};
 	constants[SPEC_PACKET] = packet;
@@ -57,7 +57,8 @@ enum status cast_run(struct cast *c, bool any, struct error *err)
 	if (s != STATUS_OK)
 		return s;
 	vkCmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, c->pipeline->handle);
-	vkCmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, c->pipeline->layout, 0, 1, &c->bindings.set, 0, NULL);
+	vkCmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, c->pipeline->layout, 0, 1, &c->bindings.set, 0,
+				NULL);
 	for (uint32_t first = 0; first < c->count; first += RAYS_PER_DISPATCH) {
 		const uint32_t left = c->count - first, n = left < RAYS_PER_DISPATCH ? left : RAYS_PER_DISPATCH;
 		const uint32_t push[3] = {first, n, any};
@@ -80,8 +81,10 @@ RTCScene cast_judge(RTCDevice device, const struct blob_header *b)
 	RTCScene scene = rtcNewScene(device);
 	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
 	RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-	float *v = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, blob_count(b, BLOB_VERTICES));
-	unsigned *ix = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, blob_count(b, BLOB_TRIANGLES));
+	float *v =
+	    rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, blob_count(b, BLOB_VERTICES));
+	unsigned *ix =
+	    rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, blob_count(b, BLOB_TRIANGLES));
 	for (uint32_t i = 0; i < blob_count(b, BLOB_VERTICES); i++)
 		memcpy(v + 3 * i, vertices[i].position, 12);
 	for (uint32_t i = 0; i < blob_count(b, BLOB_TRIANGLES); i++)
@@ -92,4 +95,3 @@ RTCScene cast_judge(RTCDevice device, const struct blob_header *b)
 	rtcCommitScene(scene);
 	return scene;
 }
-

@@ -8,8 +8,8 @@
 #include "server/scene/blob.h"
 
 struct loaded_scene {
-	int fd;                           // sealed memfd
-	const struct blob_header *blob;   // mapped
+	int fd; // sealed memfd
+	const struct blob_header *blob; // mapped
 	size_t bytes;
 };
 

@@ -12,8 +12,8 @@
 extern "C" {
 #endif
 
-enum codec_format { CODEC_EXR_HALF, CODEC_EXR_FLOAT, CODEC_PNG };   // the numbers of candil_Format
-enum codec_view { CODEC_VIEW_NONE, CODEC_VIEW_REINHARD, CODEC_VIEW_FILMIC };   // of candil_View
+enum codec_format { CODEC_EXR_HALF, CODEC_EXR_FLOAT, CODEC_PNG }; // the numbers of candil_Format
+enum codec_view { CODEC_VIEW_NONE, CODEC_VIEW_REINHARD, CODEC_VIEW_FILMIC }; // of candil_View
 
 // Encode `frame` into a new sealed memfd of *bytes. EXR: linear Rec.709 R G B (half or float), then Z, N.X N.Y N.Z,
 // albedo.R albedo.G albedo.B (float or half alike; Z always float) and id (UINT), metadata as candil/* attributes.

@@ -17,15 +17,16 @@ struct frame_stage {
 
 struct frame {
 	uint32_t width, height;
-	// Row by row from the top, width × height pixels each. radiance: R G B, W/(m² sr), linear Rec.709. Others NULL if not asked.
-	float *radiance;       // 3 floats a pixel
-	float *depth;          // 1: metres along the view axis, +inf: nothing hit
-	float *normal;         // 3: world space, unit; 0: nothing hit
-	float *albedo;         // 3
-	uint32_t *id;          // 1: material index + 1; 0: nothing hit
+	// Row by row from the top, width × height pixels each. radiance: R G B, W/(m² sr), linear Rec.709. Others NULL if
+	// not asked.
+	float *radiance; // 3 floats a pixel
+	float *depth; // 1: metres along the view axis, +inf: nothing hit
+	float *normal; // 3: world space, unit; 0: nothing hit
+	float *albedo; // 3
+	uint32_t *id; // 1: material index + 1; 0: nothing hit
 
-	uint32_t samples;              // per pixel, in this picture
-	double estimated_relmse;       // negative: unknown
+	uint32_t samples; // per pixel, in this picture
+	double estimated_relmse; // negative: unknown
 	uint64_t non_finite_samples;
 	uint64_t rays;
 	struct frame_stage stages[FRAME_STAGES_MAX];

@@ -17,7 +17,7 @@
 
 #define DISPATCHES_PER_SUBMIT 256u
 #define FIRST_TILES 16u
-#define AOV_TILES 16u   // one ray a pixel where a path has many: the same time does about so many times the tiles
+#define AOV_TILES 16u // one ray a pixel where a path has many: the same time does about so many times the tiles
 
 static void bind(const struct technique_job *j, const struct pipeline *pipeline, const struct binding_set *set)
 {
@@ -75,9 +75,8 @@ static uint64_t record_paths(struct technique_job *j, uint64_t count)
 static void record_aov(struct technique_job *j, uint64_t count)
 {
 	const struct pt_band *band = pt_job_band(j, j->aov_tile);
-	const struct path_push push = {.first_tile = j->aov_tile,
-				       .tile_count = run_of_tiles(band, j->aov_tile, count),
-				       .first_row = band->first_row};
+	const struct path_push push = {
+	    .first_tile = j->aov_tile, .tile_count = run_of_tiles(band, j->aov_tile, count), .first_row = band->first_row};
 	bind(j, j->aov, &band->aov_bindings);
 	dispatch(j, j->aov, &push);
 	j->aov_tile += push.tile_count;
@@ -87,9 +86,10 @@ static void record_aov(struct technique_job *j, uint64_t count)
 static enum status on_cut(struct technique_job *j, struct error *err)
 {
 	if (j->segment == 1)
-		return error_set(err, STATUS_TRAVERSAL_CUT,
-				 "one ray visits more of this scene than the driver lets a loop run: split long thin triangles, or use "
-				 "a GPU or a newer driver");
+		return error_set(
+		    err, STATUS_TRAVERSAL_CUT,
+		    "one ray visits more of this scene than the driver lets a loop run: split long thin triangles, or use "
+		    "a GPU or a newer driver");
 	if (j->plan.segment)
 		return error_set(err, STATUS_TRAVERSAL_CUT,
 				 "the driver ended a loop of the path tracer early: leave pt.segment out or set it below %u",
@@ -102,7 +102,7 @@ static enum status take_counters(struct technique_job *j, struct error *err)
 {
 	struct pt_counters now;
 	memcpy(&now, j->counters_host.map, sizeof now);
-	j->rays += now.rays - j->seen.rays;   // modulo 2^32, which no submission reaches
+	j->rays += now.rays - j->seen.rays; // modulo 2^32, which no submission reaches
 	j->non_finite += now.non_finite - j->seen.non_finite;
 	j->seen = now;
 	return now.cut ? on_cut(j, err) : STATUS_OK;
@@ -231,4 +231,4 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 }
 
 const struct technique technique_pt = {
-	.name = "pt", .begin = pt_job_create, .step = pt_step, .read = pt_read, .end = pt_job_destroy};
+    .name = "pt", .begin = pt_job_create, .step = pt_step, .read = pt_read, .end = pt_job_destroy};

@@ -8,10 +8,10 @@
 
 // Rows of the image whose sums fit one buffer that the device can bind. Most images are one band.
 struct pt_band {
-	uint32_t first_row, rows;         // pixels; first_row is a multiple of TILE_SIDE
+	uint32_t first_row, rows; // pixels; first_row is a multiple of TILE_SIDE
 	uint32_t first_tile, tiles;
 	struct buffer accumulator;
-	struct buffer aov;                // only if asked for
+	struct buffer aov; // only if asked for
 	struct binding_set path_bindings;
 	struct binding_set aov_bindings;
 };
@@ -21,22 +21,22 @@ struct technique_job {
 	struct resident_scene *scene;
 	struct plan plan;
 	uint32_t tiles;
-	uint32_t segment;                 // scattering events in a dispatch at most
-	uint32_t segments;                // dispatches a sample
-	struct buffer job;                // struct pt_job
-	struct buffer counters;           // struct pt_counters, growing
-	struct buffer counters_host;      // what the last submission left in them
-	struct buffer paths;              // only if segments > 1
+	uint32_t segment; // scattering events in a dispatch at most
+	uint32_t segments; // dispatches a sample
+	struct buffer job; // struct pt_job
+	struct buffer counters; // struct pt_counters, growing
+	struct buffer counters_host; // what the last submission left in them
+	struct buffer paths; // only if segments > 1
 	struct pipeline *path;
-	struct pipeline *aov;             // only if asked for
+	struct pipeline *aov; // only if asked for
 	struct pt_band *bands;
 	uint32_t band_count;
 
 	// The cursor: next to do is tile `tile` of sample first_sample + `sample`.
 	uint32_t sample, tile;
 	uint32_t aov_tile;
-	double tile_us;                   // measured time of a tile of one sample; 0: not yet
-	struct pt_counters seen;          // counters at the last look
+	double tile_us; // measured time of a tile of one sample; 0: not yet
+	struct pt_counters seen; // counters at the last look
 	uint64_t rays, non_finite;
 	uint64_t upload_us, compile_us, trace_us, aov_us;
 };

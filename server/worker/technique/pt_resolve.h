@@ -1,4 +1,5 @@
-// From sums to a picture: the path tracer's accumulator divided by its sample counts, and the error that its two halves tell.
+// From sums to a picture: the path tracer's accumulator divided by its sample counts, and the error that its two halves
+// tell.
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_RESOLVE_H
 #define CANDIL_WORKER_TECHNIQUE_PT_RESOLVE_H
 
@@ -7,9 +8,9 @@
 #include "server/worker/image/frame.h"
 
 struct pt_resolver {
-	uint32_t tiles;        // the image's first tiles, which have one sample more
-	double counts[2][2];   // samples of half A and B: in the other tiles, in those first ones
-	double error;          // so far
+	uint32_t tiles; // the image's first tiles, which have one sample more
+	double counts[2][2]; // samples of half A and B: in the other tiles, in those first ones
+	double error; // so far
 	uint64_t known;
 };
 

@@ -80,8 +80,8 @@ uint64_t pt_job_bytes(const struct device *device, const struct plan *plan)
 
 static uint32_t scene_bindings(const struct plan *plan)
 {
-	uint32_t bits = 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES | 1u << BIND_TRIANGLES | 1u << BIND_VERTICES |
-			1u << BIND_MATERIALS;
+	uint32_t bits =
+	    1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES | 1u << BIND_TRIANGLES | 1u << BIND_VERTICES | 1u << BIND_MATERIALS;
 	if (plan_has(plan, candil_Effect_EFFECT_EMITTERS))
 		bits |= 1u << BIND_EMITTERS;
 	if (plan_has(plan, candil_Effect_EFFECT_LIGHTS))
@@ -148,7 +148,8 @@ static enum status cut_bands(struct technique_job *j, struct error *err)
 	const uint64_t fit = j->device->limits.maxStorageBufferRange / row_bytes;
 	const uint32_t all = (p->height + TILE_SIDE - 1) / TILE_SIDE;
 	if (fit == 0)
-		return error_set(err, STATUS_MEMORY, "this device cannot bind eight rows of %u pixels: render narrower", p->width);
+		return error_set(err, STATUS_MEMORY, "this device cannot bind eight rows of %u pixels: render narrower",
+				 p->width);
 	const uint32_t tile_rows = fit < all ? (uint32_t)fit : all;
 	j->band_count = (all + tile_rows - 1) / tile_rows;
 	j->bands = calloc(j->band_count, sizeof *j->bands);
@@ -208,7 +209,8 @@ static enum status make_buffers(struct technique_job *j, struct error *err)
 // Packets pay where a lane is a part of a CPU's vector; a GPU's lanes each fetch for themselves as quickly.
 static bool walks_in_packets(const struct device *device, const struct plan *plan)
 {
-	const bool wanted = plan->traversal == TRAVERSAL_PACKET || (plan->traversal == TRAVERSAL_AUTO && device->info.software);
+	const bool wanted =
+	    plan->traversal == TRAVERSAL_PACKET || (plan->traversal == TRAVERSAL_AUTO && device->info.software);
 	return wanted && device->info.packets;
 }
 
@@ -231,7 +233,8 @@ static enum status bind_band(struct technique_job *j, const struct pipeline *pip
 
 // A new pipeline runs once over nothing, so that the driver's compiler works now, under its own name in the account, and not
 // in some slice.
-static enum status warm_up(struct technique_job *j, struct pipeline *pipeline, const struct binding_set *set, struct error *err)
+static enum status warm_up(struct technique_job *j, struct pipeline *pipeline, const struct binding_set *set,
+			   struct error *err)
 {
 	VkCommandBuffer c = j->device->commands;
 	const struct path_push nothing = {.first_tile = j->tiles};
@@ -266,7 +269,7 @@ static enum status make_path_pass(struct technique_job *j, uint32_t segment, str
 	const uint64_t start = clock_us();
 	enum status s = STATUS_OK;
 	j->segment = segment;
-	j->segments = (j->plan.depth + segment) / segment;   // of depth + 1 events, rounded up
+	j->segments = (j->plan.depth + segment) / segment; // of depth + 1 events, rounded up
 	if (j->segments > 1 && !j->paths.handle)
 		s = buffer_init(&j->paths, j->device, paths_bytes(&j->plan), BUFFER_DEVICE, err);
 	if (s == STATUS_OK)

@@ -12,30 +12,31 @@
 
 #include "server/base/error.h"
 
-struct device;          // worker/vk/device.h
-struct resident_scene;  // worker/resident.h
-struct plan;            // worker/plan.h
-struct frame;           // worker/image/frame.h
-struct technique_job;   // the technique's own, opaque to the loop
+struct device; // worker/vk/device.h
+struct resident_scene; // worker/resident.h
+struct plan; // worker/plan.h
+struct frame; // worker/image/frame.h
+struct technique_job; // the technique's own, opaque to the loop
 
 struct step_result {
-	uint32_t samples_done;    // complete samples of every pixel
+	uint32_t samples_done; // complete samples of every pixel
 	bool finished;
-	double fraction;          // of all the job's work, 0…1
+	double fraction; // of all the job's work, 0…1
 };
 
 struct technique {
-	const char *name;         // "pt"
+	const char *name; // "pt"
 
 	// Make everything that the plan asks for, and nothing else. The first use of a set of effects compiles.
 	enum status (*begin)(struct device *device, struct resident_scene *scene, const struct plan *plan,
 			     struct technique_job **job, struct error *err);
 
-	// Work for about budget_us of device time, at least one indivisible piece. Calls continue where the last one stopped.
+	// Work for about budget_us of device time, at least one indivisible piece. Calls continue where the last one
+	// stopped.
 	enum status (*step)(struct technique_job *job, uint32_t budget_us, struct step_result *result, struct error *err);
 
-	// Copy what has been accumulated into `frame` (host memory, made by this call, freed by the caller with frame_destroy).
-	// The job can go on afterwards: a preview is a read before the end.
+	// Copy what has been accumulated into `frame` (host memory, made by this call, freed by the caller with
+	// frame_destroy). The job can go on afterwards: a preview is a read before the end.
 	enum status (*read)(struct technique_job *job, struct frame **frame, struct error *err);
 
 	// Free the job. NULL is allowed.

@@ -4,8 +4,7 @@
 
 #include "server/worker/vk/command.h"
 
-static const VkMemoryPropertyFlags host_flags =
-	VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+static const VkMemoryPropertyFlags host_flags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
 // The flags to look for, best first. A device whose own memory the host sees anyway (software, integrated) saves a copy.
 static int memory_type(const struct device *d, uint32_t allowed, enum buffer_home home)
@@ -13,13 +12,14 @@ static int memory_type(const struct device *d, uint32_t allowed, enum buffer_hom
 	const VkMemoryPropertyFlags device = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
 	const VkMemoryPropertyFlags cached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 	const VkMemoryPropertyFlags wishes[3][2] = {
-		[BUFFER_DEVICE] = {d->info.software ? device | host_flags : device, device},
-		[BUFFER_READBACK] = {host_flags | cached, host_flags},
-		[BUFFER_STAGING] = {host_flags, host_flags},
+	    [BUFFER_DEVICE] = {d->info.software ? device | host_flags : device, device},
+	    [BUFFER_READBACK] = {host_flags | cached, host_flags},
+	    [BUFFER_STAGING] = {host_flags, host_flags},
 	};
 	for (int w = 0; w < 2; w++)
 		for (uint32_t i = 0; i < d->memory.memoryTypeCount; i++)
-			if (allowed & 1u << i && (d->memory.memoryTypes[i].propertyFlags & wishes[home][w]) == wishes[home][w])
+			if (allowed & 1u << i &&
+			    (d->memory.memoryTypes[i].propertyFlags & wishes[home][w]) == wishes[home][w])
 				return (int)i;
 	return -1;
 }
@@ -37,9 +37,8 @@ static enum status allocate(struct buffer *b, struct device *d, enum buffer_home
 				 "unload scenes or raise --memory-budget",
 				 (unsigned long long)(need.size >> 20), (unsigned long long)(d->budget >> 20),
 				 (unsigned long long)(d->bytes >> 20));
-	const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-					   .allocationSize = need.size,
-					   .memoryTypeIndex = (uint32_t)type};
+	const VkMemoryAllocateInfo info = {
+	    .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = need.size, .memoryTypeIndex = (uint32_t)type};
 	VkResult r = vkAllocateMemory(d->handle, &info, NULL, &b->memory);
 	if (r != VK_SUCCESS)
 		return device_error(r, "allocating memory", err);
@@ -57,10 +56,10 @@ enum status buffer_init(struct buffer *b, struct device *d, uint64_t bytes, enum
 	if (home == BUFFER_DEVICE && bytes > d->limits.maxStorageBufferRange)
 		return error_set(err, STATUS_MEMORY, "a buffer of %llu MiB is more than this device can bind (%u MiB)",
 				 (unsigned long long)(bytes >> 20), d->limits.maxStorageBufferRange >> 20);
-	const VkBufferCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-		.size = bytes,
-		.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+	const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+					 .size = bytes,
+					 .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+						  VK_BUFFER_USAGE_TRANSFER_DST_BIT};
 	VkResult r = vkCreateBuffer(d->handle, &info, NULL, &b->handle);
 	if (r != VK_SUCCESS)
 		return device_error(r, "creating a buffer", err);
@@ -84,7 +83,8 @@ void buffer_finish(struct buffer *b, struct device *d)
 }
 
 // Copy between a device buffer and a host-visible one of the same size, and wait.
-static enum status copy(struct device *d, VkBuffer from, uint64_t from_offset, VkBuffer to, uint64_t bytes, struct error *err)
+static enum status copy(struct device *d, VkBuffer from, uint64_t from_offset, VkBuffer to, uint64_t bytes,
+			struct error *err)
 {
 	enum status s = command_begin(d, err);
 	if (s != STATUS_OK)
@@ -133,7 +133,8 @@ enum status buffer_clear(struct buffer *b, struct device *d, struct error *err)
 	return command_finish(d, err);
 }
 
-enum status buffer_read(const struct buffer *b, struct device *d, uint64_t offset, uint64_t bytes, void *out, struct error *err)
+enum status buffer_read(const struct buffer *b, struct device *d, uint64_t offset, uint64_t bytes, void *out,
+			struct error *err)
 {
 	if (b->map) {
 		memcpy(out, (const char *)b->map + offset, bytes);

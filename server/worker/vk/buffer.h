@@ -7,21 +7,22 @@
 struct buffer {
 	VkBuffer handle;
 	VkDeviceMemory memory;
-	uint64_t bytes;          // asked for
-	uint64_t allocated;      // taken from the budget
-	void *map;               // host address, or NULL where the host cannot see it
+	uint64_t bytes; // asked for
+	uint64_t allocated; // taken from the budget
+	void *map; // host address, or NULL where the host cannot see it
 };
 
 enum buffer_home {
-	BUFFER_DEVICE,           // the device's own memory; the host may see it or not
-	BUFFER_READBACK,         // the host's, for reading
-	BUFFER_STAGING,          // the host's, for writing
+	BUFFER_DEVICE, // the device's own memory; the host may see it or not
+	BUFFER_READBACK, // the host's, for reading
+	BUFFER_STAGING, // the host's, for writing
 };
 
 // A storage buffer of `bytes` (> 0), its content undefined. STATUS_MEMORY if the budget or the device is exhausted or the
 // device cannot bind so large a buffer; nothing is left behind then.
-enum status buffer_init(struct buffer *buffer, struct device *device, uint64_t bytes, enum buffer_home home, struct error *err);
-void buffer_finish(struct buffer *buffer, struct device *device);   // a zeroed one is fine
+enum status buffer_init(struct buffer *buffer, struct device *device, uint64_t bytes, enum buffer_home home,
+			struct error *err);
+void buffer_finish(struct buffer *buffer, struct device *device); // a zeroed one is fine
 
 // A device buffer with this content; through staging where the host cannot write it. 0 bytes leave a zeroed buffer.
 enum status buffer_init_with(struct buffer *buffer, struct device *device, const void *data, uint64_t bytes,

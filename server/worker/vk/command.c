@@ -24,7 +24,7 @@ enum status command_finish(struct device *d, struct error *err)
 	if (r != VK_SUCCESS)
 		return device_error(r, "recording commands", err);
 	const VkSubmitInfo info = {
-		.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &d->commands};
+	    .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &d->commands};
 	r = vkQueueSubmit(d->queue, 1, &info, d->fence);
 	if (r == VK_SUCCESS)
 		r = vkWaitForFences(d->handle, 1, &d->fence, VK_TRUE, UINT64_MAX);

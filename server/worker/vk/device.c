@@ -41,9 +41,8 @@ static enum status instance_create(VkInstance *instance, struct error *err)
 	static const char *const layers[] = {"VK_LAYER_KHRONOS_validation"};
 	static const char *const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
 	const bool validate = validation_wanted();
-	const VkApplicationInfo app = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-				       .pApplicationName = "candil",
-				       .apiVersion = VK_API_VERSION_1_2};
+	const VkApplicationInfo app = {
+	    .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "candil", .apiVersion = VK_API_VERSION_1_2};
 	const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
 					   .pApplicationInfo = &app,
 					   .enabledLayerCount = validate ? 1 : 0,
@@ -52,8 +51,9 @@ static enum status instance_create(VkInstance *instance, struct error *err)
 					   .ppEnabledExtensionNames = extensions};
 	VkResult r = vkCreateInstance(&info, NULL, instance);
 	if (r == VK_ERROR_LAYER_NOT_PRESENT)
-		return error_set(err, STATUS_DEVICE,
-				 "CANDIL_VALIDATION is set but the validation layer is missing: install vulkan-validationlayers");
+		return error_set(
+		    err, STATUS_DEVICE,
+		    "CANDIL_VALIDATION is set but the validation layer is missing: install vulkan-validationlayers");
 	if (r == VK_ERROR_INCOMPATIBLE_DRIVER)
 		return error_set(err, STATUS_DEVICE, "no Vulkan driver: install mesa-vulkan-drivers or the GPU's own");
 	if (r != VK_SUCCESS)
@@ -91,7 +91,7 @@ static bool compute_family(VkPhysicalDevice physical, uint32_t *family)
 }
 
 static const VkSubgroupFeatureFlags needed_subgroup =
-	VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
 
 static void check_usable(VkPhysicalDevice physical, const VkPhysicalDeviceProperties *p, struct device_info *info)
 {
@@ -115,7 +115,8 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 {
 	VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
 	VkPhysicalDeviceIDProperties id = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, .pNext = &driver};
-	VkPhysicalDeviceSubgroupProperties subgroup = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, .pNext = &id};
+	VkPhysicalDeviceSubgroupProperties subgroup = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+						       .pNext = &id};
 	VkPhysicalDeviceProperties2 p = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
 	VkPhysicalDeviceMemoryProperties memory;
 	memset(info, 0, sizeof *info);
@@ -137,7 +138,8 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 	info->software = p.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
 	vkGetPhysicalDeviceMemoryProperties(physical, &memory);
 	for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
-		if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT && memory.memoryHeaps[i].size > info->memory_bytes)
+		if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT &&
+		    memory.memoryHeaps[i].size > info->memory_bytes)
 			info->memory_bytes = memory.memoryHeaps[i].size;
 	info->subgroup = subgroup.subgroupSize;
 	if (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT)
@@ -209,12 +211,14 @@ enum status device_choose(const struct device_info *infos, uint32_t count, const
 	}
 	if (best >= 0) {
 		*chosen = (uint32_t)best;
-		snprintf(why, LIMIT_TEXT + 1, any ? "the best of %u (%s)" : "asked for, of %u (%s)", count, infos[best].type);
+		snprintf(why, LIMIT_TEXT + 1, any ? "the best of %u (%s)" : "asked for, of %u (%s)", count,
+			 infos[best].type);
 		return STATUS_OK;
 	}
 	if (refused && refused->usable)
-		return error_set(err, STATUS_DEVICE, "a GPU is required and only software devices were found: "
-						     "install the GPU's Vulkan driver or leave --require-gpu out");
+		return error_set(err, STATUS_DEVICE,
+				 "a GPU is required and only software devices were found: "
+				 "install the GPU's Vulkan driver or leave --require-gpu out");
 	if (refused)
 		return error_set(err, STATUS_DEVICE, "%.100s cannot be used: %.120s", refused->name, refused->why_not);
 	if (!any)
@@ -228,14 +232,13 @@ static enum status watch_validation(struct device *d, struct error *err)
 	if (!validation_wanted())
 		return STATUS_OK;
 	PFN_vkCreateDebugUtilsMessengerEXT create =
-		(PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(d->instance, "vkCreateDebugUtilsMessengerEXT");
-	const VkDebugUtilsMessengerCreateInfoEXT info = {
-		.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-		.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
-				   VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-		.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
-		.pfnUserCallback = on_validation,
-		.pUserData = d};
+	    (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(d->instance, "vkCreateDebugUtilsMessengerEXT");
+	const VkDebugUtilsMessengerCreateInfoEXT info = {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+							 .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+									    VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+							 .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+							 .pfnUserCallback = on_validation,
+							 .pUserData = d};
 	VkResult r = create ? create(d->instance, &info, NULL, &d->messenger) : VK_ERROR_EXTENSION_NOT_PRESENT;
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "watching the validation layer", err);
 }
@@ -249,7 +252,7 @@ static enum status open_logical(struct device *d, struct error *err)
 					       .queueCount = 1,
 					       .pQueuePriorities = &priority};
 	const VkDeviceCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
+	    .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
 	VkResult r = vkCreateDevice(d->physical, &info, NULL, &d->handle);
 	if (r != VK_SUCCESS)
 		return device_error(r, "opening the device", err);
@@ -329,8 +332,8 @@ void device_destroy(struct device *d)
 		vkDestroyDevice(d->handle, NULL);
 	}
 	if (d->messenger) {
-		PFN_vkDestroyDebugUtilsMessengerEXT destroy =
-			(PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(d->instance, "vkDestroyDebugUtilsMessengerEXT");
+		PFN_vkDestroyDebugUtilsMessengerEXT destroy = (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+		    d->instance, "vkDestroyDebugUtilsMessengerEXT");
 		destroy(d->instance, d->messenger, NULL);
 	}
 	if (d->instance)

@@ -18,23 +18,23 @@ struct pipeline;
 // What vkEnumeratePhysicalDevices told of one device.
 struct device_info {
 	uint32_t index;
-	char name[DEVICE_NAME_BYTES];     // with the driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe Mesa 22.3.6 …"
+	char name[DEVICE_NAME_BYTES]; // with the driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe Mesa 22.3.6 …"
 	char uuid[37];
-	const char *type;                 // "discrete", "integrated", "virtual", "cpu", "other"
-	uint32_t api;                     // VK_API_VERSION
-	uint64_t memory_bytes;            // of the largest device-local heap
+	const char *type; // "discrete", "integrated", "virtual", "cpu", "other"
+	uint32_t api; // VK_API_VERSION
+	uint64_t memory_bytes; // of the largest device-local heap
 	bool software;
-	uint32_t subgroup;                // lanes
-	VkSubgroupFeatureFlags subgroup_operations;   // in compute shaders
-	bool packets;                     // a subgroup has a width that a packet can be (4, 8 or 16 lanes)
+	uint32_t subgroup; // lanes
+	VkSubgroupFeatureFlags subgroup_operations; // in compute shaders
+	bool packets; // a subgroup has a width that a packet can be (4, 8 or 16 lanes)
 	bool usable;
-	char why_not[LIMIT_TEXT + 1];     // what it lacks, when not usable
+	char why_not[LIMIT_TEXT + 1]; // what it lacks, when not usable
 };
 
 struct device_options {
-	const char *wanted;               // NULL: the best; an index, a UUID or "cpu"
-	bool require_gpu;                 // refuse software devices
-	uint64_t memory_budget;           // bytes; 0: half of the memory if software, else four fifths of the device's
+	const char *wanted; // NULL: the best; an index, a UUID or "cpu"
+	bool require_gpu; // refuse software devices
+	uint64_t memory_budget; // bytes; 0: half of the memory if software, else four fifths of the device's
 };
 
 struct device {
@@ -47,14 +47,14 @@ struct device {
 	VkPhysicalDeviceLimits limits;
 	VkPhysicalDeviceMemoryProperties memory;
 	VkCommandPool pool;
-	VkCommandBuffer commands;         // recorded and waited for by command.c, one at a time
+	VkCommandBuffer commands; // recorded and waited for by command.c, one at a time
 	VkFence fence;
 	VkDebugUtilsMessengerEXT messenger;
 	_Atomic uint64_t validation_errors;
-	uint64_t bytes;                   // allocated now
+	uint64_t bytes; // allocated now
 	uint64_t budget;
-	bool lost;                        // by the driver's word: only a new process can have it again
-	struct pipeline *pipelines;       // every one made so far, by pipeline.c
+	bool lost; // by the driver's word: only a new process can have it again
+	struct pipeline *pipelines; // every one made so far, by pipeline.c
 };
 
 // List what is there. *count is at most DEVICE_MAX. STATUS_DEVICE if there is no Vulkan loader or driver at all.

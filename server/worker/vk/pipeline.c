@@ -37,9 +37,8 @@ static enum status make_pipeline(struct device *d, struct pipeline *p, struct er
 					      .dataSize = p->constant_count * 4u,
 					      .pData = p->constants};
 	VkShaderModule module;
-	const VkShaderModuleCreateInfo code = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-					       .codeSize = p->shader->bytes,
-					       .pCode = p->shader->code};
+	const VkShaderModuleCreateInfo code = {
+	    .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = p->shader->bytes, .pCode = p->shader->code};
 	VkResult r = vkCreateShaderModule(d->handle, &code, NULL, &module);
 	if (r != VK_SUCCESS)
 		return device_error(r, "loading a shader", err);
@@ -107,7 +106,7 @@ enum status binding_set_init(struct binding_set *set, struct device *d, const st
 	const uint32_t count = p->shader->bindings;
 	const VkDescriptorPoolSize size = {.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .descriptorCount = count};
 	const VkDescriptorPoolCreateInfo pool = {
-		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
+	    .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
 	memset(set, 0, sizeof *set);
 	VkResult r = vkCreateDescriptorPool(d->handle, &pool, NULL, &set->pool);
 	if (r != VK_SUCCESS)

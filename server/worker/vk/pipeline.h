@@ -11,11 +11,11 @@
 #define PIPELINE_CONSTANTS_MAX 16u
 
 struct shader {
-	const char *name;            // unique: the key with the constants
-	const uint32_t *code;        // SPIR-V
+	const char *name; // unique: the key with the constants
+	const uint32_t *code; // SPIR-V
 	size_t bytes;
-	uint32_t bindings;           // storage buffers 0 … bindings - 1 of set 0
-	uint32_t push_bytes;         // of push constants
+	uint32_t bindings; // storage buffers 0 … bindings - 1 of set 0
+	uint32_t push_bytes; // of push constants
 };
 
 struct pipeline {
@@ -26,7 +26,7 @@ struct pipeline {
 	VkDescriptorSetLayout set_layout;
 	VkPipelineLayout layout;
 	VkPipeline handle;
-	bool warm;                   // has run once: drivers compile at the first dispatch
+	bool warm; // has run once: drivers compile at the first dispatch
 };
 
 // The pipeline of `shader` with specialization constants 0 … count - 1. Owned by the device.
