@@ -3,9 +3,8 @@
 //   VIEW_NONE      clip at 1
 //   VIEW_REINHARD  the colour divided by 1 + its Rec.709 luminance (Reinhard et al., "Photographic tone reproduction for
 //                  digital images", 2002, the simple operator): hue is kept, a saturated light may still clip
-//   VIEW_FILMIC    John Hable's curve ("Filmic tonemapping for real-time rendering", SIGGRAPH 2010 course notes), each
-//   channel
-//                  on its own, exposure bias 2, linear white 11.2: soft shoulder and toe
+//   VIEW_FILMIC    John Hable's curve ("Filmic tonemapping for real-time rendering", SIGGRAPH 2010 course notes), on each
+//                  channel by itself, exposure bias 2, linear white 11.2: soft shoulder and toe
 //
 // A negative value counts as 0, NaN as 0, +infinity as the largest float.
 #ifndef CANDIL_WORKER_VIEW_H
