@@ -392,7 +392,8 @@ struct candil_sweep_result {
 
 // The same picture from `count` cameras, 1 to CANDIL_SWEEP_CAMERAS. The request's own camera is not used. Each image comes
 // through callbacks->image as soon as it is finished, in the order of the cameras, image->index saying which; if that takes
-// long, the daemon goes on with one more image and then waits. A failure ends the whole sweep; images that have come are good.
+// long, the daemon goes on with one more image and then waits. A failure ends the whole sweep; images that have come are
+// good.
 CANDIL_API candil_status candil_sweep(candil_client *client, const struct candil_render_request *request,
 				      const struct candil_camera *cameras, size_t count,
 				      const struct candil_callbacks *callbacks, struct candil_sweep_result *result,
@@ -431,8 +432,8 @@ CANDIL_API candil_status candil_submit_sweep(candil_client *client, const struct
 					     struct candil_error *error); // see candil_sweep
 CANDIL_API candil_status candil_submit_stats(candil_client *client, uint32_t *id, struct candil_error *error);
 
-// Ask the daemon to cancel render or sweep `id`. Has no event of its own: the render ends with ERROR cancelled, or with DONE where
-// it was quicker. Fails with NO_SUCH_REQUEST if no such request of that id is open.
+// Ask the daemon to cancel render or sweep `id`. Has no event of its own: the render ends with ERROR cancelled, or with DONE
+// where it was quicker. Fails with NO_SUCH_REQUEST if no such request of that id is open.
 CANDIL_API candil_status candil_cancel(candil_client *client, uint32_t id, struct candil_error *error);
 
 enum candil_event_kind {

@@ -347,7 +347,8 @@ static void release_image(struct job *job, struct image *image)
 static void ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 {
 	uint64_t now = clock_us();
-	if (!job->render.progressive || !is_first(jobs, job) || job->preview_due || image_waits(&job->preview) || samples <= job->preview_samples)
+	if (!job->render.progressive || !is_first(jobs, job) || job->preview_due || image_waits(&job->preview) ||
+	    samples <= job->preview_samples)
 		return;
 	if (samples < 2 * (uint64_t)job->preview_samples && now < job->preview_us + PREVIEW_US)
 		return;
