@@ -8,6 +8,7 @@
 #include "protocol/header.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/front/jobs_table.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
 
@@ -23,7 +24,7 @@ void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms)
 
 // ---- the table -------------------------------------------------------------------------------------------------------
 
-static struct job *by_id(const struct jobs *jobs, uint32_t id)
+struct job *jobs_by_id(const struct jobs *jobs, uint32_t id)
 {
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i]->id == id)
@@ -58,7 +59,7 @@ static enum status add(struct jobs *jobs, struct session *session, uint32_t requ
 		return error_set(err, STATUS_MEMORY, "no memory for one more job");
 	do
 		job->id = ++jobs->last_id;
-	while (job->id == 0 || by_id(jobs, job->id));
+	while (job->id == 0 || jobs_by_id(jobs, job->id));
 	job->session = session;
 	job->request = request;
 	job->scene = scene;
@@ -129,13 +130,13 @@ static void unreserve(struct job *job)
 	job->reserved = 0;
 }
 
-static bool on_device(const struct job *job)
+bool job_on_device(const struct job *job)
 {
 	return job->state == JOB_BEGINNING || job->state == JOB_ACTIVE || job->state == JOB_FINISHED;
 }
 
 // Its device memory is free, or about to be: those that lacked some may try again.
-static void let_others_try(struct jobs *jobs)
+void jobs_let_others_try(struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++)
 		jobs->job[i]->short_of_memory = false;
@@ -158,9 +159,9 @@ static void destroy(struct job *job)
 
 static void drop(struct jobs *jobs, struct job *job)
 {
-	if (on_device(job)) {
+	if (job_on_device(job)) {
 		worker_end(jobs->worker, job->id);
-		let_others_try(jobs);
+		jobs_let_others_try(jobs);
 	}
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i] == job) {
@@ -308,22 +309,6 @@ static void finish(struct jobs *jobs, struct job *job)
 
 // ---- images ----------------------------------------------------------------------------------------------------------
 
-// An upper bound, near enough, of an encoded image's bytes.
-static uint64_t image_estimate(const candil_Render *render)
-{
-	uint32_t channels = 3;
-	if (render->aovs & AOV_DEPTH)
-		channels += 1;
-	if (render->aovs & AOV_NORMAL)
-		channels += 3;
-	if (render->aovs & AOV_ALBEDO)
-		channels += 3;
-	if (render->aovs & AOV_ID)
-		channels += 1;
-	uint32_t bytes = render->format == candil_Format_FORMAT_PNG ? 1 : 4;
-	return (uint64_t)render->width * render->height * channels * bytes + 65536;
-}
-
 // One image may always wait for a connection, more while they fit the limit.
 static bool reserve(struct job *job)
 {
@@ -335,7 +320,7 @@ static bool reserve(struct job *job)
 	return true;
 }
 
-static void release_image(struct job *job, struct image *image)
+void job_release_image(struct job *job, struct image *image)
 {
 	uint64_t bytes = image_estimate(&job->render);
 	image_close(image);
@@ -370,13 +355,13 @@ static void read_final(struct jobs *jobs)
 		worker_read(jobs->worker, job->id, true);
 		worker_end(jobs->worker, job->id);
 		job->state = JOB_READING;
-		let_others_try(jobs);
+		jobs_let_others_try(jobs);
 	}
 }
 
 void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, int fd)
 {
-	struct job *job = by_id(jobs, id);
+	struct job *job = jobs_by_id(jobs, id);
 	bool final = image->frame.final || (job && !job->preview_due);
 	if (!job || (final && job->state != JOB_READING)) {
 		if (fd >= 0)
@@ -396,7 +381,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 		image_set(&job->final, fd, &frame);
 		// A preview that nobody has seen the beginning of is of no use any more.
 		if (image_waits(&job->preview) && !job->preview.announced)
-			release_image(job, &job->preview);
+			job_release_image(job, &job->preview);
 	} else {
 		job->preview_due = false;
 		image_set(&job->preview, fd, &frame);
@@ -418,7 +403,7 @@ static bool pump(struct jobs *jobs, struct job *job)
 	}
 	if (image_is_sent(image)) {
 		bool last = image == &job->final;
-		release_image(job, image);
+		job_release_image(job, image);
 		if (last)
 			finish(jobs, job);
 	}
@@ -444,7 +429,7 @@ bool jobs_fill(struct jobs *jobs, struct session *session)
 static bool device_busy(const struct jobs *jobs, const struct job *but)
 {
 	for (unsigned i = 0; i < jobs->count; i++)
-		if (jobs->job[i] != but && on_device(jobs->job[i]))
+		if (jobs->job[i] != but && job_on_device(jobs->job[i]))
 			return true;
 	return false;
 }
@@ -511,7 +496,7 @@ void jobs_dispatch(struct jobs *jobs)
 
 void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 {
-	struct job *job = by_id(jobs, id);
+	struct job *job = jobs_by_id(jobs, id);
 	jobs->beginning = 0;
 	if (!job || job->state != JOB_BEGINNING)
 		return;
@@ -565,7 +550,7 @@ static void tell_progress(const struct jobs *jobs, struct job *job)
 
 void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *stepped)
 {
-	struct job *job = by_id(jobs, id);
+	struct job *job = jobs_by_id(jobs, id);
 	uint64_t wall_us = clock_us() - jobs->step_sent_us;
 	jobs->stepping = 0;
 	jobs->begin_behind_step = false;
@@ -598,69 +583,4 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	}
 	tell_progress(jobs, job);
 	ask_preview(jobs, job, stepped->samples_done);
-}
-
-// ---- a worker is lost ------------------------------------------------------------------------------------------------
-
-static void begin_again(struct job *job)
-{
-	if (job->preview_due)
-		release_image(job, &job->preview);
-	if (job->state == JOB_READING)
-		release_image(job, &job->final);
-	job->preview_due = false;
-	job->preview_samples = 0;
-	job->samples_done = 0;
-	job->fraction = 0;
-	job->short_of_memory = false;
-	job->state = JOB_WAITING;
-	job->retries++;
-}
-
-static bool was_with_worker(const struct job *job)
-{
-	return on_device(job) || job->state == JOB_READING;
-}
-
-static uint32_t suspect(const struct jobs *jobs)
-{
-	if (jobs->stepping && (!jobs->beginning || jobs->begin_behind_step))
-		return jobs->stepping;
-	return jobs->beginning ? jobs->beginning : jobs->held;
-}
-
-// Blame falls on the job whose order was being carried out, else on who had the device last, else on the oldest. Whoever it
-// is, each loss with work under way blames one job, so no job can kill workers for ever.
-static void blame(struct jobs *jobs, const char *how)
-{
-	struct job *job = by_id(jobs, suspect(jobs));
-	if (!job || !was_with_worker(job))
-		for (unsigned i = 0; i < jobs->count && !(job && was_with_worker(job)); i++)
-			job = jobs->job[i];
-	if (!job || !was_with_worker(job) || ++job->blames <= LIMIT_JOB_RETRIES)
-		return;
-	struct error err;
-	error_set(&err, STATUS_WORKER_LOST, "the worker was lost %u times while it worked on this job (%s)", job->blames,
-		  how);
-	fail(jobs, job, &err);
-}
-
-void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
-{
-	blame(jobs, how);
-	jobs->stepping = 0;
-	jobs->beginning = 0;
-	jobs->held = 0;
-	for (unsigned i = 0; i < jobs->count; i++)
-		if (was_with_worker(jobs->job[i]))
-			begin_again(jobs->job[i]);
-	// Nobody holds the device's memory any more, so no end of a job would ever wake those that lacked some.
-	let_others_try(jobs);
-	if (!hopeless)
-		return;
-	struct error err;
-	error_set(&err, STATUS_WORKER_LOST, "the worker does not start (%s): see the daemon's log", how);
-	for (unsigned i = jobs->count; i-- > 0;)
-		if (i < jobs->count && jobs->job[i]->state == JOB_WAITING)
-			fail(jobs, jobs->job[i], &err);
 }
