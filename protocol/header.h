@@ -33,6 +33,7 @@ enum message_type {
 	MESSAGE_RENDER = 0x07,       // Render       -> ACCEPTED, PROGRESS…, (IMAGE, FRAME_CHUNK…)…, DONE
 	MESSAGE_CANCEL = 0x08,       // Cancel       -> OK; the cancelled request gets ERROR cancelled
 	MESSAGE_STATS = 0x09,        // Stats        -> STATS_REPLY
+	MESSAGE_SWEEP = 0x0A,        // Sweep        -> ACCEPTED, PROGRESS…, (IMAGE, FRAME_CHUNK…)…, DONE
 
 	MESSAGE_HELLO_REPLY = 0x81,
 	MESSAGE_PONG = 0x82,         // Ping, the same payload

@@ -38,6 +38,7 @@
 #define LIMIT_COORDINATE 1e12                    // of a camera's position, metres
 #define LIMIT_EXPOSURE_EV 64.0                   // either way
 #define LIMIT_PROGRESS_MS 3600000u
+#define LIMIT_SWEEP_CAMERAS 256u                 // of one Sweep; so many fit a message
 
 // ---- a scene ----
 #define LIMIT_SCENE_FILE_BYTES (1ull << 30)      // the file and each of its side files

@@ -24,13 +24,26 @@ void progress_say(struct progress *progress, const char *what)
 	progress->drawn = true;
 }
 
+static void make_bar(char bar[BAR + 1], double fraction)
+{
+	int filled = fraction > 0.0 ? (int)(fraction * BAR) : 0;
+	memset(bar, '.', BAR);
+	memset(bar, '#', (size_t)(filled < BAR ? filled : BAR));
+	bar[BAR] = '\0';
+}
+
+void progress_images(struct progress *progress, double fraction, uint32_t done, uint32_t images)
+{
+	char line[160], bar[BAR + 1];
+	make_bar(bar, fraction);
+	snprintf(line, sizeof(line), "[%s] %3.0f %%  %" PRIu32 "/%" PRIu32 " images", bar, fraction * 100.0, done, images);
+	progress_say(progress, line);
+}
+
 void progress_draw(struct progress *progress, const struct candil_progress *at)
 {
 	char line[160], bar[BAR + 1];
-	int filled = (int)(at->fraction * BAR);
-	memset(bar, '.', BAR);
-	memset(bar, '#', (size_t)filled);
-	bar[BAR] = '\0';
+	make_bar(bar, at->fraction);
 	double seconds = (double)at->elapsed_us * 1e-6;
 	snprintf(line, sizeof(line), "[%s] %3.0f %%  %" PRIu32 "/%" PRIu32 " sample%s  %.1f s", bar, at->fraction * 100.0,
 		 at->samples_done, at->samples, cli_s(at->samples), seconds);

@@ -14,6 +14,8 @@ struct progress {
 void progress_init(struct progress *progress, bool quiet);
 void progress_say(struct progress *progress, const char *what);
 void progress_draw(struct progress *progress, const struct candil_progress *at);
+// The same over many images.
+void progress_images(struct progress *progress, double fraction, uint32_t done, uint32_t images);
 void progress_clear(struct progress *progress);
 
 #endif

@@ -27,29 +27,48 @@ enum {
 	OPTION_PROGRESSIVE,
 	OPTION_SET,
 	OPTION_QUIET,
+	OPTION_ORBIT,
+	OPTION_CAMERAS,
+	OPTION_SHARD,
+	OPTION_FORCE,
 };
 
-static const struct option long_options[] = {
-    CLI_COMMON_OPTIONS,
-    SCENE_OPTIONS,
-    {"output", required_argument, NULL, OPTION_OUTPUT},
-    {"format", required_argument, NULL, OPTION_FORMAT},
-    {"technique", required_argument, NULL, OPTION_TECHNIQUE},
-    {"size", required_argument, NULL, OPTION_SIZE},
-    {"spp", required_argument, NULL, OPTION_SPP},
-    {"first-sample", required_argument, NULL, OPTION_FIRST_SAMPLE},
-    {"seed", required_argument, NULL, OPTION_SEED},
+// One option a line: formatted, the list could not be read.
+// clang-format off
+#define SHARED_OPTIONS \
+	CLI_COMMON_OPTIONS, \
+	SCENE_OPTIONS, \
+	{"output", required_argument, NULL, OPTION_OUTPUT}, \
+	{"format", required_argument, NULL, OPTION_FORMAT}, \
+	{"technique", required_argument, NULL, OPTION_TECHNIQUE}, \
+	{"size", required_argument, NULL, OPTION_SIZE}, \
+	{"spp", required_argument, NULL, OPTION_SPP}, \
+	{"first-sample", required_argument, NULL, OPTION_FIRST_SAMPLE}, \
+	{"seed", required_argument, NULL, OPTION_SEED}, \
+	{"background", required_argument, NULL, OPTION_BACKGROUND}, \
+	{"effects", required_argument, NULL, OPTION_EFFECTS}, \
+	{"aov", required_argument, NULL, OPTION_AOV}, \
+	{"exposure", required_argument, NULL, OPTION_EXPOSURE}, \
+	{"view", required_argument, NULL, OPTION_VIEW}, \
+	{"half", no_argument, NULL, OPTION_HALF}, \
+	{"float", no_argument, NULL, OPTION_FLOAT}, \
+	{"set", required_argument, NULL, OPTION_SET}, \
+	{"quiet", no_argument, NULL, OPTION_QUIET}
+// clang-format on
+
+static const struct option render_table[] = {
+    SHARED_OPTIONS,
     {"camera", required_argument, NULL, OPTION_CAMERA},
-    {"background", required_argument, NULL, OPTION_BACKGROUND},
-    {"effects", required_argument, NULL, OPTION_EFFECTS},
-    {"aov", required_argument, NULL, OPTION_AOV},
-    {"exposure", required_argument, NULL, OPTION_EXPOSURE},
-    {"view", required_argument, NULL, OPTION_VIEW},
-    {"half", no_argument, NULL, OPTION_HALF},
-    {"float", no_argument, NULL, OPTION_FLOAT},
     {"progressive", no_argument, NULL, OPTION_PROGRESSIVE},
-    {"set", required_argument, NULL, OPTION_SET},
-    {"quiet", no_argument, NULL, OPTION_QUIET},
+    {NULL, 0, NULL, 0},
+};
+
+static const struct option sweep_table[] = {
+    SHARED_OPTIONS,
+    {"orbit", required_argument, NULL, OPTION_ORBIT},
+    {"cameras", required_argument, NULL, OPTION_CAMERAS},
+    {"shard", required_argument, NULL, OPTION_SHARD},
+    {"force", no_argument, NULL, OPTION_FORCE},
     {NULL, 0, NULL, 0},
 };
 
@@ -297,6 +316,27 @@ static bool take_flag(int option, struct render_options *options, struct given *
 	}
 }
 
+// What a sweep alone takes. false: it is another option.
+static bool take_sweep_option(int option, const char *value, struct sweep_texts *texts)
+{
+	switch (option) {
+	case OPTION_ORBIT:
+		texts->orbit = value;
+		return true;
+	case OPTION_CAMERAS:
+		texts->cameras = value;
+		return true;
+	case OPTION_SHARD:
+		texts->shard = value;
+		return true;
+	case OPTION_FORCE:
+		texts->force = true;
+		return true;
+	default:
+		return false;
+	}
+}
+
 static const char *format_of(const struct render_options *options, const struct given *given)
 {
 	if (given->format)
@@ -328,9 +368,10 @@ static const char *settle_format(struct render_options *options, const struct gi
 	return options->request.aovs ? "--aov needs EXR output" : NULL;
 }
 
-bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
-			  enum exit_code *code)
+static bool parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+		  struct sweep_texts *texts, enum exit_code *code)
 {
+	const struct option *long_options = texts ? sweep_table : render_table;
 	struct given given = {0};
 	int option, index = 0;
 	memset(options, 0, sizeof(*options));
@@ -344,6 +385,8 @@ bool render_options_parse(struct cli *cli, const struct command *self, int argc,
 				return false;
 		} else if (option == '?') {
 			return cli_common_option(cli, self, option, code);
+		} else if (texts && take_sweep_option(option, optarg, texts)) {
+			continue;
 		} else if (!take_flag(option, options, &given) && !take_option(option, optarg, options, &given)) {
 			*code = cli_usage(self, "--%s cannot be \"%s\": it takes %s",
 					  option == OPTION_OUTPUT ? "output" : long_options[index].name,
@@ -363,4 +406,17 @@ bool render_options_parse(struct cli *cli, const struct command *self, int argc,
 	else
 		options->scene = argv[optind];
 	return !wrong;
+}
+
+bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			  enum exit_code *code)
+{
+	return parse(cli, self, argc, argv, options, NULL, code);
+}
+
+bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			 struct sweep_texts *texts, enum exit_code *code)
+{
+	*texts = (struct sweep_texts){0};
+	return parse(cli, self, argc, argv, options, texts, code);
 }

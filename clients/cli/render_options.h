@@ -13,8 +13,18 @@ struct render_options {
 	struct candil_option settings[16]; // what request.options points at
 };
 
+// What `candil sweep` takes besides, and as text: sweep.c knows what it means. NULL: not given.
+struct sweep_texts {
+	const char *orbit, *cameras, *shard;
+	bool force;
+};
+
 // true: *options is filled in. false: return *code from the command. Writes into argv (splits NAME=VALUE).
 bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			  enum exit_code *code);
+
+// The same for `candil sweep`, which has one camera after the other, so that --camera, --progressive and "-" are refused.
+bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			 struct sweep_texts *texts, enum exit_code *code);
 
 #endif

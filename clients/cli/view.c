@@ -25,16 +25,23 @@ static double fitting_distance(const struct candil_vec3 *half, const struct cand
 	return distance;
 }
 
-void view_frame_bounds(const struct candil_scene_info *scene, struct candil_render_request *request)
+// Centre and half sizes of the bounds; of a cube about the origin where there are none.
+static void find_box(const struct candil_scene_info *scene, struct candil_vec3 *centre, struct candil_vec3 *half)
 {
 	const struct candil_vec3 *low = &scene->bounds_min, *high = &scene->bounds_max;
-	struct candil_vec3 half = {0.5 * (high->x - low->x), 0.5 * (high->y - low->y), 0.5 * (high->z - low->z)};
-	struct candil_vec3 centre = {low->x + half.x, low->y + half.y, low->z + half.z};
-	double size = half.x + half.y + half.z;
-	if (!isfinite(size) || size <= 0.0 || !isfinite(centre.x + centre.y + centre.z)) {
-		half = (struct candil_vec3){1, 1, 1};
-		centre = (struct candil_vec3){0, 0, 0};
+	*half = (struct candil_vec3){0.5 * (high->x - low->x), 0.5 * (high->y - low->y), 0.5 * (high->z - low->z)};
+	*centre = (struct candil_vec3){low->x + half->x, low->y + half->y, low->z + half->z};
+	double size = half->x + half->y + half->z;
+	if (!isfinite(size) || size <= 0.0 || !isfinite(centre->x + centre->y + centre->z)) {
+		*half = (struct candil_vec3){1, 1, 1};
+		*centre = (struct candil_vec3){0, 0, 0};
 	}
+}
+
+void view_frame_bounds(const struct candil_scene_info *scene, struct candil_render_request *request)
+{
+	struct candil_vec3 centre, half;
+	find_box(scene, &centre, &half);
 	// A floor seen from its own height would be a line: up to 35 degrees above it. A wall along Z: from its side.
 	double elevation = 35.0 * (1.0 - fmin(1.0, 2.0 * half.y / fmax(half.x, half.z))) * pi / 180.0;
 	double azimuth = half.x < 0.1 * half.z ? 60.0 * pi / 180.0 : 0.0;
@@ -51,4 +58,21 @@ void view_frame_bounds(const struct candil_scene_info *scene, struct candil_rend
 	request->up = (struct candil_vec3){0, 1, 0};
 	request->vfov_degrees = vfov_degrees;
 	request->has_camera = true;
+}
+
+void view_orbit(const struct candil_scene_info *scene, const struct candil_render_request *request, uint32_t index,
+		uint32_t count, double elevation, double radius, struct candil_camera *camera)
+{
+	struct candil_vec3 centre, half;
+	find_box(scene, &centre, &half);
+	double tan_v = tan(0.5 * vfov_degrees * pi / 180.0);
+	double tan_h = tan_v * (double)request->width / (double)request->height;
+	double narrow = atan(fmin(tan_v, tan_h));
+	double distance = radius > 0.0 ? radius : margin * sqrt(dot(&half, &half)) / sin(narrow);
+	double azimuth = 2.0 * pi * (double)index / (double)count;
+	double height = elevation * pi / 180.0;
+	*camera = (struct candil_camera){.target = centre, .up = {0, 1, 0}, .vfov_degrees = vfov_degrees};
+	camera->eye.x = centre.x + distance * cos(height) * sin(azimuth);
+	camera->eye.y = centre.y + distance * sin(height);
+	camera->eye.z = centre.z + distance * cos(height) * cos(azimuth);
 }

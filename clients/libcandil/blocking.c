@@ -192,3 +192,47 @@ candil_status candil_render(candil_client *client, const struct candil_render_re
 	}
 	return status;
 }
+
+// The same for a sweep: every image goes to the caller, and stays the client's.
+static bool sweep_event(const struct candil_event *event, const struct candil_callbacks *callbacks,
+			struct candil_sweep_result *result)
+{
+	int verdict = 0;
+	if (event->kind == CANDIL_EVENT_ACCEPTED) {
+		result->accepted = event->u.accepted;
+		if (callbacks && callbacks->accepted)
+			verdict = callbacks->accepted(callbacks->user, &event->u.accepted);
+	} else if (event->kind == CANDIL_EVENT_PROGRESS && callbacks && callbacks->progress) {
+		verdict = callbacks->progress(callbacks->user, &event->u.progress);
+	} else if (event->kind == CANDIL_EVENT_IMAGE && callbacks && callbacks->image) {
+		verdict = callbacks->image(callbacks->user, &event->u.image);
+	} else if (event->kind == CANDIL_EVENT_DONE) {
+		result->done = event->u.done;
+	}
+	return verdict == 0;
+}
+
+candil_status candil_sweep(candil_client *client, const struct candil_render_request *request,
+			   const struct candil_camera *cameras, size_t count, const struct candil_callbacks *callbacks,
+			   struct candil_sweep_result *result, struct candil_error *error)
+{
+	struct candil_event event = {0};
+	bool cancelled = false;
+	uint32_t id;
+	memset(result, 0, sizeof(*result));
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_sweep(client, request, cameras, count, &id, error);
+	while (status == CANDIL_STATUS_OK && !event.ends_request) {
+		status = wait_event(client, &event, error);
+		// Nothing more is shown to a caller who has had enough.
+		if (status == CANDIL_STATUS_OK && !cancelled && !sweep_event(&event, callbacks, result)) {
+			cancelled = true;
+			if (!event.ends_request)
+				status = candil_cancel(client, id, error);
+		}
+	}
+	if (status == CANDIL_STATUS_OK && cancelled)
+		status = client_fail(error, CANDIL_STATUS_CANCELLED, "the sweep was cancelled by its caller");
+	return status;
+}

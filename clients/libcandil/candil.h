@@ -270,6 +270,16 @@ struct candil_render_request {
 // 512x512, 64 samples, float EXR, technique and effects automatic, the scene's first camera. `scene` is left NULL.
 CANDIL_API void candil_render_request_init(struct candil_render_request *request);
 
+// One camera of a sweep: one of the scene's by name, or (name NULL) the four fields below, in metres and world space.
+struct candil_camera {
+	const char *name;
+	struct candil_vec3 eye, target, up;
+	double vfov_degrees; // above 0, below 180
+};
+
+// Cameras that one sweep takes at most. Cameras × samples × pixels is bound too, by max_samples_times_pixels.
+#define CANDIL_SWEEP_CAMERAS 256u
+
 struct candil_effect_report {
 	enum candil_effect effect;
 	enum candil_effect_state state;
@@ -317,6 +327,7 @@ struct candil_image {
 	enum candil_format format;
 	uint32_t width, height, samples;
 	bool final; // false: an intermediate one
+	uint32_t index; // of the camera in a sweep, else 0
 };
 
 struct candil_stats {
@@ -359,7 +370,8 @@ CANDIL_API candil_status candil_stats(candil_client *client, struct candil_stats
 struct candil_callbacks {
 	int (*accepted)(void *user, const struct candil_accepted *accepted);
 	int (*progress)(void *user, const struct candil_progress *progress);
-	int (*image)(void *user, const struct candil_image *image); // intermediate images, of a progressive render
+	int (*image)(void *user, const struct candil_image *image); // intermediate images, of a progressive render; of a
+								    // sweep, the final ones as well
 	void *user;
 };
 
@@ -373,6 +385,20 @@ struct candil_render_result {
 CANDIL_API candil_status candil_render(candil_client *client, const struct candil_render_request *request,
 				       const struct candil_callbacks *callbacks, struct candil_render_result *result,
 				       struct candil_error *error);
+
+struct candil_sweep_result {
+	struct candil_accepted accepted; // of the first image
+	struct candil_done done; // sums over all images, but for samples (of each) and estimated_relmse (the mean)
+};
+
+// The same picture from `count` cameras, 1 to CANDIL_SWEEP_CAMERAS. The request's own camera is not used. Each image comes
+// through callbacks->image as soon as it is finished, in the order of the cameras, image->index saying which; if that takes
+// long, the daemon goes on with one more image and then waits. A failure ends the whole sweep; images that have come are
+// good.
+CANDIL_API candil_status candil_sweep(candil_client *client, const struct candil_render_request *request,
+				      const struct candil_camera *cameras, size_t count,
+				      const struct candil_callbacks *callbacks, struct candil_sweep_result *result,
+				      struct candil_error *error);
 
 // Free image bytes that the library handed over. NULL is allowed.
 CANDIL_API void candil_free(const void *data);
@@ -402,10 +428,13 @@ CANDIL_API candil_status candil_submit_describe(candil_client *client, const cha
 						struct candil_error *error);
 CANDIL_API candil_status candil_submit_render(candil_client *client, const struct candil_render_request *request,
 					      uint32_t *id, struct candil_error *error);
+CANDIL_API candil_status candil_submit_sweep(candil_client *client, const struct candil_render_request *request,
+					     const struct candil_camera *cameras, size_t count, uint32_t *id,
+					     struct candil_error *error); // see candil_sweep
 CANDIL_API candil_status candil_submit_stats(candil_client *client, uint32_t *id, struct candil_error *error);
 
-// Ask the daemon to cancel render `id`. Has no event of its own: the render ends with ERROR cancelled, or with DONE where
-// it was quicker. Fails with NO_SUCH_REQUEST if no render of that id is open.
+// Ask the daemon to cancel render or sweep `id`. Has no event of its own: the render ends with ERROR cancelled, or with DONE
+// where it was quicker. Fails with NO_SUCH_REQUEST if no such request of that id is open.
 CANDIL_API candil_status candil_cancel(candil_client *client, uint32_t id, struct candil_error *error);
 
 enum candil_event_kind {
@@ -415,8 +444,9 @@ enum candil_event_kind {
 	CANDIL_EVENT_SCENES, // scenes           ends a list
 	CANDIL_EVENT_ACCEPTED, // accepted         of a render: once
 	CANDIL_EVENT_PROGRESS, // progress         of a render: any number
-	CANDIL_EVENT_IMAGE, // image            of a render: intermediate ones, then one that is final
-	CANDIL_EVENT_DONE, // done             ends a render; the final image came before it
+	CANDIL_EVENT_IMAGE, // image            of a render: intermediate ones, then one that is final;
+			    //                  of a sweep: so for each camera in turn
+	CANDIL_EVENT_DONE, // done             ends a render or a sweep; the final images came before it
 	CANDIL_EVENT_STATS, // stats            ends a stats request
 	CANDIL_EVENT_ERROR, // error            ends any request
 };

@@ -38,6 +38,7 @@ static bool reply_fits(uint8_t request, uint8_t reply)
 	case MESSAGE_STATS:
 		return reply == MESSAGE_STATS_REPLY;
 	case MESSAGE_RENDER:
+	case MESSAGE_SWEEP:
 		return reply == MESSAGE_ACCEPTED || reply == MESSAGE_PROGRESS || reply == MESSAGE_IMAGE ||
 		       reply == MESSAGE_FRAME_CHUNK || reply == MESSAGE_DONE;
 	default:
@@ -51,7 +52,7 @@ static void image_begin(candil_client *client, struct request *request, const st
 	candil_ImageFrame frame = candil_ImageFrame_init_zero;
 	if (!message_read_image(body, header->length, &frame))
 		protocol_error(client, header, "the message cannot be decoded");
-	else if (image->receiving || image->had_final)
+	else if (image->receiving || request->finished == request->images || frame.index != request->finished)
 		protocol_error(client, header, "an image begins out of turn");
 	else if (frame.width != request->width || frame.height != request->height ||
 		 (int)frame.format != (int)request->format)
@@ -112,9 +113,10 @@ static bool image_append(candil_client *client, struct request *request, const s
 	    .height = image->frame.height,
 	    .samples = image->frame.samples,
 	    .final = image->frame.final,
+	    .index = image->frame.index,
 	};
 	client->event_image = image->data;
-	image->had_final = image->frame.final;
+	request->finished += image->frame.final;
 	image->data = NULL;
 	image->filled = image->capacity = 0;
 	image->receiving = false;
@@ -156,8 +158,8 @@ static bool take_reply(candil_client *client, struct request *request, const str
 		protocol_error(client, header, "the message cannot be decoded");
 		return false;
 	}
-	if (header->type == MESSAGE_DONE && !request->image.had_final) {
-		protocol_error(client, header, "a render ends without its image");
+	if (header->type == MESSAGE_DONE && request->finished < request->images) {
+		protocol_error(client, header, "a render or sweep ends without all its images");
 		return false;
 	}
 	bool silent = request->silent;

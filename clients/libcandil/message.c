@@ -77,6 +77,33 @@ static candil_status write_options(const struct candil_render_request *request, 
 	return status;
 }
 
+static candil_status write_sweep_camera(const struct candil_camera *from, candil_Camera *to, struct candil_error *error)
+{
+	*to = (candil_Camera)candil_Camera_init_zero;
+	if (from->name)
+		return take_string("a camera's name", from->name, to->name, sizeof(to->name), error);
+	to->has_eye = to->has_target = to->has_up = true;
+	to->eye = vec3_write(&from->eye);
+	to->target = vec3_write(&from->target);
+	to->up = vec3_write(&from->up);
+	to->vfov_degrees = from->vfov_degrees;
+	return CANDIL_STATUS_OK;
+}
+
+candil_status message_write_sweep(const struct candil_render_request *request, const struct candil_camera *cameras,
+				  size_t count, candil_Sweep *sweep, struct candil_error *error)
+{
+	_Static_assert(COUNT(sweep->cameras) == CANDIL_SWEEP_CAMERAS, "candil.h and candil.options differ");
+	if (count < 1 || count > CANDIL_SWEEP_CAMERAS)
+		return client_fail(error, CANDIL_STATUS_LIMIT, "a sweep takes 1 to %u cameras", CANDIL_SWEEP_CAMERAS);
+	sweep->has_render = true;
+	candil_status status = message_write_render(request, &sweep->render, error);
+	sweep->render.has_camera = false;
+	for (size_t i = 0; i < count && status == CANDIL_STATUS_OK; i++)
+		status = write_sweep_camera(&cameras[i], &sweep->cameras[sweep->cameras_count++], error);
+	return status;
+}
+
 candil_status message_write_render(const struct candil_render_request *request, candil_Render *render,
 				   struct candil_error *error)
 {

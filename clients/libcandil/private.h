@@ -18,7 +18,6 @@
 // The image that a render is receiving.
 struct assembly {
 	bool receiving;
-	bool had_final;
 	candil_ImageFrame frame;
 	uint8_t *data;
 	size_t filled, capacity;
@@ -31,6 +30,7 @@ struct request {
 	bool cancelled; // a cancel has been sent
 	uint32_t width, height; // of a render
 	enum candil_format format;
+	uint32_t images, finished; // final images that are due, that have come
 	struct assembly image;
 };
 
@@ -86,6 +86,8 @@ bool message_read_server(const uint8_t *body, size_t bytes, struct candil_server
 candil_status message_write_load(const struct candil_load_request *request, candil_Load *load, struct candil_error *error);
 candil_status message_write_render(const struct candil_render_request *request, candil_Render *render,
 				   struct candil_error *error);
+candil_status message_write_sweep(const struct candil_render_request *request, const struct candil_camera *cameras,
+				  size_t count, candil_Sweep *sweep, struct candil_error *error);
 candil_status message_write_name(const char *name, char *out, size_t capacity, struct candil_error *error);
 
 // ---- text.c ----

@@ -62,22 +62,28 @@ candil_status request_submit(candil_client *client, enum message_type type, cons
 	if (!slot)
 		return client_fail(error, CANDIL_STATUS_TOO_MANY_JOBS, "%u requests are open; wait until one has ended",
 				   OPEN_REQUESTS);
-	uint8_t bytes[CANDIL_HEADER_BYTES + 2048];
-	_Static_assert(candil_Render_size <= 2048 && candil_Load_size <= 2048 && candil_Ping_size <= 2048,
-		       "the largest request must fit");
-	pb_ostream_t stream = pb_ostream_from_buffer(bytes + CANDIL_HEADER_BYTES, sizeof(bytes) - CANDIL_HEADER_BYTES);
-	if (!pb_encode(&stream, fields, message))
-		return client_fail(error, CANDIL_STATUS_INTERNAL, "cannot encode %s: %s", message_type_name((uint8_t)type),
-				   PB_GET_ERROR(&stream));
+	size_t size;
+	if (!pb_get_encoded_size(&size, fields, message) || size > LIMIT_MESSAGE_BYTES)
+		return client_fail(error, CANDIL_STATUS_INTERNAL, "cannot encode %s", message_type_name((uint8_t)type));
+	uint8_t *bytes = malloc(CANDIL_HEADER_BYTES + size);
+	if (!bytes)
+		return client_fail(error, CANDIL_STATUS_MEMORY, "out of memory for a request");
 	struct header header = {
 	    .version = CANDIL_VERSION,
 	    .type = (uint8_t)type,
 	    .flags = fd >= 0 ? HEADER_FLAG_FD : 0,
-	    .length = (uint32_t)stream.bytes_written,
+	    .length = (uint32_t)size,
 	    .request = new_id(client),
 	};
 	header_encode(&header, bytes);
-	candil_status status = client_queue(client, bytes, CANDIL_HEADER_BYTES + stream.bytes_written, fd, error);
+	pb_ostream_t stream = pb_ostream_from_buffer(bytes + CANDIL_HEADER_BYTES, size);
+	candil_status status;
+	if (pb_encode(&stream, fields, message))
+		status = client_queue(client, bytes, CANDIL_HEADER_BYTES + size, fd, error);
+	else
+		status = client_fail(error, CANDIL_STATUS_INTERNAL, "cannot encode %s: %s", message_type_name((uint8_t)type),
+				     PB_GET_ERROR(&stream));
+	free(bytes);
 	if (status != CANDIL_STATUS_OK)
 		return status;
 	memset(slot, 0, sizeof(*slot));
@@ -194,6 +200,14 @@ candil_status candil_submit_stats(candil_client *client, uint32_t *id, struct ca
 	return submit(client, MESSAGE_STATS, candil_Stats_fields, &stats, id, error);
 }
 
+static void expect_images(struct request *slot, const struct candil_render_request *request, uint32_t count)
+{
+	slot->width = request->width;
+	slot->height = request->height;
+	slot->format = request->format;
+	slot->images = count;
+}
+
 candil_status candil_submit_render(candil_client *client, const struct candil_render_request *request, uint32_t *id,
 				   struct candil_error *error)
 {
@@ -205,9 +219,27 @@ candil_status candil_submit_render(candil_client *client, const struct candil_re
 		status = request_submit(client, MESSAGE_RENDER, candil_Render_fields, &render, -1, false, &slot, error);
 	if (status != CANDIL_STATUS_OK)
 		return status;
-	slot->width = request->width;
-	slot->height = request->height;
-	slot->format = request->format;
+	expect_images(slot, request, 1);
+	*id = slot->id;
+	return CANDIL_STATUS_OK;
+}
+
+candil_status candil_submit_sweep(candil_client *client, const struct candil_render_request *request,
+				  const struct candil_camera *cameras, size_t count, uint32_t *id,
+				  struct candil_error *error)
+{
+	candil_Sweep *sweep = calloc(1, sizeof(*sweep)); // too large for a thread's stack
+	struct request *slot;
+	*id = 0;
+	if (!sweep)
+		return client_fail(error, CANDIL_STATUS_MEMORY, "out of memory for a request");
+	candil_status status = message_write_sweep(request, cameras, count, sweep, error);
+	if (status == CANDIL_STATUS_OK)
+		status = request_submit(client, MESSAGE_SWEEP, candil_Sweep_fields, sweep, -1, false, &slot, error);
+	free(sweep);
+	if (status != CANDIL_STATUS_OK)
+		return status;
+	expect_images(slot, request, (uint32_t)count);
 	*id = slot->id;
 	return CANDIL_STATUS_OK;
 }
@@ -215,8 +247,8 @@ candil_status candil_submit_render(candil_client *client, const struct candil_re
 candil_status candil_cancel(candil_client *client, uint32_t id, struct candil_error *error)
 {
 	struct request *render = request_find(client, id);
-	if (!render || render->type != MESSAGE_RENDER)
-		return client_fail(error, CANDIL_STATUS_NO_SUCH_REQUEST, "no render %u is open", id);
+	if (!render || (render->type != MESSAGE_RENDER && render->type != MESSAGE_SWEEP))
+		return client_fail(error, CANDIL_STATUS_NO_SUCH_REQUEST, "no render or sweep %u is open", id);
 	if (render->cancelled)
 		return CANDIL_STATUS_OK;
 	candil_Cancel cancel = {.request = id};

@@ -1,6 +1,7 @@
 #include "server/front/dispatch.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "server/base/clock.h"
@@ -162,6 +163,25 @@ static enum status on_render(const struct message *m, struct error *err)
 	return status;
 }
 
+static enum status on_sweep(const struct message *m, struct error *err)
+{
+	struct scene *scene;
+	enum status status = check_place(m, err);
+	if (status != STATUS_OK)
+		return status;
+	candil_Sweep *sweep = malloc(sizeof *sweep);
+	if (!sweep)
+		return error_set(err, STATUS_MEMORY, "no memory for a sweep");
+	status = request_sweep(m->body, m->header->length, sweep, err);
+	if (status == STATUS_OK)
+		status = find_scene(m, sweep->render.scene, &scene, err);
+	if (status == STATUS_OK)
+		status = jobs_add_sweep(&m->service->jobs, m->session, m->header->request, scene, sweep, err);
+	if (status != STATUS_OK)
+		free(sweep);
+	return status;
+}
+
 static enum status on_cancel(const struct message *m, struct error *err)
 {
 	candil_Cancel cancel;
@@ -222,6 +242,7 @@ static handler *find_handler(uint8_t type)
 	    {MESSAGE_HELLO, on_hello},   {MESSAGE_PING, on_ping},        {MESSAGE_LOAD, on_load},
 	    {MESSAGE_UNLOAD, on_unload}, {MESSAGE_LIST_SCENES, on_list}, {MESSAGE_DESCRIBE, on_describe},
 	    {MESSAGE_RENDER, on_render}, {MESSAGE_CANCEL, on_cancel},    {MESSAGE_STATS, on_stats},
+	    {MESSAGE_SWEEP, on_sweep},
 	};
 	for (size_t i = 0; i < sizeof table / sizeof *table; i++)
 		if (table[i].type == type)

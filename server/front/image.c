@@ -2,9 +2,25 @@
 
 #include <unistd.h>
 
+#include "protocol/header.h"
 #include "protocol/limits.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
+
+uint64_t image_estimate(const candil_Render *render)
+{
+	uint32_t channels = 3;
+	if (render->aovs & AOV_DEPTH)
+		channels += 1;
+	if (render->aovs & AOV_NORMAL)
+		channels += 3;
+	if (render->aovs & AOV_ALBEDO)
+		channels += 3;
+	if (render->aovs & AOV_ID)
+		channels += 1;
+	uint32_t bytes = render->format == candil_Format_FORMAT_PNG ? 1 : 4;
+	return (uint64_t)render->width * render->height * channels * bytes + 65536;
+}
 
 void image_init(struct image *image)
 {

@@ -17,6 +17,9 @@ struct image {
 	uint64_t sent;
 };
 
+// An upper bound, near enough, of an encoded image's bytes.
+uint64_t image_estimate(const candil_Render *render);
+
 void image_init(struct image *image);
 
 // Take over the memfd. There must be none.

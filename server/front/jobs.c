@@ -8,6 +8,7 @@
 #include "protocol/header.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/front/jobs_table.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
 
@@ -23,7 +24,7 @@ void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms)
 
 // ---- the table -------------------------------------------------------------------------------------------------------
 
-static struct job *by_id(const struct jobs *jobs, uint32_t id)
+struct job *jobs_by_id(const struct jobs *jobs, uint32_t id)
 {
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i]->id == id)
@@ -47,8 +48,8 @@ uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene)
 	return count;
 }
 
-enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-		     const candil_Render *render, struct error *err)
+static enum status add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene, struct job **out,
+		       struct error *err)
 {
 	if (jobs->count == LIMIT_JOBS)
 		return error_set(err, STATUS_TOO_MANY_JOBS, "the daemon has %u jobs: try again when some have ended",
@@ -58,18 +59,69 @@ enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t reques
 		return error_set(err, STATUS_MEMORY, "no memory for one more job");
 	do
 		job->id = ++jobs->last_id;
-	while (job->id == 0 || by_id(jobs, job->id));
+	while (job->id == 0 || jobs_by_id(jobs, job->id));
 	job->session = session;
 	job->request = request;
 	job->scene = scene;
-	job->render = *render;
 	job->asked_us = clock_us();
 	image_init(&job->preview);
 	image_init(&job->final);
 	scene_hold(scene);
-	session->requests++;
 	jobs->job[jobs->count++] = job;
+	*out = job;
 	return STATUS_OK;
+}
+
+enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
+		     const candil_Render *render, struct error *err)
+{
+	struct job *job;
+	enum status status = add(jobs, session, request, scene, &job, err);
+	if (status != STATUS_OK)
+		return status;
+	job->render = *render;
+	session->requests++;
+	return STATUS_OK;
+}
+
+static enum status add_frame(struct jobs *jobs, struct sweep *sweep, struct error *err)
+{
+	struct job *job;
+	enum status status = add(jobs, sweep->session, sweep->request, sweep->scene, &job, err);
+	if (status != STATUS_OK)
+		return status;
+	job->sweep = sweep;
+	job->index = sweep->next++;
+	job->turn = sweep->turn;
+	sweep_frame(sweep, job->index, &job->render);
+	sweep->jobs++;
+	return STATUS_OK;
+}
+
+enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
+			   candil_Sweep *message, struct error *err)
+{
+	struct sweep *sweep = sweep_create(session, request, scene, message);
+	if (!sweep)
+		return error_set(err, STATUS_MEMORY, "no memory for a sweep");
+	enum status status = add_frame(jobs, sweep, err);
+	if (status != STATUS_OK) {
+		sweep->message = NULL; // stays the caller's
+		sweep_destroy(sweep);
+		return status;
+	}
+	session->requests++;
+	return STATUS_OK;
+}
+
+// The images of a sweep are sent in order: only the first that it has may ask for room among those that wait to be sent, or
+// one behind it could take the room that it needs.
+static bool is_first(const struct jobs *jobs, const struct job *job)
+{
+	for (unsigned i = 0; job->sweep && i < jobs->count; i++)
+		if (jobs->job[i]->sweep == job->sweep)
+			return jobs->job[i] == job;
+	return true;
 }
 
 static void unreserve(struct job *job)
@@ -78,13 +130,13 @@ static void unreserve(struct job *job)
 	job->reserved = 0;
 }
 
-static bool on_device(const struct job *job)
+bool job_on_device(const struct job *job)
 {
 	return job->state == JOB_BEGINNING || job->state == JOB_ACTIVE || job->state == JOB_FINISHED;
 }
 
 // Its device memory is free, or about to be: those that lacked some may try again.
-static void let_others_try(struct jobs *jobs)
+void jobs_let_others_try(struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++)
 		jobs->job[i]->short_of_memory = false;
@@ -95,16 +147,21 @@ static void destroy(struct job *job)
 	image_close(&job->preview);
 	image_close(&job->final);
 	unreserve(job);
-	job->session->requests--;
+	if (!job->sweep) {
+		job->session->requests--;
+	} else if (--job->sweep->jobs == 0) {
+		job->session->requests--;
+		sweep_destroy(job->sweep);
+	}
 	scene_release(job->scene);
 	free(job);
 }
 
 static void drop(struct jobs *jobs, struct job *job)
 {
-	if (on_device(job)) {
+	if (job_on_device(job)) {
 		worker_end(jobs->worker, job->id);
-		let_others_try(jobs);
+		jobs_let_others_try(jobs);
 	}
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i] == job) {
@@ -131,6 +188,17 @@ static void log_end(const struct job *job, const char *how)
 		 (unsigned long long)(clock_us() - job->asked_us) / 1000);
 }
 
+static void drop_sweep(struct jobs *jobs, const struct sweep *sweep)
+{
+	unsigned left = sweep->jobs; // it goes with the last
+	for (unsigned i = jobs->count; i-- > 0 && left > 0;)
+		if (jobs->job[i]->sweep == sweep) {
+			drop(jobs, jobs->job[i]);
+			left--;
+		}
+}
+
+// Ends the job's request: all images of a sweep. So several jobs may go, and places in the table change.
 static void fail(struct jobs *jobs, struct job *job, const struct error *err)
 {
 	if (!err || err->code == STATUS_CANCELLED)
@@ -140,7 +208,10 @@ static void fail(struct jobs *jobs, struct job *job, const struct error *err)
 	log_end(job, err ? status_name(err->code) : "client gone");
 	if (err)
 		reply_error(job->session, job->request, err);
-	drop(jobs, job);
+	if (job->sweep)
+		drop_sweep(jobs, job->sweep);
+	else
+		drop(jobs, job);
 }
 
 void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err)
@@ -151,14 +222,14 @@ void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err)
 void jobs_fail_all(struct jobs *jobs, const struct session *session, const struct error *err)
 {
 	for (unsigned i = jobs->count; i-- > 0;)
-		if (!session || jobs->job[i]->session == session)
+		if (i < jobs->count && (!session || jobs->job[i]->session == session))
 			fail(jobs, jobs->job[i], err);
 }
 
 void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct error *err)
 {
 	for (unsigned i = jobs->count; i-- > 0;)
-		if (jobs->job[i]->scene == scene)
+		if (i < jobs->count && jobs->job[i]->scene == scene)
 			fail(jobs, jobs->job[i], err);
 }
 
@@ -178,8 +249,57 @@ static void complete_account(struct job *job)
 		snprintf(done->reason, sizeof done->reason, "samples");
 }
 
+static bool is_tracing(const struct jobs *jobs, const struct sweep *sweep)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->sweep == sweep && jobs->job[i]->state < JOB_FINISHED)
+			return true;
+	return false;
+}
+
+// Make a job of the next camera, if it is time. Fails only if the sweep has no other job.
+static enum status advance(struct jobs *jobs, struct sweep *sweep, struct error *err)
+{
+	if (sweep->next == sweep_count(sweep) || sweep->jobs >= SWEEP_JOBS || is_tracing(jobs, sweep))
+		return STATUS_OK;
+	// Without a place for it now there will be one when the other job has ended.
+	enum status status = add_frame(jobs, sweep, err);
+	return sweep->jobs > 0 ? STATUS_OK : status;
+}
+
+static void finish_frame(struct jobs *jobs, struct job *job)
+{
+	struct sweep *sweep = job->sweep;
+	struct error err;
+	complete_account(job);
+	sweep_add(sweep, &job->done);
+	jobs->done++;
+	log_end(job, "done");
+	if (sweep->finished == sweep_count(sweep)) {
+		sweep_close(sweep, clock_us());
+		reply_message(sweep->session, MESSAGE_DONE, sweep->request, candil_Done_fields, &sweep->total);
+		drop(jobs, job);
+		return;
+	}
+	// The sweep outlives its job, which must go first: there may be no other place in the table.
+	job->sweep = NULL;
+	sweep->jobs--;
+	sweep->session->requests++; // for drop, which takes it for a render's
+	drop(jobs, job);
+	if (advance(jobs, sweep, &err) == STATUS_OK)
+		return;
+	jobs->failed++;
+	reply_error(sweep->session, sweep->request, &err);
+	sweep->session->requests--;
+	sweep_destroy(sweep);
+}
+
 static void finish(struct jobs *jobs, struct job *job)
 {
+	if (job->sweep) {
+		finish_frame(jobs, job);
+		return;
+	}
 	complete_account(job);
 	reply_message(job->session, MESSAGE_DONE, job->request, candil_Done_fields, &job->done);
 	jobs->done++;
@@ -188,22 +308,6 @@ static void finish(struct jobs *jobs, struct job *job)
 }
 
 // ---- images ----------------------------------------------------------------------------------------------------------
-
-// An upper bound, near enough, of an encoded image's bytes.
-static uint64_t image_estimate(const candil_Render *render)
-{
-	uint32_t channels = 3;
-	if (render->aovs & AOV_DEPTH)
-		channels += 1;
-	if (render->aovs & AOV_NORMAL)
-		channels += 3;
-	if (render->aovs & AOV_ALBEDO)
-		channels += 3;
-	if (render->aovs & AOV_ID)
-		channels += 1;
-	uint32_t bytes = render->format == candil_Format_FORMAT_PNG ? 1 : 4;
-	return (uint64_t)render->width * render->height * channels * bytes + 65536;
-}
 
 // One image may always wait for a connection, more while they fit the limit.
 static bool reserve(struct job *job)
@@ -216,7 +320,7 @@ static bool reserve(struct job *job)
 	return true;
 }
 
-static void release_image(struct job *job, struct image *image)
+void job_release_image(struct job *job, struct image *image)
 {
 	uint64_t bytes = image_estimate(&job->render);
 	image_close(image);
@@ -228,7 +332,8 @@ static void release_image(struct job *job, struct image *image)
 static void ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 {
 	uint64_t now = clock_us();
-	if (!job->render.progressive || job->preview_due || image_waits(&job->preview) || samples <= job->preview_samples)
+	if (!job->render.progressive || !is_first(jobs, job) || job->preview_due || image_waits(&job->preview) ||
+	    samples <= job->preview_samples)
 		return;
 	if (samples < 2 * (uint64_t)job->preview_samples && now < job->preview_us + PREVIEW_US)
 		return;
@@ -245,18 +350,18 @@ static void read_final(struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state != JOB_FINISHED || !reserve(job))
+		if (job->state != JOB_FINISHED || !is_first(jobs, job) || !reserve(job))
 			continue;
 		worker_read(jobs->worker, job->id, true);
 		worker_end(jobs->worker, job->id);
 		job->state = JOB_READING;
-		let_others_try(jobs);
+		jobs_let_others_try(jobs);
 	}
 }
 
 void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, int fd)
 {
-	struct job *job = by_id(jobs, id);
+	struct job *job = jobs_by_id(jobs, id);
 	bool final = image->frame.final || (job && !job->preview_due);
 	if (!job || (final && job->state != JOB_READING)) {
 		if (fd >= 0)
@@ -269,13 +374,14 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	}
 	candil_ImageFrame frame = image->frame;
 	frame.final = final;
+	frame.index = job->index;
 	if (final) {
 		job->done = image->done;
 		job->state = JOB_SENDING;
 		image_set(&job->final, fd, &frame);
 		// A preview that nobody has seen the beginning of is of no use any more.
 		if (image_waits(&job->preview) && !job->preview.announced)
-			release_image(job, &job->preview);
+			job_release_image(job, &job->preview);
 	} else {
 		job->preview_due = false;
 		image_set(&job->preview, fd, &frame);
@@ -286,7 +392,7 @@ static bool pump(struct jobs *jobs, struct job *job)
 {
 	bool broken;
 	struct image *image = image_waits(&job->preview) ? &job->preview : &job->final;
-	if (!image_waits(image))
+	if (!image_waits(image) || !is_first(jobs, job))
 		return false;
 	bool queued = image_pump(image, job->session, job->request, &broken);
 	if (broken) {
@@ -297,7 +403,7 @@ static bool pump(struct jobs *jobs, struct job *job)
 	}
 	if (image_is_sent(image)) {
 		bool last = image == &job->final;
-		release_image(job, image);
+		job_release_image(job, image);
 		if (last)
 			finish(jobs, job);
 	}
@@ -308,12 +414,12 @@ bool jobs_fill(struct jobs *jobs, struct session *session)
 {
 	bool queued = false;
 	// The oldest first, or those that come after it would take all the room for as long as the client asks for more. A
-	// job that ends moves the next into its place.
+	// job that ends moves the next into its place; one of a sweep brings another, at the end.
 	for (unsigned i = 0; i < jobs->count;) {
-		const unsigned before = jobs->count;
+		const uint32_t id = jobs->job[i]->id;
 		if (jobs->job[i]->session == session)
 			queued |= pump(jobs, jobs->job[i]);
-		i += jobs->count == before;
+		i += i < jobs->count && jobs->job[i]->id == id;
 	}
 	return queued;
 }
@@ -323,7 +429,7 @@ bool jobs_fill(struct jobs *jobs, struct session *session)
 static bool device_busy(const struct jobs *jobs, const struct job *but)
 {
 	for (unsigned i = 0; i < jobs->count; i++)
-		if (jobs->job[i] != but && on_device(jobs->job[i]))
+		if (jobs->job[i] != but && job_on_device(jobs->job[i]))
 			return true;
 	return false;
 }
@@ -390,16 +496,17 @@ void jobs_dispatch(struct jobs *jobs)
 
 void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 {
-	struct job *job = by_id(jobs, id);
+	struct job *job = jobs_by_id(jobs, id);
 	jobs->beginning = 0;
 	if (!job || job->state != JOB_BEGINNING)
 		return;
 	if (begun->error.code == STATUS_OK) {
 		job->state = JOB_ACTIVE;
-		if (!job->accepted)
+		bool *accepted = job->sweep ? &job->sweep->accepted : &job->accepted;
+		if (!*accepted)
 			reply_message(job->session, MESSAGE_ACCEPTED, job->request, candil_Accepted_fields,
 				      &begun->accepted);
-		job->accepted = true;
+		*accepted = true;
 		return;
 	}
 	// There is nothing to END: a job whose BEGIN failed does not exist over there.
@@ -412,23 +519,38 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 	fail(jobs, job, &begun->error);
 }
 
-static void tell_progress(struct job *job, const struct ipc_stepped *stepped)
+static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, candil_Progress *progress)
+{
+	progress->samples_done = 0;
+	progress->fraction = 0;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->sweep == sweep) {
+			progress->samples_done += jobs->job[i]->samples_done;
+			progress->fraction += jobs->job[i]->fraction;
+		}
+	sweep_progress(sweep, progress);
+}
+
+static void tell_progress(const struct jobs *jobs, struct job *job)
 {
 	uint64_t now = clock_us();
-	if (now < job->progress_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
+	uint64_t *told_us = job->sweep ? &job->sweep->progress_us : &job->progress_us;
+	if (now < *told_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
 		return;
-	job->progress_us = now;
-	candil_Progress progress = {.samples_done = stepped->samples_done,
+	*told_us = now;
+	candil_Progress progress = {.samples_done = job->samples_done,
 				    .samples = job->render.samples,
-				    .fraction = stepped->fraction,
+				    .fraction = job->fraction,
 				    .device_us = job->device_us,
 				    .elapsed_us = now - job->asked_us};
+	if (job->sweep)
+		add_up_sweep(jobs, job->sweep, &progress);
 	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
 }
 
 void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *stepped)
 {
-	struct job *job = by_id(jobs, id);
+	struct job *job = jobs_by_id(jobs, id);
 	uint64_t wall_us = clock_us() - jobs->step_sent_us;
 	jobs->stepping = 0;
 	jobs->begin_behind_step = false;
@@ -439,78 +561,26 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	uint64_t device_us = stepped->device_us ? stepped->device_us : wall_us;
 	job->slices++;
 	job->device_us += device_us;
+	job->samples_done = stepped->samples_done;
+	job->fraction = stepped->fraction;
 	schedule_charge(&job->turn, device_us);
+	if (job->sweep) {
+		job->sweep->turn = job->turn;
+		job->sweep->device_us += device_us;
+	}
 	if (stepped->error.code != STATUS_OK) {
 		fail(jobs, job, &stepped->error);
 		return;
 	}
 	if (stepped->finished) {
+		struct error err;
 		job->state = JOB_FINISHED;
+		if (job->sweep) {
+			tell_progress(jobs, job);
+			advance(jobs, job->sweep, &err);
+		}
 		return;
 	}
-	tell_progress(job, stepped);
+	tell_progress(jobs, job);
 	ask_preview(jobs, job, stepped->samples_done);
-}
-
-// ---- a worker is lost ------------------------------------------------------------------------------------------------
-
-static void begin_again(struct job *job)
-{
-	if (job->preview_due)
-		release_image(job, &job->preview);
-	if (job->state == JOB_READING)
-		release_image(job, &job->final);
-	job->preview_due = false;
-	job->preview_samples = 0;
-	job->short_of_memory = false;
-	job->state = JOB_WAITING;
-	job->retries++;
-}
-
-static bool was_with_worker(const struct job *job)
-{
-	return on_device(job) || job->state == JOB_READING;
-}
-
-static uint32_t suspect(const struct jobs *jobs)
-{
-	if (jobs->stepping && (!jobs->beginning || jobs->begin_behind_step))
-		return jobs->stepping;
-	return jobs->beginning ? jobs->beginning : jobs->held;
-}
-
-// Blame falls on the job whose order was being carried out, else on who had the device last, else on the oldest. Whoever it
-// is, each loss with work under way blames one job, so no job can kill workers for ever.
-static void blame(struct jobs *jobs, const char *how)
-{
-	struct job *job = by_id(jobs, suspect(jobs));
-	if (!job || !was_with_worker(job))
-		for (unsigned i = 0; i < jobs->count && !(job && was_with_worker(job)); i++)
-			job = jobs->job[i];
-	if (!job || !was_with_worker(job) || ++job->blames <= LIMIT_JOB_RETRIES)
-		return;
-	struct error err;
-	error_set(&err, STATUS_WORKER_LOST, "the worker was lost %u times while it worked on this job (%s)", job->blames,
-		  how);
-	fail(jobs, job, &err);
-}
-
-void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
-{
-	blame(jobs, how);
-	jobs->stepping = 0;
-	jobs->beginning = 0;
-	jobs->held = 0;
-	for (unsigned i = 0; i < jobs->count; i++)
-		if (was_with_worker(jobs->job[i]))
-			begin_again(jobs->job[i]);
-	// Nobody holds the device's memory any more, so no end of a job would ever wake those that lacked some.
-	let_others_try(jobs);
-	if (!hopeless)
-		return;
-	struct error err;
-	error_set(&err, STATUS_WORKER_LOST, "the worker does not start (%s): see the daemon's log", how);
-	for (unsigned i = jobs->count; i-- > 0;)
-		if (jobs->job[i]->state == JOB_WAITING)
-			fail(jobs, jobs->job[i], &err);
 }

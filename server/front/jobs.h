@@ -18,6 +18,7 @@
 #include "server/front/image.h"
 #include "server/front/scenes.h"
 #include "server/front/schedule.h"
+#include "server/front/sweep.h"
 #include "server/front/worker.h"
 
 struct session;
@@ -29,6 +30,8 @@ struct job {
 	enum job_state state;
 	struct session *session;
 	uint32_t request;
+	struct sweep *sweep; // that it is an image of; NULL: a render
+	uint32_t index; // of its camera
 	struct scene *scene; // held
 	candil_Render render;
 	struct turn turn;
@@ -38,6 +41,8 @@ struct job {
 	unsigned blames; // workers that were lost while it held them
 	uint32_t retries; // times it was begun again after a loss
 	uint32_t slices;
+	uint32_t samples_done;
+	double fraction;
 	uint64_t device_us;
 	uint64_t asked_us, begun_us; // begun_us: the first BEGIN; 0: none yet
 	uint64_t progress_us; // when progress was told last
@@ -71,9 +76,14 @@ void jobs_finish(struct jobs *jobs);
 enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
 		     const candil_Render *render, struct error *err);
 
+// The same for a sweep. `message` is from malloc and the jobs' on success.
+enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
+			   candil_Sweep *message, struct error *err);
+
+// The job of a request; of a sweep, one of its jobs: there is always one.
 struct job *jobs_find(struct jobs *jobs, const struct session *session, uint32_t request);
 
-// End a job with an error to its client; the device is free after the slice that is under way.
+// End a job, and the sweep that it is of, with an error to its client; the device is free after the slice that is under way.
 void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err);
 
 // End all jobs of a connection, or of everybody (session NULL). err NULL: nobody is told.

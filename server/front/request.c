@@ -156,11 +156,8 @@ static enum status check_directions(const candil_Camera *c, struct error *err)
 	return STATUS_OK;
 }
 
-static enum status check_camera(candil_Render *r, struct error *err)
+static enum status check_camera(candil_Camera *c, struct error *err)
 {
-	candil_Camera *c = &r->camera;
-	if (!r->has_camera)
-		return STATUS_OK;
 	if (!text_is_clean(c->name))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a camera's name is UTF-8 without control characters");
 	if (c->name[0] || (!c->has_eye && !c->has_target && !c->has_up && c->vfov_degrees == 0))
@@ -264,8 +261,8 @@ enum status request_check_render(candil_Render *render, struct error *err)
 		status = check_size(render, err);
 	if (status == STATUS_OK)
 		status = check_technique(render, err);
-	if (status == STATUS_OK)
-		status = check_camera(render, err);
+	if (status == STATUS_OK && render->has_camera)
+		status = check_camera(&render->camera, err);
 	if (status == STATUS_OK)
 		status = check_effects(render, err);
 	if (status == STATUS_OK)
@@ -279,4 +276,42 @@ enum status request_render(const uint8_t *body, size_t bytes, candil_Render *ren
 {
 	enum status status = decode(body, bytes, candil_Render_fields, render, err);
 	return status == STATUS_OK ? request_check_render(render, err) : status;
+}
+
+// ---- a sweep ---------------------------------------------------------------------------------------------------------
+
+_Static_assert(candil_Sweep_size <= LIMIT_MESSAGE_BYTES, "the longest sweep fits a message");
+_Static_assert(sizeof((candil_Sweep *)0)->cameras / sizeof(candil_Camera) == LIMIT_SWEEP_CAMERAS, "candil.options agrees");
+
+static enum status decode_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err)
+{
+	pb_istream_t stream = pb_istream_from_buffer(body, bytes);
+	if (pb_decode(&stream, candil_Sweep_fields, sweep))
+		return STATUS_OK;
+	if (!strcmp(PB_GET_ERROR(&stream), "array overflow"))
+		return error_set(err, STATUS_LIMIT, "a sweep has at most %u cameras and %u options: send several requests",
+				 LIMIT_SWEEP_CAMERAS, LIMIT_OPTIONS);
+	return error_set(err, STATUS_BAD_MESSAGE, "the body cannot be decoded (%s): see candil.proto",
+			 PB_GET_ERROR(&stream));
+}
+
+enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err)
+{
+	candil_Render *render = &sweep->render;
+	enum status status = decode_sweep(body, bytes, sweep, err);
+	if (status == STATUS_OK && sweep->cameras_count == 0)
+		status = error_set(err, STATUS_BAD_ARGUMENT, "a sweep needs at least one camera");
+	if (status == STATUS_OK && render->has_camera)
+		status = error_set(err, STATUS_BAD_ARGUMENT, "a sweep's cameras are in `cameras`: leave render.camera out");
+	if (status == STATUS_OK)
+		status = request_check_render(render, err);
+	for (pb_size_t i = 0; i < sweep->cameras_count && status == STATUS_OK; i++)
+		status = check_camera(&sweep->cameras[i], err);
+	// No product of these passes 2^64: each was held to its own limit.
+	uint64_t samples = (uint64_t)render->samples * render->width * render->height;
+	if (status == STATUS_OK && samples * sweep->cameras_count > LIMIT_SAMPLES_TIMES_PIXELS)
+		status = error_set(err, STATUS_LIMIT,
+				   "cameras times samples times pixels is at most %llu: split the cameras over requests",
+				   LIMIT_SAMPLES_TIMES_PIXELS);
+	return status;
 }

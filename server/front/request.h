@@ -16,6 +16,8 @@ enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, s
 enum status request_unload(const uint8_t *body, size_t bytes, candil_Unload *unload, struct error *err);
 enum status request_describe(const uint8_t *body, size_t bytes, candil_Describe *describe, struct error *err);
 enum status request_render(const uint8_t *body, size_t bytes, candil_Render *render, struct error *err);
+// `sweep` is large: keep it off the stack. Each of its cameras is checked as a Render's; render.camera must be absent.
+enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err);
 enum status request_cancel(const uint8_t *body, size_t bytes, candil_Cancel *cancel, struct error *err);
 enum status request_ping(const uint8_t *body, size_t bytes, candil_Ping *ping, struct error *err);
 

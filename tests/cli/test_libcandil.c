@@ -240,6 +240,98 @@ static void test_callback_cancels(void **state)
 	stop(&f);
 }
 
+static void put_indexed(int fd, uint32_t id, uint32_t index, bool final)
+{
+	candil_ImageFrame image = {.index = index,
+				   .final = final,
+				   .format = candil_Format_FORMAT_EXR_FLOAT,
+				   .width = 8,
+				   .height = 8,
+				   .samples = 4,
+				   .bytes = 3};
+	put_message(fd, MESSAGE_IMAGE, id, candil_ImageFrame_fields, &image);
+	put_raw(fd, MESSAGE_FRAME_CHUNK, id, "abc", 3);
+}
+
+static struct candil_render_request sweep_request(struct candil_camera *cameras, size_t count)
+{
+	struct candil_render_request request;
+	candil_render_request_init(&request);
+	request.scene = "box";
+	request.width = request.height = 8;
+	for (size_t i = 0; i < count; i++)
+		cameras[i] = (struct candil_camera){.name = "c"};
+	return request;
+}
+
+struct sweep_seen {
+	unsigned images, finals;
+	unsigned stop_at; // cancel on this final image; 0: never
+};
+
+static int see_image(void *user, const struct candil_image *image)
+{
+	struct sweep_seen *seen = user;
+	assert_int_equal(image->index, seen->finals);
+	assert_memory_equal(image->data, "abc", 3);
+	seen->images++;
+	seen->finals += image->final;
+	return seen->stop_at > 0 && seen->finals == seen->stop_at;
+}
+
+static void test_blocking_sweep(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	static struct candil_camera cameras[CANDIL_SWEEP_CAMERAS + 1];
+	struct candil_render_request request = sweep_request(cameras, CANDIL_SWEEP_CAMERAS + 1);
+	struct sweep_seen seen = {0};
+	const struct candil_callbacks callbacks = {.image = see_image, .user = &seen};
+	struct candil_sweep_result result;
+	assert_int_equal(candil_sweep(f.client, &request, cameras, 0, &callbacks, &result, NULL), CANDIL_STATUS_LIMIT);
+	assert_int_equal(candil_sweep(f.client, &request, cameras, CANDIL_SWEEP_CAMERAS + 1, &callbacks, &result, NULL),
+			 CANDIL_STATUS_LIMIT);
+	put_indexed(f.peer, 2, 0, true);
+	put_indexed(f.peer, 2, 1, false);
+	put_indexed(f.peer, 2, 1, true);
+	put_indexed(f.peer, 2, 2, true);
+	put_done(f.peer, 2);
+	assert_int_equal(candil_sweep(f.client, &request, cameras, 3, &callbacks, &result, NULL), CANDIL_STATUS_OK);
+	assert_int_equal(seen.images, 4);
+	assert_int_equal(seen.finals, 3);
+	assert_int_equal(result.done.rays, 77);
+	seen = (struct sweep_seen){.stop_at = 1};
+	put_indexed(f.peer, 3, 0, true);
+	put_error(f.peer, 3, CANDIL_STATUS_CANCELLED, "cancelled as asked");
+	assert_int_equal(candil_sweep(f.client, &request, cameras, 2, &callbacks, &result, NULL), CANDIL_STATUS_CANCELLED);
+	assert_int_equal(seen.finals, 1);
+	stop(&f);
+}
+
+// Images out of order, one too many, one too few: each ends the connection.
+static void test_sweep_broken(void **state)
+{
+	(void)state;
+	for (unsigned how = 0; how < 3; how++) {
+		struct fake f = start();
+		struct candil_camera cameras[2];
+		struct candil_render_request request = sweep_request(cameras, 2);
+		struct candil_event event;
+		uint32_t id;
+		assert_int_equal(candil_submit_sweep(f.client, &request, cameras, 2, &id, NULL), CANDIL_STATUS_OK);
+		put_indexed(f.peer, id, 0, true);
+		if (how == 0)
+			put_done(f.peer, id);
+		else
+			put_indexed(f.peer, id, how == 1 ? 0 : 2, true);
+		event = expect(&f, CANDIL_EVENT_IMAGE, id);
+		assert_int_equal(event.u.image.index, 0);
+		event = expect(&f, CANDIL_EVENT_ERROR, id);
+		assert_int_equal(event.u.error.code, CANDIL_STATUS_IO);
+		stop(&f);
+	}
+}
+
 static void test_blocking_calls_refuse_beside_open_requests(void **state)
 {
 	(void)state;
@@ -381,6 +473,8 @@ int main(void)
 	    cmocka_unit_test(test_last_words_are_heard),
 	    cmocka_unit_test(test_blocking_render),
 	    cmocka_unit_test(test_callback_cancels),
+	    cmocka_unit_test(test_blocking_sweep),
+	    cmocka_unit_test(test_sweep_broken),
 	    cmocka_unit_test(test_blocking_calls_refuse_beside_open_requests),
 	    cmocka_unit_test(test_silence_times_out),
 	    cmocka_unit_test(test_load_carries_its_folder),

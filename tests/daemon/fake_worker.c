@@ -1,5 +1,5 @@
 // Stands in for candil-worker. A job takes one step a sample; its image is width × height bytes, byte i being
-// (i * 31 + seed) modulo 256. The environment says what goes wrong:
+// (i * 31 + seed + camera.eye.x) modulo 256. The environment says what goes wrong:
 //   FAKE_DIE_STEP=K    be killed on receiving the K-th STEP of this process, FAKE_DIE_TIMES (default 1) times over all
 //   FAKE_STATE=DIR     where those times are counted
 //   FAKE_STEP_US=N     a step takes so long (default 200)
@@ -169,7 +169,7 @@ static void on_read(const struct ipc_read *message)
 		image.done.stages_count = getenv("FAKE_COUNTS") ? 60000 : 1;
 		snprintf(image.done.stages[0].name, sizeof image.done.stages[0].name, "trace");
 		snprintf(image.done.device, sizeof image.done.device, "fake");
-		fd = fake_memfd(image.frame.bytes, (unsigned)job->render.seed, true);
+		fd = fake_memfd(image.frame.bytes, (unsigned)job->render.seed + (unsigned)job->render.camera.eye.x, true);
 	}
 	answer(&image, sizeof image, fd);
 	if (fd >= 0)

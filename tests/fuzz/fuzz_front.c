@@ -15,6 +15,7 @@ static void decode(const struct reader *r)
 		candil_Unload unload;
 		candil_Describe describe;
 		candil_Render render;
+		candil_Sweep sweep;
 		candil_Cancel cancel;
 		candil_Ping ping;
 	} m;
@@ -36,6 +37,9 @@ static void decode(const struct reader *r)
 		break;
 	case MESSAGE_RENDER:
 		request_render(b, n, &m.render, &err);
+		break;
+	case MESSAGE_SWEEP:
+		request_sweep(b, n, &m.sweep, &err);
 		break;
 	case MESSAGE_CANCEL:
 		request_cancel(b, n, &m.cancel, &err);

@@ -1,0 +1,168 @@
+#include "clients/cli/verify.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define TEXT_MAX 256u // of an attribute's name or type
+
+struct reader {
+	FILE *file;
+	uint64_t size;
+};
+
+static bool take(const struct reader *r, void *out, size_t bytes)
+{
+	return fread(out, 1, bytes, r->file) == bytes;
+}
+
+static bool go(const struct reader *r, uint64_t to)
+{
+	return to <= r->size && fseeko(r->file, (off_t)to, SEEK_SET) == 0;
+}
+
+static bool skip(const struct reader *r, uint64_t bytes)
+{
+	off_t at = ftello(r->file);
+	return at >= 0 && bytes <= r->size && go(r, (uint64_t)at + bytes);
+}
+
+static uint32_t big(const uint8_t *b)
+{
+	return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
+}
+
+static uint32_t little(const uint8_t *b)
+{
+	return (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
+}
+
+// ---- PNG -------------------------------------------------------------------------------------------------------------
+
+static bool verify_png(const struct reader *r, uint32_t width, uint32_t height)
+{
+	static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+	uint8_t head[8 + 8 + 13 + 4], chunk[8];
+	bool data = false;
+	if (!take(r, head, sizeof(head)) || memcmp(head, signature, 8) != 0 || memcmp(head + 12, "IHDR", 4) != 0)
+		return false;
+	if (big(head + 8) != 13 || big(head + 16) != width || big(head + 20) != height)
+		return false;
+	while (take(r, chunk, sizeof(chunk))) {
+		if (!skip(r, (uint64_t)big(chunk) + 4))
+			return false;
+		if (memcmp(chunk + 4, "IEND", 4) == 0)
+			return data && (uint64_t)ftello(r->file) == r->size;
+		data = data || memcmp(chunk + 4, "IDAT", 4) == 0;
+	}
+	return false;
+}
+
+// ---- EXR -------------------------------------------------------------------------------------------------------------
+
+struct exr {
+	bool has_window, has_compression;
+	int32_t window[4]; // xMin, yMin, xMax, yMax
+	uint8_t compression;
+};
+
+// A string with its zero. false: the file ends, or it is too long.
+static bool take_text(const struct reader *r, char text[TEXT_MAX])
+{
+	for (unsigned i = 0; i < TEXT_MAX; i++) {
+		int c = getc(r->file);
+		if (c == EOF)
+			return false;
+		text[i] = (char)c;
+		if (c == 0)
+			return true;
+	}
+	return false;
+}
+
+static bool take_attribute(const struct reader *r, const char *name, struct exr *exr)
+{
+	char type[TEXT_MAX];
+	uint8_t bytes[4], window[16];
+	if (!take_text(r, type) || !take(r, bytes, 4))
+		return false;
+	uint32_t size = little(bytes);
+	if (strcmp(name, "dataWindow") == 0 && size == 16) {
+		exr->has_window = take(r, window, 16);
+		for (unsigned i = 0; exr->has_window && i < 4; i++)
+			exr->window[i] = (int32_t)little(window + 4u * i);
+		return exr->has_window;
+	}
+	if (strcmp(name, "compression") == 0 && size == 1)
+		return exr->has_compression = take(r, &exr->compression, 1);
+	return skip(r, size);
+}
+
+static bool take_header(const struct reader *r, struct exr *exr)
+{
+	static const uint8_t magic[4] = {0x76, 0x2f, 0x31, 0x01};
+	uint8_t head[8];
+	char name[TEXT_MAX];
+	// Version 2; long names are the one flag of a file of scan lines in one part.
+	if (!take(r, head, 8) || memcmp(head, magic, 4) != 0 || (little(head + 4) & ~0x400u) != 2)
+		return false;
+	while (take_text(r, name)) {
+		if (name[0] == '\0')
+			return exr->has_window && exr->has_compression;
+		if (!take_attribute(r, name, exr))
+			return false;
+	}
+	return false;
+}
+
+// Lines of a block by compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+static const uint32_t block_lines[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+
+// One block: the line it bears, its end. false: it is not within the file.
+static bool take_block(const struct reader *r, uint64_t offset, int64_t line, uint64_t *end)
+{
+	uint8_t head[8];
+	if (!go(r, offset) || !take(r, head, 8) || (int32_t)little(head) != line)
+		return false;
+	*end = offset + 8 + little(head + 4);
+	return little(head + 4) > 0 && *end <= r->size;
+}
+
+static bool verify_exr(const struct reader *r, uint32_t width, uint32_t height)
+{
+	struct exr exr = {0};
+	if (!take_header(r, &exr) || exr.compression >= sizeof(block_lines) / sizeof(block_lines[0]))
+		return false;
+	const int64_t top = exr.window[1], lines = block_lines[exr.compression];
+	if ((int64_t)exr.window[2] - exr.window[0] + 1 != width || (int64_t)exr.window[3] - top + 1 != height)
+		return false;
+	const uint64_t table = (uint64_t)ftello(r->file),
+		       blocks = ((uint64_t)height + (uint64_t)lines - 1) / (uint64_t)lines;
+	uint64_t last = 0;
+	for (uint64_t i = 0; i < blocks; i++) {
+		uint8_t b[8];
+		uint64_t end;
+		if (!go(r, table + 8 * i) || !take(r, b, 8))
+			return false;
+		uint64_t offset = (uint64_t)little(b + 4) << 32 | little(b);
+		if (offset < table + 8 * blocks || !take_block(r, offset, top + (int64_t)i * lines, &end))
+			return false;
+		last = end > last ? end : last;
+	}
+	return last == r->size;
+}
+
+bool verify_image(const char *path, bool png, uint32_t width, uint32_t height)
+{
+	struct reader r = {.file = fopen(path, "rbe")};
+	bool whole = false;
+	if (!r.file)
+		return false;
+	if (fseeko(r.file, 0, SEEK_END) == 0) {
+		off_t size = ftello(r.file);
+		r.size = size > 0 ? (uint64_t)size : 0;
+		if (size > 0 && go(&r, 0))
+			whole = png ? verify_png(&r, width, height) : verify_exr(&r, width, height);
+	}
+	fclose(r.file);
+	return whole;
+}

@@ -1,0 +1,65 @@
+// A worker is lost: who is blamed, and who begins again.
+#include "server/front/jobs_table.h"
+
+static void begin_again(struct job *job)
+{
+	if (job->preview_due)
+		job_release_image(job, &job->preview);
+	if (job->state == JOB_READING)
+		job_release_image(job, &job->final);
+	job->preview_due = false;
+	job->preview_samples = 0;
+	job->samples_done = 0;
+	job->fraction = 0;
+	job->short_of_memory = false;
+	job->state = JOB_WAITING;
+	job->retries++;
+}
+
+static bool was_with_worker(const struct job *job)
+{
+	return job_on_device(job) || job->state == JOB_READING;
+}
+
+static uint32_t suspect(const struct jobs *jobs)
+{
+	if (jobs->stepping && (!jobs->beginning || jobs->begin_behind_step))
+		return jobs->stepping;
+	return jobs->beginning ? jobs->beginning : jobs->held;
+}
+
+// Blame falls on the job whose order was being carried out, else on who had the device last, else on the oldest. Whoever it
+// is, each loss with work under way blames one job, so no job can kill workers for ever.
+static void blame(struct jobs *jobs, const char *how)
+{
+	struct job *job = jobs_by_id(jobs, suspect(jobs));
+	if (!job || !was_with_worker(job))
+		for (unsigned i = 0; i < jobs->count && !(job && was_with_worker(job)); i++)
+			job = jobs->job[i];
+	if (!job || !was_with_worker(job) || ++job->blames <= LIMIT_JOB_RETRIES)
+		return;
+	struct error err;
+	error_set(&err, STATUS_WORKER_LOST, "the worker was lost %u times while it worked on this job (%s)", job->blames,
+		  how);
+	jobs_fail(jobs, job, &err);
+}
+
+void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
+{
+	blame(jobs, how);
+	jobs->stepping = 0;
+	jobs->beginning = 0;
+	jobs->held = 0;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (was_with_worker(jobs->job[i]))
+			begin_again(jobs->job[i]);
+	// Nobody holds the device's memory any more, so no end of a job would ever wake those that lacked some.
+	jobs_let_others_try(jobs);
+	if (!hopeless)
+		return;
+	struct error err;
+	error_set(&err, STATUS_WORKER_LOST, "the worker does not start (%s): see the daemon's log", how);
+	for (unsigned i = jobs->count; i-- > 0;)
+		if (i < jobs->count && jobs->job[i]->state == JOB_WAITING)
+			jobs_fail(jobs, jobs->job[i], &err);
+}

@@ -1,0 +1,90 @@
+#include "server/front/sweep.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/base/clock.h"
+
+#define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
+
+struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, candil_Sweep *message)
+{
+	struct sweep *sweep = calloc(1, sizeof *sweep);
+	if (!sweep)
+		return NULL;
+	sweep->session = session;
+	sweep->request = request;
+	sweep->scene = scene;
+	sweep->message = message;
+	sweep->asked_us = clock_us();
+	scene_hold(scene);
+	return sweep;
+}
+
+void sweep_destroy(struct sweep *sweep)
+{
+	scene_release(sweep->scene);
+	free(sweep->message);
+	free(sweep);
+}
+
+uint32_t sweep_count(const struct sweep *sweep)
+{
+	return sweep->message->cameras_count;
+}
+
+void sweep_frame(const struct sweep *sweep, uint32_t index, candil_Render *render)
+{
+	*render = sweep->message->render;
+	render->has_camera = true;
+	render->camera = sweep->message->cameras[index];
+}
+
+static void add_stage(candil_Done *total, const candil_Stage *stage)
+{
+	for (pb_size_t i = 0; i < total->stages_count; i++)
+		if (!strcmp(total->stages[i].name, stage->name)) {
+			total->stages[i].us += stage->us;
+			return;
+		}
+	if (total->stages_count < MAX_STAGES)
+		total->stages[total->stages_count++] = *stage;
+}
+
+void sweep_add(struct sweep *sweep, const candil_Done *done)
+{
+	candil_Done *total = &sweep->total;
+	for (pb_size_t i = 0; i < done->stages_count; i++)
+		add_stage(total, &done->stages[i]);
+	// One image of unknown error makes the mean unknown.
+	if (done->estimated_relmse < 0 || total->estimated_relmse < 0)
+		total->estimated_relmse = -1;
+	else
+		total->estimated_relmse += done->estimated_relmse;
+	total->samples = done->samples;
+	total->non_finite_samples += done->non_finite_samples;
+	total->rays += done->rays;
+	total->slices += done->slices;
+	total->retries += done->retries;
+	memcpy(total->device, done->device, sizeof total->device);
+	memcpy(total->reason, done->reason, sizeof total->reason);
+	sweep->finished++;
+}
+
+void sweep_close(struct sweep *sweep, uint64_t now_us)
+{
+	if (sweep->total.estimated_relmse > 0)
+		sweep->total.estimated_relmse /= sweep_count(sweep);
+	sweep->total.elapsed_us = now_us - sweep->asked_us;
+}
+
+void sweep_progress(const struct sweep *sweep, candil_Progress *progress)
+{
+	uint64_t samples = sweep->message->render.samples;
+	uint64_t all = samples * sweep_count(sweep), done = samples * sweep->finished + progress->samples_done;
+	progress->samples = all < UINT32_MAX ? (uint32_t)all : UINT32_MAX;
+	progress->samples_done = done < UINT32_MAX ? (uint32_t)done : UINT32_MAX;
+	progress->fraction = (sweep->finished + progress->fraction) / sweep_count(sweep);
+	progress->device_us = sweep->device_us;
+	progress->elapsed_us = clock_us() - sweep->asked_us;
+}

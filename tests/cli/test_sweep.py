@@ -1,0 +1,164 @@
+"""candil sweep against a real daemon: the same bits as single renders, what is there is left alone, shards share."""
+import json
+import os
+import tempfile
+import unittest
+
+import numpy
+
+import images
+from common import CANDIL, Daemon, run, skip_without_device, write_scene
+
+SIZE = ("--size", "32x24", "--spp", "4")
+
+
+class Sweep(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.scene = write_scene(cls.temporary.name)
+        cls.daemon = Daemon(cls.temporary.name)
+        cls.daemon.__enter__()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.__exit__(None, None, None)
+        cls.temporary.cleanup()
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(dir=self.temporary.name)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def candil(self, *arguments):
+        return run(CANDIL, "--connect", self.daemon.socket, *arguments)
+
+    def sweep(self, output, *more, status=0):
+        result = self.candil("sweep", self.scene, "-o", self.path(output), *SIZE, "--json", *more)
+        self.assertEqual(result.returncode, status, result)
+        return json.loads(result.stdout) if result.stdout else None
+
+    def states(self, summary):
+        return [image["state"] for image in summary["images"]]
+
+    def test_orbit_is_six_renders(self):
+        summary = self.sweep("o.{index}.exr", "--orbit", "6,30", "--aov", "depth,id")
+        self.assertEqual((summary["written"], summary["skipped"], len(summary["images"])), (6, 0, 6))
+        self.assertEqual(sorted(os.listdir(self.folder)), [f"o.{i}.exr" for i in range(6)])
+        seen = []
+        for image in summary["images"]:
+            c = image["camera"]
+            camera = ",".join(repr(float(x)) for x in c["eye"] + c["target"] + c["up"] + [c["vfov_degrees"]])
+            single = self.path("single.exr")
+            result = self.candil("render", self.scene, "-o", single, *SIZE, "--aov", "depth,id", "--camera", camera)
+            self.assertEqual(result.returncode, 0, result)
+            ours, theirs = images.channels(image["image"]), images.channels(single)
+            self.assertEqual(set(ours), set(theirs))
+            for name in ours:
+                self.assertEqual(ours[name].tobytes(), theirs[name].tobytes(), (image["index"], name))
+            seen.append(ours["R"])
+            hit = numpy.isfinite(ours["Z"])
+            self.assertTrue(hit.any(), "the scene is in view")
+            for edge in (hit[0], hit[-1], hit[:, 0], hit[:, -1]):
+                self.assertFalse(edge.any(), "the whole scene is in view")
+        for other in seen[1:]:
+            self.assertFalse(numpy.array_equal(seen[0], other))
+
+    def damage(self, path, size):
+        """Each way to spoil a file that must be found; the file is whole again after each."""
+        with open(path, "rb") as file:
+            whole = file.read()
+        for spoilt in (whole[:-1], whole[:size // 2], whole[:10], b"", whole + b"x", b"x" + whole[1:]):
+            with open(path, "wb") as file:
+                file.write(spoilt)
+            yield
+            with open(path, "rb") as file:
+                self.assertEqual(len(file.read()) > 100, True)
+
+    def test_what_is_there_is_left_alone(self):
+        for extension in ("exr", "png"):
+            name = "s{index}." + extension
+            first = self.sweep(name, "--orbit", "3")
+            before = [os.stat(image["image"]).st_mtime_ns for image in first["images"]]
+            second = self.sweep(name, "--orbit", "3")
+            self.assertEqual(self.states(second), ["skipped"] * 3)
+            self.assertEqual(before, [os.stat(image["image"]).st_mtime_ns for image in second["images"]])
+            os.remove(self.path("s1." + extension))
+            self.assertEqual(self.states(self.sweep(name, "--orbit", "3")), ["skipped", "written", "skipped"])
+            self.assertEqual(self.states(self.sweep(name, "--orbit", "3", "--force")), ["written"] * 3)
+            for _ in self.damage(self.path("s2." + extension), os.path.getsize(self.path("s2." + extension))):
+                self.assertEqual(self.states(self.sweep(name, "--orbit", "3")), ["skipped", "skipped", "written"])
+            self.assertEqual(self.states(self.sweep(name, "--orbit", "3", "--size", "16x8")), ["written"] * 3)
+
+    def test_zeroed_entry_of_the_offset_table(self):
+        self.sweep("z{index}.exr", "--orbit", "1")
+        path = self.path("z0.exr")
+        with open(path, "rb") as file:
+            data = bytearray(file.read())
+        # The table begins behind the header; its first entry says where the first block is, right behind the table.
+        at = next(i for i in range(100, len(data) - 8)
+                  if i < int.from_bytes(data[i:i + 8], "little") <= i + 8 * 24 and data[i - 1] == 0)
+        data[at:at + 8] = bytes(8)
+        with open(path, "wb") as file:
+            file.write(data)
+        self.assertEqual(self.states(self.sweep("z{index}.exr", "--orbit", "1")), ["written"])
+
+    def test_every_compression_is_understood(self):
+        import OpenImageIO as oiio
+        for compression in ("none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"):
+            spec = oiio.ImageSpec(32, 24, 3, "half")
+            spec.attribute("compression", compression)
+            out = oiio.ImageOutput.create(self.path("c0.exr"))
+            self.assertTrue(out.open(self.path("c0.exr"), spec), compression)
+            self.assertTrue(out.write_image(numpy.random.default_rng(1).random((24, 32, 3)).astype(numpy.float32)))
+            out.close()
+            self.assertEqual(self.states(self.sweep("c{index}.exr", "--orbit", "1")), ["skipped"], compression)
+
+    def test_nothing_to_do_needs_no_daemon(self):
+        self.sweep("n{index}.png", "--orbit", "2")
+        result = run(CANDIL, "--connect", "/nowhere", "sweep", self.scene, "-o", self.path("n{index}.png"), *SIZE, "--orbit", "2")
+        self.assertEqual(result.returncode, 0, result)
+
+    def test_shards_cover_each_once(self):
+        seen = []
+        for shard in (1, 2, 3):
+            summary = self.sweep("p{index}.png", "--orbit", "11", "--shard", f"{shard}/3")
+            self.assertEqual(summary["skipped"], 0)
+            seen += [image["index"] for image in summary["images"]]
+        self.assertEqual(sorted(seen), list(range(11)))
+        self.assertEqual(sorted(os.listdir(self.folder)), [f"p{i:02}.png" for i in range(11)])
+
+    def test_more_than_one_request(self):
+        summary = self.sweep("m{index}.png", "--orbit", "300", "--size", "4x4", "--spp", "1")
+        self.assertEqual((summary["written"], len(os.listdir(self.folder))), (300, 300))
+
+    def cameras(self, text):
+        with open(self.path("cameras.json"), "w") as file:
+            file.write(text)
+        return "--cameras", self.path("cameras.json")
+
+    def test_camera_files(self):
+        ten = [0, 1, 4, 0, 1, 0, 0, 1, 0, 40]
+        thing = {"eye": ten[:3], "target": ten[3:6], "vfov": 40}
+        for i, text in enumerate((json.dumps([ten, thing]), json.dumps(ten) + "\n" + json.dumps(thing) + "\n")):
+            summary = self.sweep(f"f{i}." + "{index}.exr", *self.cameras(text))
+            a, b = (images.channels(image["image"]) for image in summary["images"])
+            self.assertEqual(a["R"].tobytes(), b["R"].tobytes())
+            self.assertTrue(a["R"].any())
+
+    def test_refused(self):
+        for text in ("", "[]", "[1,2]", "{}", '{"eye":[1,2,3],"target":[0,0,0]}', "[[1,2,3,4,5,6,7,8,9,\"x\"]]", "nonsense",
+                     "[0,1,4,0,1,0,0,1,0,40] nonsense", "[0,1,4,0,1,0,0,1,0,400]"):
+            self.sweep("r{index}.exr", *self.cameras(text), status=2)
+        for wrong in (["--orbit", "0"], ["--orbit", "2,90"], ["--orbit", "2,1,0"], ["--orbit", "x"], [],
+                      ["--orbit", "2", "--shard", "0/2"], ["--orbit", "2", "--shard", "3/2"]):
+            self.sweep("r{index}.exr", *wrong, status=2)
+        self.sweep("r.exr", "--orbit", "2", status=2)
+        self.sweep("nowhere/{index}.exr", "--orbit", "2", status=1)
+        self.assertEqual([name for name in os.listdir(self.folder) if name != "cameras.json"], [])
+
+
+if __name__ == "__main__":
+    skip_without_device()
+    unittest.main()
