@@ -25,7 +25,7 @@ struct sandbox_state {
 
 struct sandbox_report {
 	struct sandbox_state layers[SANDBOX_LAYERS];
-	int threads; // of this process as it entered; -1 if unknown
+	int threads; // of this process as it entered, 1 unless a library has started more; -1 if unknown
 };
 
 const char *sandbox_layer_name(enum sandbox_layer layer);
