@@ -12,11 +12,14 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "protocol/limits.h"
 #include "server/loader/sandbox_landlock.h"
 #include "server/loader/sandbox_seccomp.h"
+
+enum { THREAD_WAIT_NS = 200000, THREAD_WAITS = 10000 }; // 2 s at most
 
 #ifdef __SANITIZE_ADDRESS__
 enum { SANITIZED = 1 }; // its shadow takes terabytes of address space, its leak check traces this process
@@ -85,17 +88,28 @@ static void enter_privileges(struct sandbox_state *s)
 		state(s, true, SANITIZED ? "no new ones; traceable under AddressSanitizer" : "no new ones, not traceable");
 }
 
-// Landlock confines a thread and those that it makes later, not those beside it. OpenImageIO brings OpenVDB, and that a
-// logger whose constructor starts four threads before main: they are ended. It is found by name because nothing here links
-// it.
-static int threads_left(void)
+static int count_threads(void)
 {
 	struct stat tasks;
+	return stat("/proc/self/task", &tasks) == 0 ? (int)tasks.st_nlink - 2 : -1;
+}
+
+// Landlock confines a thread and those that it makes later, not those beside it. OpenImageIO brings OpenVDB, and that a
+// logger whose constructor starts four threads before main: they are told to end, which takes them a moment. The function is
+// found by name because nothing here links it.
+static int threads_left(void)
+{
 	void (*end_logger)(void) = NULL;
 	*(void **)&end_logger = dlsym(RTLD_DEFAULT, "_ZN9log4cplus18shutdownThreadPoolEv");
-	if (end_logger)
-		end_logger();
-	return stat("/proc/self/task", &tasks) == 0 ? (int)tasks.st_nlink - 2 : -1;
+	int threads = count_threads();
+	if (threads <= 1 || !end_logger)
+		return threads;
+	end_logger();
+	for (int i = 0; i < THREAD_WAITS && threads > 1; i++) {
+		nanosleep(&(struct timespec){.tv_nsec = THREAD_WAIT_NS}, NULL);
+		threads = count_threads();
+	}
+	return threads;
 }
 
 static void enter_landlock(int folder, int threads, struct sandbox_state *s)

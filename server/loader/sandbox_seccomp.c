@@ -81,6 +81,7 @@ static const char *const calls[] = {
     "open",
     "openat",
     "access",
+    "getdents",
     "getdents64",
     "prctl",
     "ioctl",
