@@ -90,26 +90,18 @@ class Pictures(Loader):
 
     def test_bombs_within_the_side_that_are_too_many_texels(self):
         # Each may be; together they are more than all textures of a scene may have.
-        root = bad.boxed(texture=True)
-        bomb = png_of_zeros(16384, rows=1)
-        names = ["bomb%d.png" % i for i in range(3)]
-        for name in names:
+        bomb = png_of_zeros(12000)
+        for name in ("one.png", "two.png"):
             bad.save(self.folder, name, bomb)
 
-        def edit(json_root):
-            json_root["images"] = [{"uri": name} for name in names]
-            json_root["textures"] = [{"source": i} for i in range(len(names))]
-            material = json_root["materials"][0]
-            material["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
-            material["emissiveTexture"] = {"index": 1}
-            material["normalTexture"] = {"index": 2}
-        edit(root.json)
-        path = root.save(self.folder, "scene.gltf")
-        info, code, sentence = self.load(path)
-        if info is None:
-            self.assertIn(code, ("scene-limit", "memory"), sentence)
-        else:
-            self.assertEqual(info["missing_textures"], 3)
+        def edit(root):
+            root["images"] = [{"uri": "one.png"}, {"uri": "two.png"}]
+            root["textures"] = [{"source": 0}, {"source": 1}]
+            root["materials"][0]["normalTexture"] = {"index": 1}
+        self.refused(bad.gltf(edit, texture=True)(self.folder), "scene-limit", "texels")
+
+    def test_data_cut_short_fails_without_a_gigabyte_of_texels(self):
+        self.without_picture(bad.image_uri("cut.png", png_of_zeros(16384, rows=1))(self.folder), "taken as white")
 
     def test_header_of_60000_squared(self):
         self.without_picture(bad.image_uri("huge.png", png_of_zeros(60000, rows=1))(self.folder), "60000 x 60000")
@@ -145,16 +137,6 @@ class SideFiles(Loader):
     def test_scene_that_is_dev_zero(self):
         os.symlink("/dev/zero", os.path.join(self.folder, "scene.gltf"))
         self.refused(os.path.join(self.folder, "scene.gltf"), "scene-path", "leads out of the scene's folder")
-
-    def test_device_by_its_own_name(self):
-        # The folder is /dev itself: nothing leads out, and yet it is no file.
-        root, device = os.stat("/dev/zero"), None
-        self.assertTrue(root)
-        done = subprocess.run([LOADER, "--describe", "--dir", "/dev", "--file", "zero"], capture_output=True, text=True,
-                              timeout=HANG_SECONDS)
-        self.assertIsNone(device)
-        self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, "scene-(file|unsupported)")
 
     def test_fifo_does_not_hang(self):
         os.mkfifo(os.path.join(self.folder, "pipe.bin"))
@@ -255,16 +237,19 @@ class Service(Loader):
 
     def test_refused_scenes_leave_the_daemon_as_it_was(self):
         box = make.cornell(self.folder)
+        bad.save(self.temporary.name, "secret.bin", bytes(264))
         os.mkfifo(os.path.join(self.folder, "pipe.bin"))
         with Daemon() as daemon:
             daemon.candil("load", box, "--name", "box")
             before = daemon.render("box", spp=4).radiance.tobytes()
-            for path, code in ((self.side_file("../secret.bin"), b"scene-file"), (self.side_file("pipe.bin"), b"scene-file"),
-                               (bad.deep_nodes(20000)(self.folder), b"scene-limit")):
+            for write, code in ((lambda: self.side_file("../secret.bin"), b"scene-path"),
+                                (lambda: self.side_file("pipe.bin"), b"scene-file"),
+                                (lambda: bad.deep_nodes(20000)(self.folder), b"scene-limit")):
+                path = write()
                 done = subprocess.run([CANDIL, "--connect", daemon.socket, "load", path, "--name", "bad"], timeout=HANG_SECONDS,
                                       capture_output=True)
                 self.assertEqual(done.returncode, 4, done.stderr)
-                self.assertRegex(done.stderr, code + b"|scene-path")
+                self.assertIn(code, done.stderr)
             self.assertEqual(daemon.render("box", spp=4).radiance.tobytes(), before)
 
     def test_loader_is_confined_in_service(self):
