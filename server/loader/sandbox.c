@@ -71,8 +71,8 @@ static void enter_limits(struct sandbox_state *s)
 	const bool core = lower(RLIMIT_CORE, 0, 0);
 	signal(SIGXFSZ, SIG_IGN); // past the size a call fails and is reported
 	if (memory && time && files && size && core)
-		state(s, true, "%s%u s of processor time, %u descriptors, no core file",
-		      SANITIZED ? "memory unlimited under AddressSanitizer, " : "", LIMIT_LOAD_SECONDS, LIMIT_LOADER_FILES);
+		state(s, true, "%llu MiB%s, %u s of processor time, %u descriptors, no core file", LIMIT_LOADER_BYTES >> 20,
+		      SANITIZED ? " (not under AddressSanitizer)" : "", LIMIT_LOAD_SECONDS, LIMIT_LOADER_FILES);
 	else
 		state(s, false, "not set:%s%s%s%s%s", memory ? "" : " memory", time ? "" : " time",
 		      files ? "" : " descriptors", size ? "" : " file size", core ? "" : " core");
