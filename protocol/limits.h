@@ -46,6 +46,7 @@
 #define LIMIT_BLOB_BYTES (4ull << 30)
 #define LIMIT_TRIANGLES (32u * 1024u * 1024u)
 #define LIMIT_VERTICES (96u * 1024u * 1024u)
+#define LIMIT_ZERO_ELEMENTS (1024u * 1024u)      // of glTF accessors without a buffer view, all together
 #define LIMIT_MATERIALS 65535u
 #define LIMIT_TEXTURES 4096u
 #define LIMIT_TEXTURE_SIDE 16384u
@@ -56,6 +57,8 @@
 #define LIMIT_NODE_DEPTH 4096u
 #define LIMIT_BVH_DEPTH 48u                      // levels; the shader's stack has as many entries
 #define LIMIT_LOAD_SECONDS 120u                  // wall-clock time of one loader
+#define LIMIT_LOADER_BYTES (6ull << 30)          // address space of one loader: parsing, building and the blob
+#define LIMIT_LOADER_FILES 64u                   // descriptors of one loader
 #define LIMIT_LOADERS 2u                         // at once; further loads wait
 
 // ---- the worker ----

@@ -7,6 +7,7 @@
 #include "clients/cli/doctor_checks.h"
 
 #define WORKER_MS 60000
+#define LOADER_MS 20000
 #define WORKER_BYTES 262144u
 #define PROGRAMS 4
 
@@ -18,6 +19,7 @@ struct findings {
 	struct kernel_check kernel;
 	struct cache_check cache;
 	json_t *worker; // the object it printed, or {"why"}
+	json_t *sandbox; // what the loader's sandbox upholds here, or {"why"}
 	json_t *missing; // [{"what", "package"}]
 	bool ok;
 };
@@ -58,7 +60,7 @@ static void check_programs(struct findings *f)
 	}
 }
 
-static json_t *worker_failure(const char *why)
+static json_t *failure(const char *why)
 {
 	return json_pack("{s:o}", "why", cli_json_text(why));
 }
@@ -70,21 +72,40 @@ static void check_devices(struct findings *f)
 	char option[] = "--doctor";
 	char *argv[] = {f->programs[WORKER].path, option, NULL};
 	if (!f->programs[WORKER].works) {
-		f->worker = worker_failure("candil-worker does not start");
+		f->worker = failure("candil-worker does not start");
 		return;
 	}
 	int status = program_run(argv, WORKER_MS, out, err, sizeof(out));
 	json_error_t wrong;
-	f->worker = status >= 0 ? json_loads(out, 0, &wrong) : worker_failure(strerror(errno));
+	f->worker = status >= 0 ? json_loads(out, 0, &wrong) : failure(strerror(errno));
 	if (!json_is_object(f->worker)) {
 		json_decref(f->worker);
-		f->worker = worker_failure(err[0] ? err : "candil-worker --doctor printed nothing that can be read");
+		f->worker = failure(err[0] ? err : "candil-worker --doctor printed nothing that can be read");
 	}
 	const json_t *chosen = json_object_get(f->worker, "chosen");
 	f->ok = f->ok && status == 0 && (!chosen || json_integer_value(chosen) >= 0);
 	size_t i;
 	json_t *entry;
 	json_array_foreach(json_object_get(f->worker, "missing"), i, entry) json_array_append(f->missing, entry);
+}
+
+// The loader tries its own sandbox out. A layer that does not hold keeps no render from working.
+static void check_sandbox(struct findings *f)
+{
+	static char out[4096], err[4096];
+	char option[] = "--sandbox-report";
+	char *argv[] = {f->programs[LOADER].path, option, NULL};
+	if (!f->programs[LOADER].works) {
+		f->sandbox = failure("candil-loader does not start");
+		return;
+	}
+	json_error_t wrong;
+	const int status = program_run(argv, LOADER_MS, out, err, sizeof(out));
+	f->sandbox = status == 0 ? json_loads(out, 0, &wrong) : NULL;
+	if (!json_is_object(f->sandbox)) {
+		json_decref(f->sandbox);
+		f->sandbox = failure(err[0] ? err : "candil-loader --sandbox-report printed nothing that can be read");
+	}
 }
 
 static void check_kernel(struct findings *f)
@@ -113,8 +134,9 @@ static json_t *findings_json(const struct findings *f)
 	    json_pack("{s:b,s:b,s:b,s:i}", "memfd_sealing", (int)f->kernel.memfd_sealing, "openat2", (int)f->kernel.openat2,
 		      "seccomp", (int)f->kernel.seccomp, "landlock_abi", f->kernel.landlock_abi);
 	json_t *cache = json_pack("{s:o,s:b}", "path", cli_json_text(f->cache.path), "writable", (int)f->cache.writable);
-	return json_pack("{s:b,s:o,s:o,s:o,s:o,s:O,s:O}", "ok", (int)f->ok, "daemon", daemon, "programs", programs, "kernel",
-			 kernel, "shader_cache", cache, "worker", f->worker, "missing", f->missing);
+	return json_pack("{s:b,s:o,s:o,s:o,s:o,s:O,s:O,s:O}", "ok", (int)f->ok, "daemon", daemon, "programs", programs,
+			 "kernel", kernel, "shader_cache", cache, "worker", f->worker, "sandbox", f->sandbox, "missing",
+			 f->missing);
 }
 
 static const char *text_of(const json_t *object, const char *key)
@@ -142,6 +164,17 @@ static void print_devices(const struct findings *f)
 		printf("           %s\n", text_of(f->worker, "why"));
 }
 
+static void print_sandbox(const struct findings *f)
+{
+	size_t i;
+	const json_t *layer;
+	json_array_foreach(json_object_get(f->sandbox, "layers"), i, layer)
+	    printf("  sandbox  %s: %s%s\n", text_of(layer, "name"),
+		   json_is_true(json_object_get(layer, "holds")) ? "" : "does not hold: ", text_of(layer, "detail"));
+	if (i == 0)
+		printf("  sandbox  unknown: %s\n", text_of(f->sandbox, "why"));
+}
+
 static void print_findings(const struct findings *f)
 {
 	print_devices(f);
@@ -163,6 +196,7 @@ static void print_findings(const struct findings *f)
 		printf("ABI %d\n", f->kernel.landlock_abi);
 	else
 		puts("no");
+	print_sandbox(f);
 	printf("  cache    %s: %s\n", f->cache.path[0] ? f->cache.path : "compiled shaders have no place",
 	       f->cache.writable ? "writable" : "not writable: each start compiles its shaders anew");
 	size_t i;
@@ -186,6 +220,7 @@ static enum exit_code run_doctor(struct cli *cli, const struct command *self, in
 	check_programs(&f);
 	check_devices(&f);
 	check_kernel(&f);
+	check_sandbox(&f);
 	doctor_check_daemon(&f.daemon, cli->address);
 	f.ok = f.ok && (!f.daemon.reachable || f.daemon.ready);
 	doctor_check_cache(&f.cache);
@@ -197,6 +232,7 @@ static enum exit_code run_doctor(struct cli *cli, const struct command *self, in
 		code = cli_flush(stdout, code);
 	}
 	json_decref(f.worker);
+	json_decref(f.sandbox);
 	json_decref(f.missing);
 	return code;
 }
@@ -207,12 +243,14 @@ const struct command doctor_command = {
     .help =
 	"Usage: candil doctor [--connect ADDR] [--json]\n\n"
 	"Lists the devices, which one is chosen and why, whether the daemon answers, whether candil's programs start,\n"
-	"what the kernel offers, and what is missing with the Debian package that has it.\n"
+	"what the kernel offers, what of the scene loader's sandbox holds here, and what is missing with the Debian\n"
+	"package that has it.\n"
 	"Exit code 0 if a render could work here, 5 if not. A daemon need not be running; one that runs must have a\n"
 	"device that it may use.\n\n"
 	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\", \"ready\", \"device\" (or why it has none)},\n"
 	"\"programs\": [{\"name\", \"path\", \"needed\", \"works\", \"why\"}],\n"
 	"\"kernel\": {\"memfd_sealing\", \"openat2\", \"seccomp\", \"landlock_abi\"},\n"
+	"\"sandbox\": {\"threads\", \"layers\": [{\"name\", \"holds\", \"detail\"}]},\n"
 	"\"shader_cache\": {\"path\", \"writable\"}, \"missing\": [{\"what\", \"package\"}],\n"
 	"\"worker\": {\"devices\": [{\"index\", \"name\", \"type\", \"api\", \"driver\", \"uuid\", \"usable\", \"why\",\n"
 	"\"memory_bytes\"}], \"chosen\", \"why\", \"missing\"}}\n",

@@ -242,6 +242,22 @@ void list_ignored(gltf_reader *reader)
 		import_ignore(reader->import, "scenes other than the default one");
 }
 
+// An accessor without a buffer view is all zeros, but for a sparse part: a few bytes of text that stand for gigabytes.
+enum status check_zero_elements(const tinygltf::Model &model, struct error *err)
+{
+	size_t total = 0;
+	for (const tinygltf::Accessor &a : model.accessors) {
+		if (a.bufferView >= 0)
+			continue;
+		if (a.count > LIMIT_ZERO_ELEMENTS - total)
+			return error_set(err, STATUS_SCENE_LIMIT,
+					 "accessors without a buffer view have more than %u elements; export their data",
+					 LIMIT_ZERO_ELEMENTS);
+		total += a.count;
+	}
+	return STATUS_OK;
+}
+
 enum status import_all(struct import *import, const struct file_bytes *bytes, struct error *err)
 {
 	auto reader = std::make_unique<gltf_reader>();
@@ -252,7 +268,9 @@ enum status import_all(struct import *import, const struct file_bytes *bytes, st
 	if (reader->model.nodes.size() > LIMIT_NODES)
 		return error_set(err, STATUS_SCENE_LIMIT, "the scene has %zu nodes; it may have %u",
 				 reader->model.nodes.size(), LIMIT_NODES);
-	enum status status = pick_scene(reader->model, &scene, err);
+	enum status status = check_zero_elements(reader->model, err);
+	if (status == STATUS_OK)
+		status = pick_scene(reader->model, &scene, err);
 	if (status == STATUS_OK)
 		status = gltf_add_materials(reader.get(), err);
 	if (status == STATUS_OK)

@@ -2,21 +2,23 @@
 // IPC_SCENE_DIR_FD it sends exactly one IPC_LOADED and exits. For people and tests, --describe with --dir prints instead.
 //
 // A parser that loops or crashes on a hostile file takes this process with it and nothing else: the front sees the socket
-// close without a message.
+// close without a message. One that is taken over finds itself in a sandbox, which is entered when every descriptor is open
+// and before a byte of the scene is read. --sandbox-report prints what of it this kernel upholds.
 #include <fcntl.h>
 #include <getopt.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "server/base/ipc.h"
 #include "server/base/log.h"
 #include "server/loader/describe.h"
+#include "server/loader/files.h"
 #include "server/loader/load.h"
+#include "server/loader/sandbox.h"
 
 enum { EXIT_USAGE = 2 };
 
@@ -25,12 +27,14 @@ struct arguments {
 	const char *dir; // --describe only
 	const char *blob; // --describe only: copy the blob into this file
 	bool describe;
+	bool report;
 };
 
 static int usage(void)
 {
 	fputs("usage: candil-loader --file NAME [--up y|z] [--unit METRES]            (started by candild)\n"
-	      "       candil-loader --describe --dir PATH --file NAME [--up y|z] [--unit METRES] [--blob FILE]\n",
+	      "       candil-loader --describe --dir PATH --file NAME [--up y|z] [--unit METRES] [--blob FILE]\n"
+	      "       candil-loader --sandbox-report\n",
 	      stderr);
 	return EXIT_USAGE;
 }
@@ -57,6 +61,9 @@ static bool parse_option(struct arguments *a, int option)
 	case 'p':
 		a->describe = true;
 		return true;
+	case 's':
+		a->report = true;
+		return true;
 	}
 	return false;
 }
@@ -64,77 +71,108 @@ static bool parse_option(struct arguments *a, int option)
 static bool parse_arguments(struct arguments *a, int argc, char **argv)
 {
 	static const struct option options[] = {
-	    {"file", required_argument, NULL, 'f'},
-	    {"up", required_argument, NULL, 'u'},
-	    {"unit", required_argument, NULL, 'm'},
-	    {"dir", required_argument, NULL, 'd'},
-	    {"blob", required_argument, NULL, 'b'},
-	    {"describe", no_argument, NULL, 'p'},
-	    {NULL, 0, NULL, 0},
+	    {"file", required_argument, NULL, 'f'},     {"up", required_argument, NULL, 'u'},
+	    {"unit", required_argument, NULL, 'm'},     {"dir", required_argument, NULL, 'd'},
+	    {"blob", required_argument, NULL, 'b'},     {"describe", no_argument, NULL, 'p'},
+	    {"sandbox-report", no_argument, NULL, 's'}, {NULL, 0, NULL, 0},
 	};
 	int option;
 	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1)
 		if (!parse_option(a, option))
 			return false;
+	if (a->report)
+		return argc == 2;
 	return optind == argc && a->load.file && a->describe == (a->dir != NULL) && (a->describe || !a->blob);
 }
 
-// No core file of a crash, an end to a parser that loops even if the front is gone, and where memory runs out because of a
-// scene it is this process that the kernel ends, not the front.
-static void set_limits(void)
+// Beneath the scene file's own folder, and so not necessarily all of `dir`. A folder that cannot be opened is refused again,
+// and said, where the scene is read.
+static void confine(int dir, const char *file, struct sandbox_report *report)
 {
-	int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
-	if (fd >= 0) {
-		ssize_t ignored = write(fd, "1000", 4); // best effort: there may be no /proc
-		(void)ignored;
-		close(fd);
-	}
-	setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
-	setrlimit(RLIMIT_CPU, &(struct rlimit){LIMIT_LOAD_SECONDS, LIMIT_LOAD_SECONDS + 5});
+	int folder = -1;
+	const char *name;
+	struct error err;
+	json_object_seed(0); // from /dev/urandom, which is out of reach afterwards
+	if (file && files_open_folder(dir, file, &folder, &name, &err) != STATUS_OK)
+		folder = -1;
+	sandbox_enter(folder, report);
+	if (folder >= 0)
+		close(folder);
 }
 
-static bool copy_blob(int fd, const char *path)
+static int report_sandbox(void)
+{
+	struct sandbox_report report;
+	confine(-1, NULL, &report);
+	sandbox_try(&report);
+	json_t *layers = json_array();
+	for (int i = 0; i < SANDBOX_LAYERS; i++)
+		json_array_append_new(layers,
+				      json_pack("{s:s,s:b,s:s}", "name", sandbox_layer_name((enum sandbox_layer)i), "holds",
+						(int)report.layers[i].holds, "detail", report.layers[i].detail));
+	json_t *root = json_pack("{s:i,s:o}", "threads", report.threads, "layers", layers);
+	const bool good = root && json_dumpf(root, stdout, 0) == 0 && putchar('\n') != EOF && fflush(stdout) == 0;
+	json_decref(root);
+	return good ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+static bool copy_blob(int fd, FILE *out)
 {
 	char buffer[1 << 16];
 	ssize_t n = 0;
-	FILE *out = fopen(path, "wb");
-	bool good = out && lseek(fd, 0, SEEK_SET) == 0;
+	bool good = lseek(fd, 0, SEEK_SET) == 0;
 	while (good && (n = read(fd, buffer, sizeof buffer)) > 0)
 		good = fwrite(buffer, 1, (size_t)n, out) == (size_t)n;
-	good = good && n == 0;
-	if (out && fclose(out) != 0)
-		good = false;
-	if (!good)
-		fprintf(stderr, "candil-loader: cannot write %s\n", path);
-	return good;
+	return good && n == 0 && fflush(out) == 0;
 }
 
-static int describe(struct arguments *a, struct ipc_loaded *loaded)
+static int describe_in_sandbox(const struct arguments *a, struct ipc_loaded *loaded, FILE *blob)
 {
 	int fd;
-	a->load.dir = open(a->dir, O_PATH | O_DIRECTORY | O_CLOEXEC);
-	if (a->load.dir < 0) {
-		perror(a->dir);
-		return EXIT_USAGE;
-	}
+	struct sandbox_report report;
+	confine(a->load.dir, a->load.file, &report);
 	const enum status status = load_scene(&a->load, &loaded->info, &fd, &loaded->error);
-	close(a->load.dir);
 	if (status != STATUS_OK) {
 		fprintf(stderr, "candil-loader: %s: %s\n", status_name(status), loaded->error.text);
 		return EXIT_FAILURE;
 	}
 	bool good = describe_print(&loaded->info);
-	if (good && a->blob)
-		good = copy_blob(fd, a->blob);
+	if (good && blob && !copy_blob(fd, blob)) {
+		fprintf(stderr, "candil-loader: cannot write %s\n", a->blob);
+		good = false;
+	}
 	close(fd);
 	return good ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+static int describe(struct arguments *a, struct ipc_loaded *loaded)
+{
+	FILE *blob = NULL;
+	int result = EXIT_USAGE;
+	a->load.dir = open(a->dir, O_PATH | O_DIRECTORY | O_CLOEXEC);
+	if (a->load.dir < 0) {
+		perror(a->dir);
+		return EXIT_USAGE;
+	}
+	if (a->blob)
+		blob = fopen(a->blob, "wbe"); // now: in the sandbox nothing can be opened for writing
+	if (a->blob && !blob)
+		perror(a->blob);
+	else
+		result = describe_in_sandbox(a, loaded, blob);
+	close(a->load.dir);
+	if (blob && fclose(blob) != 0)
+		result = EXIT_FAILURE;
+	return result;
 }
 
 static int serve(struct arguments *a, struct ipc_loaded *loaded)
 {
 	int fd;
 	struct error err;
+	struct sandbox_report report;
 	a->load.dir = IPC_SCENE_DIR_FD;
+	confine(a->load.dir, a->load.file, &report);
 	loaded->head.op = IPC_LOADED;
 	snprintf(loaded->build, sizeof loaded->build, "%s", ipc_build());
 	loaded->error.code = load_scene(&a->load, &loaded->info, &fd, &loaded->error);
@@ -151,7 +189,8 @@ int main(int argc, char **argv)
 	if (!parse_arguments(&arguments, argc, argv))
 		return usage();
 	log_init("candil-loader", LOG_WARNING);
-	set_limits();
+	if (arguments.report)
+		return report_sandbox();
 	struct ipc_loaded *loaded = calloc(1, sizeof *loaded);
 	if (!loaded)
 		return EXIT_FAILURE;
