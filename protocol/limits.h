@@ -4,24 +4,24 @@
 #define CANDIL_PROTOCOL_LIMITS_H
 
 // ---- messages and connections ----
-#define LIMIT_MESSAGE_BYTES (64u * 1024u)        // body of one request or reply
-#define LIMIT_CHUNK_BYTES (64u * 1024u)          // body of one FRAME_CHUNK
+#define LIMIT_MESSAGE_BYTES (64u * 1024u) // body of one request or reply
+#define LIMIT_CHUNK_BYTES (64u * 1024u) // body of one FRAME_CHUNK
 #define LIMIT_CONNECTIONS 256u
 #define LIMIT_JOBS_PER_CONNECTION 16u
-#define LIMIT_JOBS 256u                          // in the daemon
-#define LIMIT_OUT_BUFFER_BYTES (256u * 1024u)    // unsent bytes past which a connection is not read and gets no chunks
-#define LIMIT_HELLO_MS 10000u                    // a connection that has not said hello by then is closed
-#define LIMIT_LINGER_MS 1000u                    // after its last message a connection that closes gets so long to read it
-#define LIMIT_STALL_SECONDS 300u                 // a connection that takes no byte of what waits for it so long is closed
+#define LIMIT_JOBS 256u // in the daemon
+#define LIMIT_OUT_BUFFER_BYTES (256u * 1024u) // unsent bytes past which a connection is not read and gets no chunks
+#define LIMIT_HELLO_MS 10000u // a connection that has not said hello by then is closed
+#define LIMIT_LINGER_MS 1000u // after its last message a connection that closes gets so long to read it
+#define LIMIT_STALL_SECONDS 300u // a connection that takes no byte of what waits for it so long is closed
 #define LIMIT_IMAGE_BYTES (256u * 1024u * 1024u) // encoded images that wait for one connection; one alone may exceed it
 
 // ---- strings, without the terminating zero ----
-#define LIMIT_NAME 63u            // of a scene, camera or client
+#define LIMIT_NAME 63u // of a scene, camera or client
 #define LIMIT_PATH 1023u
 #define LIMIT_OPTION_NAME 31u
 #define LIMIT_OPTION_VALUE 31u
 #define LIMIT_OPTIONS 16u
-#define LIMIT_TEXT 255u           // an error's sentence, a warning
+#define LIMIT_TEXT 255u // an error's sentence, a warning
 #define LIMIT_WARNINGS 32u
 #define LIMIT_CAMERA_LIST 32u
 #define LIMIT_SCENES 64u
@@ -29,43 +29,43 @@
 #define LIMIT_EFFECTS 16u
 
 // ---- a render ----
-#define LIMIT_SIDE 16384u                        // pixels, width and height
+#define LIMIT_SIDE 16384u // pixels, width and height
 #define LIMIT_PIXELS (64u * 1024u * 1024u)
-#define LIMIT_SAMPLES 16777216u                  // per pixel, first_sample + samples: 2^24
+#define LIMIT_SAMPLES 16777216u // per pixel, first_sample + samples: 2^24
 #define LIMIT_SAMPLES_TIMES_PIXELS (1ull << 44)
-#define LIMIT_DEPTH 4096u                        // pt.depth
-#define LIMIT_RADIANCE 1e12                      // of a background component, W/(m² sr)
-#define LIMIT_COORDINATE 1e12                    // of a camera's position, metres
-#define LIMIT_EXPOSURE_EV 64.0                   // either way
+#define LIMIT_DEPTH 4096u // pt.depth
+#define LIMIT_RADIANCE 1e12 // of a background component, W/(m² sr)
+#define LIMIT_COORDINATE 1e12 // of a camera's position, metres
+#define LIMIT_EXPOSURE_EV 64.0 // either way
 #define LIMIT_PROGRESS_MS 3600000u
-#define LIMIT_SWEEP_CAMERAS 256u                 // of one Sweep; so many fit a message
+#define LIMIT_SWEEP_CAMERAS 256u // of one Sweep; so many fit a message
 
 // ---- a scene ----
-#define LIMIT_SCENE_FILE_BYTES (1ull << 30)      // the file and each of its side files
-#define LIMIT_SCENE_SOURCE_BYTES (2ull << 30)    // all its files together
+#define LIMIT_SCENE_FILE_BYTES (1ull << 30) // the file and each of its side files
+#define LIMIT_SCENE_SOURCE_BYTES (2ull << 30) // all its files together
 #define LIMIT_BLOB_BYTES (4ull << 30)
 #define LIMIT_TRIANGLES (32u * 1024u * 1024u)
 #define LIMIT_VERTICES (96u * 1024u * 1024u)
-#define LIMIT_ZERO_ELEMENTS (1024u * 1024u)      // of glTF accessors without a buffer view, all together
+#define LIMIT_ZERO_ELEMENTS (1024u * 1024u) // of glTF accessors without a buffer view, all together
 #define LIMIT_MATERIALS 65535u
 #define LIMIT_TEXTURES 4096u
 #define LIMIT_TEXTURE_SIDE 16384u
-#define LIMIT_TEXELS (256u * 1024u * 1024u)      // all textures together
+#define LIMIT_TEXELS (256u * 1024u * 1024u) // all textures together
 #define LIMIT_PUNCTUAL_LIGHTS 4096u
 #define LIMIT_CAMERAS 1024u
 #define LIMIT_NODES 1000000u
 #define LIMIT_NODE_DEPTH 4096u
-#define LIMIT_BVH_DEPTH 48u                      // levels; the shader's stack has as many entries
-#define LIMIT_LOAD_SECONDS 120u                  // wall-clock time of one loader
-#define LIMIT_LOADER_BYTES (6ull << 30)          // address space of one loader: parsing, building and the blob
-#define LIMIT_LOADER_FILES 64u                   // descriptors of one loader
-#define LIMIT_LOADERS 2u                         // at once; further loads wait
+#define LIMIT_BVH_DEPTH 48u // levels; the shader's stack has as many entries
+#define LIMIT_LOAD_SECONDS 120u // wall-clock time of one loader
+#define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob
+#define LIMIT_LOADER_FILES 64u // descriptors of one loader
+#define LIMIT_LOADERS 2u // at once; further loads wait
 
 // ---- the worker ----
 #define LIMIT_SLICE_MS 1000u
-#define LIMIT_STEP_SECONDS 60u                   // a slice (first compilation included) past this: the worker hangs
-#define LIMIT_JOB_RETRIES 1u                     // times the job that a dying worker held is begun again
-#define LIMIT_ENCODE_SECONDS 600u                // an image that is not encoded by then: the worker hangs
-#define LIMIT_IPC_QUEUE 4096u                    // messages that wait for a worker to take them; more: it hangs
+#define LIMIT_STEP_SECONDS 60u // a slice (first compilation included) past this: the worker hangs
+#define LIMIT_JOB_RETRIES 1u // times the job that a dying worker held is begun again
+#define LIMIT_ENCODE_SECONDS 600u // an image that is not encoded by then: the worker hangs
+#define LIMIT_IPC_QUEUE 4096u // messages that wait for a worker to take them; more: it hangs
 
 #endif

@@ -1,5 +1,5 @@
-// The scene blob: everything a technique may ask of a scene, in one flat piece of memory without pointers. A loader writes it
-// into a memfd and seals it; the front passes it on unseen; a worker maps it, checks it once and reads it for ever after.
+// The scene blob: everything a technique may ask of a scene, in one flat piece of memory without pointers. A loader writes
+// it into a memfd and seals it; the front passes it on unseen; a worker maps it, checks it once and reads it for ever after.
 //
 //   struct blob_header | section | section | …     every section starts at a multiple of BLOB_ALIGN
 //
@@ -22,68 +22,68 @@
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
 
 enum blob_section {
-	BLOB_NODES,            // struct bvh_node; at least one
-	BLOB_LEAF_TRIANGLES,   // struct leaf_triangle
-	BLOB_TRIANGLES,        // struct triangle, by id; as many as leaf triangles
-	BLOB_VERTICES,         // struct vertex
-	BLOB_MATERIALS,        // struct material; at least one
-	BLOB_TEXTURES,         // struct texture_info
-	BLOB_TEXELS,           // uint
-	BLOB_EMITTERS,         // struct emitter; none if nothing emits
-	BLOB_LIGHTS,           // struct punctual_light
-	BLOB_CAMERAS,          // struct blob_camera
-	BLOB_MATERIAL_NAMES,   // struct blob_name, one a material
-	BLOB_UV1,              // struct vertex_uv1: none, or one a vertex; there if a texture has TEXTURE_UV1
-	BLOB_COLORS,           // struct vertex_color, likewise; there with FACT_VERTEX_COLORS
-	BLOB_TANGENTS,         // struct vertex_tangent, likewise; there with FACT_NORMAL_MAPS
+	BLOB_NODES, // struct bvh_node; at least one
+	BLOB_LEAF_TRIANGLES, // struct leaf_triangle
+	BLOB_TRIANGLES, // struct triangle, by id; as many as leaf triangles
+	BLOB_VERTICES, // struct vertex
+	BLOB_MATERIALS, // struct material; at least one
+	BLOB_TEXTURES, // struct texture_info
+	BLOB_TEXELS, // uint
+	BLOB_EMITTERS, // struct emitter; none if nothing emits
+	BLOB_LIGHTS, // struct punctual_light
+	BLOB_CAMERAS, // struct blob_camera
+	BLOB_MATERIAL_NAMES, // struct blob_name, one a material
+	BLOB_UV1, // struct vertex_uv1: none, or one a vertex; there if a texture has TEXTURE_UV1
+	BLOB_COLORS, // struct vertex_color, likewise; there with FACT_VERTEX_COLORS
+	BLOB_TANGENTS, // struct vertex_tangent, likewise; there with FACT_NORMAL_MAPS
 	BLOB_SECTIONS
 };
 
 struct blob_range {
-	uint64_t offset;       // bytes from the blob's start
-	uint64_t count;        // elements
+	uint64_t offset; // bytes from the blob's start
+	uint64_t count; // elements
 };
 
 // What the plan asks of a scene. Filled by facts_collect (facts.h).
 enum fact {
-	FACT_TEXTURES = 1u << 0,        // some material that is used has a texture
-	FACT_EMITTERS = 1u << 1,        // some triangle emits
+	FACT_TEXTURES = 1u << 0, // some material that is used has a texture
+	FACT_EMITTERS = 1u << 1, // some triangle emits
 	FACT_POINT_LIGHTS = 1u << 2,
 	FACT_SPOT_LIGHTS = 1u << 3,
 	FACT_DIRECTIONAL_LIGHTS = 1u << 4,
-	FACT_REFLECTS = 1u << 5,        // some lit surface has an albedo above zero or a specular lobe
-	FACT_GLOSSY = 1u << 6,          // some surface has a specular lobe: metallic, specular or specular_weight above zero
-	FACT_NORMAL_MAPS = 1u << 7,     // some material that is used has one
+	FACT_REFLECTS = 1u << 5, // some lit surface has an albedo above zero or a specular lobe
+	FACT_GLOSSY = 1u << 6, // some surface has a specular lobe: metallic, specular or specular_weight above zero
+	FACT_NORMAL_MAPS = 1u << 7, // some material that is used has one
 	FACT_ALPHA_MASK = 1u << 8,
-	FACT_VERTEX_COLORS = 1u << 9,   // some vertex has a colour other than white
+	FACT_VERTEX_COLORS = 1u << 9, // some vertex has a colour other than white
 	FACT_UNLIT = 1u << 10,
 };
 
 struct blob_header {
 	uint64_t magic;
-	uint32_t format;           // BLOB_FORMAT
-	uint32_t header_bytes;     // sizeof(struct blob_header)
+	uint32_t format; // BLOB_FORMAT
+	uint32_t header_bytes; // sizeof(struct blob_header)
 	uint64_t total_bytes;
 	struct blob_range sections[BLOB_SECTIONS];
-	double origin[3];          // world position of the blob's zero, metres
-	float bounds_min[3];       // relative to origin
+	double origin[3]; // world position of the blob's zero, metres
+	float bounds_min[3]; // relative to origin
 	float bounds_max[3];
-	uint32_t bvh_depth;        // levels of nodes, ≤ LIMIT_BVH_DEPTH
-	uint32_t facts;            // enum fact
-	float emitter_power;       // W, all emissive triangles: the sum their pmf is a share of; 0 without any
-	float light_power;         // W, all punctual lights, as the table weighs them
-	uint64_t hash[2];          // XXH3-128 of everything behind the header; also of the header with hash = 0
+	uint32_t bvh_depth; // levels of nodes, ≤ LIMIT_BVH_DEPTH
+	uint32_t facts; // enum fact
+	float emitter_power; // W, all emissive triangles: the sum their pmf is a share of; 0 without any
+	float light_power; // W, all punctual lights, as the table weighs them
+	uint64_t hash[2]; // XXH3-128 of everything behind the header; also of the header with hash = 0
 };
 
 // A camera of the file, in world space (double, origin not subtracted).
 struct blob_camera {
 	char name[LIMIT_NAME + 1];
 	double eye[3];
-	double forward[3];         // unit
-	double up[3];              // unit, perpendicular to forward
-	double vfov_degrees;       // 0: orthographic
-	double aspect;             // width / height; 0: any
-	double half_height;        // orthographic: metres
+	double forward[3]; // unit
+	double up[3]; // unit, perpendicular to forward
+	double vfov_degrees; // 0: orthographic
+	double aspect; // width / height; 0: any
+	double half_height; // orthographic: metres
 };
 
 struct blob_name {
