@@ -57,7 +57,7 @@ materials = [
     {"name": "lime wash", "colour": (0.73, 0.71, 0.68)},
     {"name": "clay", "colour": (0.60, 0.16, 0.08)},
     {"name": "teal", "colour": (0.08, 0.30, 0.34)},
-    {"name": "brass", "colour": (0.56, 0.36, 0.11)},
+    {"name": "brass", "colour": (0.89, 0.67, 0.32), "metallic": 1, "roughness": 0.3},
     {"name": "skylight", "colour": (0, 0, 0), "emission": (1.0, 0.93, 0.82), "strength": 15},
     {"name": "flame", "colour": (0, 0, 0), "emission": (1.0, 0.55, 0.18), "strength": 26},
 ]
@@ -108,16 +108,20 @@ for material, positions, normals, triangles in meshes:
 
 def gltf_material(m):
     result = {"name": m["name"], "pbrMetallicRoughness":
-              {"baseColorFactor": [*m["colour"], 1], "metallicFactor": 0, "roughnessFactor": 1}}
+              {"baseColorFactor": [*m["colour"], 1], "metallicFactor": m.get("metallic", 0),
+               "roughnessFactor": m.get("roughness", 1)}}
+    if "metallic" not in m:
+        # Matt paint: no gloss at all.
+        result["extensions"] = {"KHR_materials_specular": {"specularFactor": 0}}
     if "emission" in m:
         result["emissiveFactor"] = list(m["emission"])
-        result["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": m["strength"]}}
+        result.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {"emissiveStrength": m["strength"]}
     return result
 
 
 scene = {
     "asset": {"version": "2.0", "generator": "deploy/first.py"},
-    "extensionsUsed": ["KHR_materials_emissive_strength"],
+    "extensionsUsed": ["KHR_materials_emissive_strength", "KHR_materials_specular"],
     "scene": 0,
     "scenes": [{"nodes": [0, 1]}],
     "nodes": [{"name": "room", "mesh": 0}, {"name": "view", "camera": 0, "translation": [0, 1, 4.2]}],
