@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "server/loader/alias.h"
+#include "server/scene/alias.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -1,5 +1,7 @@
 #include "server/scene/blob.h"
 
+#include <string.h>
+
 size_t blob_stride(enum blob_section section)
 {
 	static const size_t strides[BLOB_SECTIONS] = {
@@ -29,4 +31,16 @@ const void *blob_section(const struct blob_header *blob, enum blob_section secti
 uint32_t blob_count(const struct blob_header *blob, enum blob_section section)
 {
 	return (uint32_t)blob->sections[section].count;
+}
+
+void blob_view_init(struct blob_view *view, const struct blob_header *blob)
+{
+	*view = (struct blob_view){
+	    .blob = blob, .facts = blob->facts, .emitter_power = blob->emitter_power, .light_power = blob->light_power};
+	memcpy(view->bounds_min, blob->bounds_min, sizeof view->bounds_min);
+	memcpy(view->bounds_max, blob->bounds_max, sizeof view->bounds_max);
+	for (unsigned s = 0; s < BLOB_SECTIONS; s++) {
+		view->sections[s] = blob_section(blob, (enum blob_section)s);
+		view->counts[s] = blob_count(blob, (enum blob_section)s);
+	}
 }

@@ -106,4 +106,18 @@ enum status blob_check(const void *blob, size_t bytes, struct error *err);
 const void *blob_section(const struct blob_header *blob, enum blob_section section);
 uint32_t blob_count(const struct blob_header *blob, enum blob_section section);
 
+// A scene as a job sees it: the sections and sums of a checked blob, or of one of whose sections a request has put others
+// in their place. `blob` says what no edit changes: the origin, the BVH's depth, the hash.
+struct blob_view {
+	const struct blob_header *blob;
+	const void *sections[BLOB_SECTIONS];
+	uint32_t counts[BLOB_SECTIONS];
+	float bounds_min[3], bounds_max[3];
+	uint32_t facts;
+	float emitter_power, light_power;
+};
+
+// The view of the blob as it is. The blob stays the caller's.
+void blob_view_init(struct blob_view *view, const struct blob_header *blob);
+
 #endif

@@ -26,10 +26,10 @@ static uint32_t material_facts(const struct material *m)
 	return facts;
 }
 
-static bool has_colours(const struct blob_header *blob)
+static bool has_colours(const struct blob_view *view)
 {
-	const struct vertex_color *colors = blob_section(blob, BLOB_COLORS);
-	for (uint32_t i = 0; i < blob_count(blob, BLOB_COLORS); i++)
+	const struct vertex_color *colors = view->sections[BLOB_COLORS];
+	for (uint32_t i = 0; i < view->counts[BLOB_COLORS]; i++)
 		for (int c = 0; c < 4; c++)
 			if (colors[i].rgba[c] != 1.0f)
 				return true;
@@ -49,23 +49,30 @@ static uint32_t light_facts(const struct punctual_light *light)
 	return 0;
 }
 
-uint32_t facts_collect(const struct blob_header *blob)
+uint32_t facts_of_view(const struct blob_view *view)
 {
-	const struct triangle *triangles = blob_section(blob, BLOB_TRIANGLES);
-	const struct material *materials = blob_section(blob, BLOB_MATERIALS);
-	const struct punctual_light *lights = blob_section(blob, BLOB_LIGHTS);
-	uint32_t facts = blob_count(blob, BLOB_EMITTERS) > 0 ? FACT_EMITTERS : 0;
+	const struct triangle *triangles = view->sections[BLOB_TRIANGLES];
+	const struct material *materials = view->sections[BLOB_MATERIALS];
+	const struct punctual_light *lights = view->sections[BLOB_LIGHTS];
+	uint32_t facts = view->counts[BLOB_EMITTERS] > 0 ? FACT_EMITTERS : 0;
 	uint32_t last = NONE;
 
 	// Only what some triangle uses counts: an unused material calls for nothing.
-	for (uint32_t i = 0; i < blob_count(blob, BLOB_TRIANGLES); i++) {
+	for (uint32_t i = 0; i < view->counts[BLOB_TRIANGLES]; i++) {
 		if (triangles[i].material != last)
 			facts |= material_facts(&materials[triangles[i].material]);
 		last = triangles[i].material;
 	}
-	for (uint32_t i = 0; i < blob_count(blob, BLOB_LIGHTS); i++)
+	for (uint32_t i = 0; i < view->counts[BLOB_LIGHTS]; i++)
 		facts |= light_facts(&lights[i]);
-	return has_colours(blob) ? facts | FACT_VERTEX_COLORS : facts;
+	return has_colours(view) ? facts | FACT_VERTEX_COLORS : facts;
+}
+
+uint32_t facts_collect(const struct blob_header *blob)
+{
+	struct blob_view view;
+	blob_view_init(&view, blob);
+	return facts_of_view(&view);
 }
 
 const char *fact_name(enum fact fact)

@@ -229,10 +229,10 @@ static enum status camera_of_scene(const struct blob_camera *from, struct plan *
 	return aim(p, from->up, half, err);
 }
 
-static enum status plan_camera(const candil_Render *r, const struct blob_header *scene, struct plan *p, struct error *err)
+static enum status plan_camera(const candil_Render *r, const struct blob_view *scene, struct plan *p, struct error *err)
 {
-	const struct blob_camera *cameras = blob_section(scene, BLOB_CAMERAS);
-	const uint32_t count = blob_count(scene, BLOB_CAMERAS);
+	const struct blob_camera *cameras = scene->sections[BLOB_CAMERAS];
+	const uint32_t count = scene->counts[BLOB_CAMERAS];
 	const candil_Camera *c = &r->camera;
 	if (r->has_camera && c->name[0]) {
 		for (uint32_t i = 0; i < count; i++)
@@ -260,7 +260,7 @@ static enum status plan_camera(const candil_Render *r, const struct blob_header 
 	return aim(p, c->has_up ? up : y_up, tan(c->vfov_degrees * PI / 360), err);
 }
 
-enum status plan_make(const candil_Render *r, const struct blob_header *scene, struct plan *p, struct error *err)
+enum status plan_make(const candil_Render *r, const struct blob_view *scene, struct plan *p, struct error *err)
 {
 	memset(p, 0, sizeof *p);
 	p->technique = candil_Technique_TECHNIQUE_PT;

@@ -41,7 +41,7 @@ struct plan {
 };
 
 // Plan a request over a scene. STATUS_BAD_ARGUMENT for an option or a camera that does not exist or cannot be.
-enum status plan_make(const candil_Render *request, const struct blob_header *scene, struct plan *plan, struct error *err);
+enum status plan_make(const candil_Render *request, const struct blob_view *scene, struct plan *plan, struct error *err);
 
 static inline bool plan_has(const struct plan *plan, candil_Effect effect)
 {

@@ -113,6 +113,7 @@ enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, struct
 		}
 		s->blob = map;
 		s->bytes = bytes;
+		blob_view_init(&s->view, map);
 	}
 	s->jobs++;
 	s->used = ++scenes->turn;
@@ -137,20 +138,37 @@ static enum status upload_srgb_table(struct buffer *buffer, struct device *devic
 	return buffer_init_with(buffer, device, table, sizeof table, err);
 }
 
+// Whose buffer a binding is: what an edit left alone is shared with the scene as loaded.
+static bool is_shared(const struct resident_scene *s, uint32_t binding)
+{
+	const enum blob_section section = section_of[binding];
+	return s->base && (section == BLOB_SECTIONS || s->view.sections[section] == s->base->view.sections[section]);
+}
+
+const struct buffer *resident_buffer(const struct resident_scene *s, uint32_t binding)
+{
+	return is_shared(s, binding) ? &s->base->buffers[binding] : &s->buffers[binding];
+}
+
+static enum status upload(const struct resident_scene *s, uint32_t binding, struct buffer *buffer, struct device *device,
+			  struct error *err)
+{
+	const enum blob_section section = section_of[binding];
+	if (binding == BIND_SRGB_TABLE)
+		return upload_srgb_table(buffer, device, err);
+	if (binding == BIND_GGX_TABLE)
+		return buffer_init_with(buffer, device, ggx_table, sizeof ggx_table, err);
+	const uint64_t bytes = (uint64_t)scene_count(s, section) * blob_stride(section);
+	return buffer_init_with(buffer, device, scene_section(s, section), bytes, err);
+}
+
 enum status resident_upload(struct resident_scene *s, struct device *device, uint32_t bindings, struct error *err)
 {
 	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++) {
-		if (!(bindings & 1u << i) || s->buffers[i].handle)
+		struct buffer *buffer = is_shared(s, i) ? &s->base->buffers[i] : &s->buffers[i];
+		if (!(bindings & 1u << i) || buffer->handle)
 			continue;
-		enum status r;
-		if (i == BIND_SRGB_TABLE) {
-			r = upload_srgb_table(&s->buffers[i], device, err);
-		} else if (i == BIND_GGX_TABLE) {
-			r = buffer_init_with(&s->buffers[i], device, ggx_table, sizeof ggx_table, err);
-		} else {
-			uint64_t bytes = (uint64_t)blob_count(s->blob, section_of[i]) * blob_stride(section_of[i]);
-			r = buffer_init_with(&s->buffers[i], device, blob_section(s->blob, section_of[i]), bytes, err);
-		}
+		enum status r = upload(s, i, buffer, device, err);
 		if (r != STATUS_OK)
 			return r;
 	}

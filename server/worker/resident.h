@@ -13,7 +13,9 @@ struct resident_scene {
 	int fd; // of the blob
 	const struct blob_header *blob; // NULL until the first use
 	size_t bytes;
-	struct buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device
+	struct resident_scene *base; // of an edited scene: the one as it was loaded; else NULL
+	struct blob_view view; // what a job reads
+	struct buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device, or the base's is used
 	uint32_t jobs; // that use it
 	uint64_t used; // when a job last began with it, in turns of resident_scenes.turn
 	bool forgotten; // goes with its last job
@@ -34,6 +36,21 @@ void resident_forget(struct resident_scenes *scenes, uint64_t id);
 // Find a scene for a job, mapped and checked. Each success is paired with resident_release.
 enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, struct resident_scene **scene, struct error *err);
 void resident_release(struct resident_scenes *scenes, struct resident_scene *scene);
+
+// What a job's scene holds: its own where an edit put something in its place, else as loaded. Techniques read no section in
+// any other way.
+static inline const void *scene_section(const struct resident_scene *scene, enum blob_section section)
+{
+	return scene->view.sections[section];
+}
+
+static inline uint32_t scene_count(const struct resident_scene *scene, enum blob_section section)
+{
+	return scene->view.counts[section];
+}
+
+// The buffer to bind; zeroed if it is not on the device.
+const struct buffer *resident_buffer(const struct resident_scene *scene, uint32_t binding);
 
 // Bring these bindings (bits 1 << BIND_…) onto the device, those that are not there yet. Sections without elements stay off.
 enum status resident_upload(struct resident_scene *scene, struct device *device, uint32_t bindings, struct error *err);

@@ -89,7 +89,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	enum status r = resident_acquire(&s->scenes, m->scene, &job->scene, err);
 	if (r != STATUS_OK)
 		return r;
-	r = plan_make(&m->render, job->scene->blob, &job->plan, err);
+	r = plan_make(&m->render, &job->scene->view, &job->plan, err);
 	if (r != STATUS_OK)
 		return r;
 	// Only the path tracer answers so far; the front refuses the other techniques by name.

@@ -225,6 +225,7 @@ static void bench_scene(struct device *device, RTCDevice embree, const char *loa
 	struct error err;
 	must(load_scene(loader, file, &loaded, &err), &err);
 	struct resident_scene scene = {.blob = loaded.blob, .bytes = loaded.bytes, .fd = loaded.fd};
+	blob_view_init(&scene.view, loaded.blob);
 	RTCScene judge = cast_judge(embree, loaded.blob);
 	for (uint32_t i = 0; i < RAYS; i++)
 		primary_ray(loaded.blob, i, &rays[PRIMARY][i]);

@@ -234,6 +234,7 @@ static bool test_scene(struct device *device, RTCDevice embree, const char *load
 		return false;
 	}
 	struct resident_scene resident = {.blob = scene.blob, .bytes = scene.bytes, .fd = scene.fd};
+	blob_view_init(&resident.view, scene.blob);
 	struct arrays a = {malloc(RAYS * sizeof *a.rays), malloc(RAYS * sizeof *a.segments), malloc(RAYS * sizeof *a.hits),
 			   malloc(RAYS * sizeof *a.any)};
 	struct cast_hit *single = malloc(RAYS * sizeof *single);

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "server/loader/alias.h"
+#include "server/scene/alias.h"
 
 #define MOST 5000
 

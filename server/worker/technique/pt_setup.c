@@ -99,10 +99,10 @@ static uint32_t scene_bindings(const struct plan *plan)
 
 // How next-event estimation divides its samples between the two kinds of light: by power, but never less than a tenth to
 // either, for a sun's power says little about a room that it does not reach.
-static float emitter_share(const struct plan *plan, const struct blob_header *blob)
+static float emitter_share(const struct plan *plan, const struct blob_view *scene)
 {
-	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)blob->emitter_power : 0;
-	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)blob->light_power : 0;
+	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
+	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
 	if (l <= 0)
 		return e > 0 ? 1.0f : 0.0f;
 	if (e <= 0)
@@ -114,7 +114,7 @@ static float emitter_share(const struct plan *plan, const struct blob_header *bl
 static void fill_job(const struct technique_job *j, struct pt_job *out)
 {
 	const struct plan *p = &j->plan;
-	const struct blob_header *blob = j->scene->blob;
+	const struct blob_view *scene = &j->scene->view;
 	memset(out, 0, sizeof *out);
 	out->width = p->width;
 	out->height = p->height;
@@ -122,15 +122,15 @@ static void fill_job(const struct technique_job *j, struct pt_job *out)
 	out->depth = p->depth;
 	out->seed[0] = (uint32_t)p->seed;
 	out->seed[1] = (uint32_t)(p->seed >> 32);
-	out->emitter_count = blob_count(blob, BLOB_EMITTERS);
-	out->light_count = blob_count(blob, BLOB_LIGHTS);
-	out->emitter_share = emitter_share(p, blob);
-	out->emitter_power_inv = blob->emitter_power > 0 ? 1.0f / blob->emitter_power : 0.0f;
-	out->has_uv1 = blob_count(blob, BLOB_UV1) > 0;
-	out->has_colors = blob_count(blob, BLOB_COLORS) > 0;
+	out->emitter_count = scene->counts[BLOB_EMITTERS];
+	out->light_count = scene->counts[BLOB_LIGHTS];
+	out->emitter_share = emitter_share(p, scene);
+	out->emitter_power_inv = scene->emitter_power > 0 ? 1.0f / scene->emitter_power : 0.0f;
+	out->has_uv1 = scene->counts[BLOB_UV1] > 0;
+	out->has_colors = scene->counts[BLOB_COLORS] > 0;
 	out->orthographic = p->camera.orthographic ? 1.0f : 0.0f;
 	for (int i = 0; i < 3; i++) {
-		out->eye[i] = (float)(p->camera.eye[i] - blob->origin[i]);
+		out->eye[i] = (float)(p->camera.eye[i] - scene->blob->origin[i]);
 		out->forward[i] = (float)p->camera.forward[i];
 		out->right[i] = (float)p->camera.right[i];
 		out->up[i] = (float)p->camera.up[i];
@@ -219,7 +219,7 @@ static enum status bind_band(struct technique_job *j, const struct pipeline *pip
 {
 	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
 	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
-		buffers[i] = &j->scene->buffers[i];
+		buffers[i] = resident_buffer(j->scene, i);
 	buffers[BIND_JOB] = &j->job;
 	buffers[BIND_COUNTERS] = &j->counters;
 	if (pipeline->shader == &aov_shader) {

@@ -1,4 +1,4 @@
-#include "server/loader/alias.h"
+#include "server/scene/alias.h"
 
 #include <stdlib.h>
 

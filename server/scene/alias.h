@@ -1,7 +1,7 @@
 // Alias tables (Walker 1977, in Vose's form of 1991): an entry in constant time, with a probability in proportion to its
 // weight.
-#ifndef CANDIL_LOADER_ALIAS_H
-#define CANDIL_LOADER_ALIAS_H
+#ifndef CANDIL_SCENE_ALIAS_H
+#define CANDIL_SCENE_ALIAS_H
 
 #include <stddef.h>
 #include <stdint.h>
