@@ -14,6 +14,8 @@
 #define LIMIT_LINGER_MS 1000u // after its last message a connection that closes gets so long to read it
 #define LIMIT_STALL_SECONDS 300u // a connection that takes no byte of what waits for it so long is closed
 #define LIMIT_IMAGE_BYTES (256u * 1024u * 1024u) // encoded images that wait for one connection; one alone may exceed it
+#define LIMIT_OWN_IMAGE_BYTES (4u * 1024u * 1024u) // of those, room that no other connection can take
+#define LIMIT_COMMON_IMAGE_BYTES (1u << 30) // what does not fit there, of all connections; one alone may exceed it
 
 // ---- strings, without the terminating zero ----
 #define LIMIT_NAME 63u // of a scene, camera or client
@@ -44,6 +46,7 @@
 #define LIMIT_SCENE_FILE_BYTES (1ull << 30) // the file and each of its side files
 #define LIMIT_SCENE_SOURCE_BYTES (2ull << 30) // all its files together
 #define LIMIT_BLOB_BYTES (4ull << 30)
+#define LIMIT_SCENES_BYTES (16ull << 30) // the blobs of all scenes together
 #define LIMIT_TRIANGLES (32u * 1024u * 1024u)
 #define LIMIT_VERTICES (96u * 1024u * 1024u)
 #define LIMIT_ZERO_ELEMENTS (1024u * 1024u) // of glTF accessors without a buffer view, all together
@@ -56,7 +59,7 @@
 #define LIMIT_NODES 1000000u
 #define LIMIT_NODE_DEPTH 4096u
 #define LIMIT_BVH_DEPTH 48u // levels; the shader's stack has as many entries
-#define LIMIT_LOAD_SECONDS 120u // wall-clock time of one loader
+#define LIMIT_LOAD_SECONDS 120u // of the clock, and of processor time, that one loader may take
 #define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob
 #define LIMIT_LOADER_FILES 64u // descriptors of one loader
 #define LIMIT_LOADERS 2u // at once; further loads wait

@@ -53,7 +53,8 @@ static void print_stats(const struct candil_stats *s)
 		printf("device       %s, %.1f MiB in use\n", s->device, (double)s->device_bytes / 1048576.0);
 	printf("up           %.1f s, %" PRIu32 " ms slices, %" PRIu64 " done\n", (double)s->uptime_us * 1e-6, s->slice_ms,
 	       s->slices);
-	printf("connections  %" PRIu32 ", %" PRIu64 " bytes wait for them\n", s->connections, s->buffered_bytes);
+	printf("connections  %" PRIu32 ", %" PRIu64 " bytes and %.1f MiB of images wait for them\n", s->connections,
+	       s->buffered_bytes, (double)s->image_bytes / 1048576.0);
 	printf("jobs         %" PRIu32 " under way, %" PRIu64 " done, %" PRIu64 " failed, %" PRIu64 " cancelled\n", s->jobs,
 	       s->jobs_done, s->jobs_failed, s->jobs_cancelled);
 	printf("scenes       %" PRIu32 ", %.1f MiB\n", s->scenes, (double)s->scene_bytes / 1048576.0);
@@ -79,6 +80,7 @@ static json_t *stats_json(const struct candil_stats *s)
 	PUT(scenes);
 	PUT(scene_bytes);
 	PUT(buffered_bytes);
+	PUT(image_bytes);
 	PUT(worker_pid);
 	PUT(loader_pid);
 	PUT(device_bytes);
@@ -121,7 +123,8 @@ const struct command stats_command = {
 	    "--json: {\"uptime_us\", \"connections\", \"jobs\", \"jobs_done\", \"jobs_failed\", \"jobs_cancelled\", "
 	    "\"slices\",\n"
 	    "\"worker_starts\", \"loader_starts\", \"loader_failures\", \"scenes\", \"scene_bytes\", \"buffered_bytes\",\n"
-	    "\"worker_pid\", \"loader_pid\", \"device_bytes\", \"validation_errors\", \"slice_ms\", \"device\",\n"
+	    "\"image_bytes\", \"worker_pid\", \"loader_pid\", \"device_bytes\", \"validation_errors\", \"slice_ms\", "
+	    "\"device\",\n"
 	    "\"device_error\"}\n",
     .run = run_stats,
 };

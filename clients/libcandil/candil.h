@@ -338,6 +338,7 @@ struct candil_stats {
 	uint64_t loader_failures;
 	uint32_t scenes;
 	uint64_t scene_bytes, buffered_bytes;
+	uint64_t image_bytes; // of encoded images that are being made or wait to be read
 	uint32_t worker_pid, loader_pid;
 	char device[128]; // "" while the worker starts
 	uint64_t device_bytes, validation_errors;

@@ -267,6 +267,7 @@ static void read_stats(const candil_StatsReply *from, struct candil_stats *to)
 	to->scenes = from->scenes;
 	to->scene_bytes = from->scene_bytes;
 	to->buffered_bytes = from->buffered_bytes;
+	to->image_bytes = from->image_bytes;
 	to->worker_pid = from->worker_pid;
 	to->loader_pid = from->loader_pid;
 	TEXT(to->device, from->device);

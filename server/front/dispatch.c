@@ -220,6 +220,7 @@ static enum status on_stats(const struct message *m, struct error *err)
 				   .loader_starts = s->scenes.loader_starts,
 				   .loader_failures = s->scenes.loader_failures,
 				   .buffered_bytes = sessions_buffered(&s->sessions),
+				   .image_bytes = room_bytes(&s->jobs.room),
 				   .worker_pid = (uint32_t)s->worker.child.pid,
 				   .device_bytes = s->worker.device_bytes,
 				   .validation_errors = s->worker.validation_errors,

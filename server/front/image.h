@@ -7,10 +7,12 @@
 #include <stdint.h>
 
 #include "candil.pb.h"
+#include "server/front/room.h"
 
 struct session;
 
 struct image {
+	struct room_place place; // from before it is asked for until it is gone: kept by jobs
 	int fd; // sealed memfd of frame.bytes bytes; -1: none
 	candil_ImageFrame frame;
 	bool announced;
@@ -33,6 +35,7 @@ bool image_pump(struct image *image, struct session *session, uint32_t request, 
 // All is queued.
 bool image_is_sent(const struct image *image);
 
+// The place stays.
 void image_close(struct image *image);
 
 #endif

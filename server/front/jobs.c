@@ -14,7 +14,6 @@
 
 // A job refused so often for want of memory lets no younger one begin before it.
 #define MEMORY_PATIENCE 4u
-#define PREVIEW_US 1000000u
 #define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
 
 void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms)
@@ -114,20 +113,12 @@ enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t 
 	return STATUS_OK;
 }
 
-// The images of a sweep are sent in order: only the first that it has may ask for room among those that wait to be sent, or
-// one behind it could take the room that it needs.
-static bool is_first(const struct jobs *jobs, const struct job *job)
+bool job_is_first(const struct jobs *jobs, const struct job *job)
 {
 	for (unsigned i = 0; job->sweep && i < jobs->count; i++)
 		if (jobs->job[i]->sweep == job->sweep)
 			return jobs->job[i] == job;
 	return true;
-}
-
-static void unreserve(struct job *job)
-{
-	job->session->image_bytes -= job->reserved;
-	job->reserved = 0;
 }
 
 bool job_on_device(const struct job *job)
@@ -142,11 +133,10 @@ void jobs_let_others_try(struct jobs *jobs)
 		jobs->job[i]->short_of_memory = false;
 }
 
-static void destroy(struct job *job)
+static void destroy(struct jobs *jobs, struct job *job)
 {
-	image_close(&job->preview);
-	image_close(&job->final);
-	unreserve(job);
+	job_release_image(jobs, job, &job->preview);
+	job_release_image(jobs, job, &job->final);
 	if (!job->sweep) {
 		job->session->requests--;
 	} else if (--job->sweep->jobs == 0) {
@@ -169,13 +159,13 @@ static void drop(struct jobs *jobs, struct job *job)
 			jobs->count--;
 			break;
 		}
-	destroy(job);
+	destroy(jobs, job);
 }
 
 void jobs_finish(struct jobs *jobs)
 {
 	while (jobs->count > 0)
-		destroy(jobs->job[--jobs->count]);
+		destroy(jobs, jobs->job[--jobs->count]);
 }
 
 // ---- ends ------------------------------------------------------------------------------------------------------------
@@ -198,8 +188,8 @@ static void drop_sweep(struct jobs *jobs, const struct sweep *sweep)
 		}
 }
 
-// Ends the job's request: all images of a sweep. So several jobs may go, and places in the table change.
-static void fail(struct jobs *jobs, struct job *job, const struct error *err)
+// All images of a sweep end with one of them. So several jobs may go, and places in the table change.
+void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err)
 {
 	if (!err || err->code == STATUS_CANCELLED)
 		jobs->cancelled++;
@@ -214,23 +204,18 @@ static void fail(struct jobs *jobs, struct job *job, const struct error *err)
 		drop(jobs, job);
 }
 
-void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err)
-{
-	fail(jobs, job, err);
-}
-
 void jobs_fail_all(struct jobs *jobs, const struct session *session, const struct error *err)
 {
 	for (unsigned i = jobs->count; i-- > 0;)
 		if (i < jobs->count && (!session || jobs->job[i]->session == session))
-			fail(jobs, jobs->job[i], err);
+			jobs_fail(jobs, jobs->job[i], err);
 }
 
 void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct error *err)
 {
 	for (unsigned i = jobs->count; i-- > 0;)
 		if (i < jobs->count && jobs->job[i]->scene == scene)
-			fail(jobs, jobs->job[i], err);
+			jobs_fail(jobs, jobs->job[i], err);
 }
 
 // The front's part of the account: the wait before the device, and what the worker cannot know.
@@ -294,7 +279,7 @@ static void finish_frame(struct jobs *jobs, struct job *job)
 	sweep_destroy(sweep);
 }
 
-static void finish(struct jobs *jobs, struct job *job)
+void job_finish(struct jobs *jobs, struct job *job)
 {
 	if (job->sweep) {
 		finish_frame(jobs, job);
@@ -305,123 +290,6 @@ static void finish(struct jobs *jobs, struct job *job)
 	jobs->done++;
 	log_end(job, "done");
 	drop(jobs, job);
-}
-
-// ---- images ----------------------------------------------------------------------------------------------------------
-
-// One image may always wait for a connection, more while they fit the limit.
-static bool reserve(struct job *job)
-{
-	uint64_t bytes = image_estimate(&job->render);
-	if (job->session->image_bytes > 0 && job->session->image_bytes + bytes > LIMIT_IMAGE_BYTES)
-		return false;
-	job->reserved += bytes;
-	job->session->image_bytes += bytes;
-	return true;
-}
-
-void job_release_image(struct job *job, struct image *image)
-{
-	uint64_t bytes = image_estimate(&job->render);
-	image_close(image);
-	job->reserved -= bytes;
-	job->session->image_bytes -= bytes;
-}
-
-// A preview at each doubling of samples or each second, whichever is first; none while the last one is on its way.
-static void ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
-{
-	uint64_t now = clock_us();
-	if (!job->render.progressive || !is_first(jobs, job) || job->preview_due || image_waits(&job->preview) ||
-	    samples <= job->preview_samples)
-		return;
-	if (samples < 2 * (uint64_t)job->preview_samples && now < job->preview_us + PREVIEW_US)
-		return;
-	if (!reserve(job))
-		return;
-	job->preview_due = true;
-	job->preview_samples = samples;
-	job->preview_us = now;
-	worker_read(jobs->worker, job->id, false);
-}
-
-// The last READ, with END behind it: the device's memory is free once the worker has copied the picture.
-static void read_final(struct jobs *jobs)
-{
-	for (unsigned i = 0; i < jobs->count; i++) {
-		struct job *job = jobs->job[i];
-		if (job->state != JOB_FINISHED || !is_first(jobs, job) || !reserve(job))
-			continue;
-		worker_read(jobs->worker, job->id, true);
-		worker_end(jobs->worker, job->id);
-		job->state = JOB_READING;
-		jobs_let_others_try(jobs);
-	}
-}
-
-void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, int fd)
-{
-	struct job *job = jobs_by_id(jobs, id);
-	bool final = image->frame.final || (job && !job->preview_due);
-	if (!job || (final && job->state != JOB_READING)) {
-		if (fd >= 0)
-			close(fd);
-		return;
-	}
-	if (image->error.code != STATUS_OK) {
-		fail(jobs, job, &image->error);
-		return;
-	}
-	candil_ImageFrame frame = image->frame;
-	frame.final = final;
-	frame.index = job->index;
-	if (final) {
-		job->done = image->done;
-		job->state = JOB_SENDING;
-		image_set(&job->final, fd, &frame);
-		// A preview that nobody has seen the beginning of is of no use any more.
-		if (image_waits(&job->preview) && !job->preview.announced)
-			job_release_image(job, &job->preview);
-	} else {
-		job->preview_due = false;
-		image_set(&job->preview, fd, &frame);
-	}
-}
-
-static bool pump(struct jobs *jobs, struct job *job)
-{
-	bool broken;
-	struct image *image = image_waits(&job->preview) ? &job->preview : &job->final;
-	if (!image_waits(image) || !is_first(jobs, job))
-		return false;
-	bool queued = image_pump(image, job->session, job->request, &broken);
-	if (broken) {
-		struct error err;
-		error_set(&err, STATUS_INTERNAL, "the image could not be read back");
-		fail(jobs, job, &err);
-		return true;
-	}
-	if (image_is_sent(image)) {
-		bool last = image == &job->final;
-		job_release_image(job, image);
-		if (last)
-			finish(jobs, job);
-	}
-	return queued;
-}
-
-bool jobs_fill(struct jobs *jobs, struct session *session)
-{
-	bool queued = false;
-	// The oldest first, or those that come after it would take all the room for as long as the client asks for more. A
-	// job that ends moves the next into its place; one of a sweep brings another, at the end.
-	for (unsigned i = 0; i < jobs->count;) {
-		const uint32_t id = jobs->job[i]->id;
-		if (jobs->job[i]->session == session)
-			queued |= pump(jobs, jobs->job[i]);
-		i += i < jobs->count && jobs->job[i]->id == id;
-	}
-	return queued;
 }
 
 // ---- the device ------------------------------------------------------------------------------------------------------
@@ -489,7 +357,7 @@ void jobs_dispatch(struct jobs *jobs)
 {
 	if (jobs->worker->state != WORKER_READY)
 		return;
-	read_final(jobs);
+	jobs_read_finished(jobs);
 	step(jobs);
 	begin(jobs);
 }
@@ -516,7 +384,7 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 		job->refusals++;
 		return;
 	}
-	fail(jobs, job, &begun->error);
+	jobs_fail(jobs, job, &begun->error);
 }
 
 static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, candil_Progress *progress)
@@ -569,7 +437,7 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		job->sweep->device_us += device_us;
 	}
 	if (stepped->error.code != STATUS_OK) {
-		fail(jobs, job, &stepped->error);
+		jobs_fail(jobs, job, &stepped->error);
 		return;
 	}
 	if (stepped->finished) {
@@ -582,5 +450,5 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		return;
 	}
 	tell_progress(jobs, job);
-	ask_preview(jobs, job, stepped->samples_done);
+	job_ask_preview(jobs, job, stepped->samples_done);
 }

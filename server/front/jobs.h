@@ -5,8 +5,8 @@
 //      ^                                       │           │                           │                       │
 //      └────────────── the worker was lost ────┴───────────┴───────────────────────────┴───────────────────────┘
 //
-// A FINISHED job keeps its accumulators on the device until its client has taken enough of what waits for it
-// (LIMIT_IMAGE_BYTES): a client that does not read holds its own jobs, nobody else's.
+// A FINISHED job keeps its accumulators on the device until there is room for its image (room.h): for as long as its client
+// has too much to take, or all clients together have and the image is a large one.
 #ifndef CANDIL_FRONT_JOBS_H
 #define CANDIL_FRONT_JOBS_H
 
@@ -16,6 +16,7 @@
 #include "candil.pb.h"
 #include "protocol/limits.h"
 #include "server/front/image.h"
+#include "server/front/room.h"
 #include "server/front/scenes.h"
 #include "server/front/schedule.h"
 #include "server/front/sweep.h"
@@ -49,7 +50,6 @@ struct job {
 	bool preview_due; // asked of the worker, not here yet
 	uint32_t preview_samples; // of the last one asked for
 	uint64_t preview_us;
-	uint64_t reserved; // of session->image_bytes
 	struct image preview, final;
 	candil_Done done; // the worker's part
 };
@@ -66,6 +66,8 @@ struct jobs {
 	uint32_t beginning; // the same for BEGIN
 	bool begin_behind_step; // both are outstanding, the STEP was sent first
 	uint32_t held; // job that had the device last
+	struct room room; // of all images
+	bool short_of_room; // an image waits for common room
 	uint64_t slices, done, failed, cancelled;
 };
 

@@ -1,12 +1,12 @@
 // A worker is lost: who is blamed, and who begins again.
 #include "server/front/jobs_table.h"
 
-static void begin_again(struct job *job)
+static void begin_again(struct jobs *jobs, struct job *job)
 {
 	if (job->preview_due)
-		job_release_image(job, &job->preview);
+		job_release_image(jobs, job, &job->preview);
 	if (job->state == JOB_READING)
-		job_release_image(job, &job->final);
+		job_release_image(jobs, job, &job->final);
 	job->preview_due = false;
 	job->preview_samples = 0;
 	job->samples_done = 0;
@@ -52,7 +52,7 @@ void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
 	jobs->held = 0;
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (was_with_worker(jobs->job[i]))
-			begin_again(jobs->job[i]);
+			begin_again(jobs, jobs->job[i]);
 	// Nobody holds the device's memory any more, so no end of a job would ever wake those that lacked some.
 	jobs_let_others_try(jobs);
 	if (!hopeless)

@@ -1,4 +1,4 @@
-// What jobs.c and jobs_lost.c share. For these two alone.
+// What the files of jobs share, jobs.c, jobs_images.c and jobs_lost.c. For these alone.
 #ifndef CANDIL_FRONT_JOBS_TABLE_H
 #define CANDIL_FRONT_JOBS_TABLE_H
 
@@ -10,8 +10,21 @@ struct job *jobs_by_id(const struct jobs *jobs, uint32_t id);
 // The worker holds memory of the device for it.
 bool job_on_device(const struct job *job);
 
-// Close one of the job's images and give its room back.
-void job_release_image(struct job *job, struct image *image);
+// The images of a sweep are sent in order: only the first that it has may ask for room among those that wait to be sent, or
+// one behind it could take the room that it needs. A render is always first.
+bool job_is_first(const struct jobs *jobs, const struct job *job);
+
+// Its last image is all queued: DONE, or a sweep's next image.
+void job_finish(struct jobs *jobs, struct job *job);
+
+// Close one of the job's images, if there is one, and give its room back, if it has some.
+void job_release_image(struct jobs *jobs, const struct job *job, struct image *image);
+
+// Ask for an intermediate image if it is time for one.
+void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples);
+
+// Ask for the images of finished jobs, as far as there is room for them.
+void jobs_read_finished(struct jobs *jobs);
 
 // Device memory is free, or about to be: jobs that lacked some may try again.
 void jobs_let_others_try(struct jobs *jobs);

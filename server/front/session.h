@@ -12,6 +12,7 @@
 #include "server/front/loop.h"
 #include "server/front/outbox.h"
 #include "server/front/reader.h"
+#include "server/front/room.h"
 
 enum session_state {
 	SESSION_GREETING, // no hello yet
@@ -43,7 +44,7 @@ struct session {
 	struct outbox outbox;
 	size_t discarded; // bytes thrown away while lingering
 	unsigned requests; // renders and loads under way: kept by those who run them
-	uint64_t image_bytes; // of images that wait for it: kept by jobs
+	struct room room; // of images that wait for it: kept by jobs
 	struct loop_timer timer;
 	struct sessions *table;
 	struct session *next;

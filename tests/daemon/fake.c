@@ -28,6 +28,16 @@ bool fake_inherited(int last)
 	return found;
 }
 
+int fake_sparse_memfd(unsigned long bytes)
+{
+	int fd;
+	void *map;
+	if (memfd_create_mapped("fake", bytes, &fd, &map, NULL) != STATUS_OK ||
+	    memfd_seal(fd, map, bytes, NULL) != STATUS_OK)
+		exit(9);
+	return fd;
+}
+
 int fake_memfd(unsigned long bytes, unsigned seed, bool seal)
 {
 	int fd;

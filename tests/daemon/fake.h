@@ -14,4 +14,7 @@ bool fake_inherited(int last);
 // A sealed memfd of `bytes`: byte i is (i * 31 + seed) modulo 256. Ends the program on failure.
 int fake_memfd(unsigned long bytes, unsigned seed, bool seal);
 
+// A sealed one of zeros that takes no memory until it is read.
+int fake_sparse_memfd(unsigned long bytes);
+
 #endif

@@ -5,6 +5,8 @@
 //   FAKE_STEP_US=N     a step takes so long (default 200)
 //   FAKE_MEMORY_JOBS=N there is memory for N jobs
 //   FAKE_MEMORY_PIXELS=N there is memory for jobs of N pixels together
+//   FAKE_SPARSE=N      images from 2^20 pixels on are N zeros a pixel
+//   FAKE_TRACE=FILE    the job of each step is added to it, a line a step
 //   FAKE_COUNTS        count more stages than there are
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
@@ -32,6 +34,7 @@ struct job {
 static struct job jobs[MAX];
 static uint64_t scenes[MAX];
 static unsigned long steps;
+static FILE *trace;
 
 static void answer(const void *message, size_t bytes, int fd)
 {
@@ -132,6 +135,8 @@ static void on_step(const struct ipc_step *message)
 	struct ipc_stepped stepped = {.head = {.op = IPC_STEPPED, .job = message->head.job}};
 	struct job *job = find(message->head.job);
 	steps++;
+	if (trace)
+		fprintf(trace, "%u\n", message->head.job);
 	if (death_is_due())
 		raise(SIGKILL);
 	unsigned long us = fake_number("FAKE_STEP_US", 200);
@@ -149,6 +154,14 @@ static void on_step(const struct ipc_step *message)
 			error_set(&stepped.error, STATUS_DEVICE, "the device was lost");
 	}
 	answer(&stepped, sizeof stepped, -1);
+}
+
+static int make_image(const candil_ImageFrame *frame, unsigned seed)
+{
+	const unsigned long factor = fake_number("FAKE_SPARSE", 0);
+	if (factor > 0 && frame->bytes >= 1ul << 20)
+		return fake_sparse_memfd(frame->bytes * factor);
+	return fake_memfd(frame->bytes, seed, true);
 }
 
 static void on_read(const struct ipc_read *message)
@@ -169,7 +182,7 @@ static void on_read(const struct ipc_read *message)
 		image.done.stages_count = getenv("FAKE_COUNTS") ? 60000 : 1;
 		snprintf(image.done.stages[0].name, sizeof image.done.stages[0].name, "trace");
 		snprintf(image.done.device, sizeof image.done.device, "fake");
-		fd = fake_memfd(image.frame.bytes, (unsigned)job->render.seed + (unsigned)job->render.camera.eye.x, true);
+		fd = make_image(&image.frame, (unsigned)job->render.seed + (unsigned)job->render.camera.eye.x);
 	}
 	answer(&image, sizeof image, fd);
 	if (fd >= 0)
@@ -214,6 +227,10 @@ int main(void)
 	} inbox;
 	if (getenv("FAKE_EXIT"))
 		return 3;
+	if (getenv("FAKE_TRACE")) {
+		trace = fopen(getenv("FAKE_TRACE"), "ae");
+		setvbuf(trace, NULL, _IOLBF, 0);
+	}
 	struct ipc_ready ready = {.head = {.op = IPC_READY}};
 	snprintf(ready.build, sizeof ready.build, "%s", getenv("FAKE_OTHER_BUILD") ? "0.0" : ipc_build());
 	snprintf(ready.device, sizeof ready.device, "%s", fake_inherited(IPC_FD) ? "inherited descriptors" : "fake");

@@ -104,6 +104,100 @@ class Stalled(FakeCase):
                          list(range(1, count + 1)))
 
 
+class CommonRoom(FakeCase):
+    """What does not fit a connection's own room: five pictures fill the common one, nearly."""
+    environment = {"FAKE_SPARSE": "12"}  # as many bytes a pixel as an EXR is estimated at
+    LARGE = 12 * 4096 * 4096
+
+    def ask_for(self, connection, **fields):
+        return connection.send(wire.RENDER, render(samples=1, **fields))
+
+    def large(self, connection):
+        return self.ask_for(connection, width=4096, height=4096)
+
+    def fill(self):
+        connections = [self.with_box()] + [self.connect() for _ in range(4)]
+        jobs = [(connection, self.large(connection)) for connection in connections]
+        other = self.connect()
+        wire.wait_for(lambda: other.stats().image_bytes == 5 * self.LARGE, "five images wait")
+        self.assertLessEqual(5 * self.LARGE, 1 << 30)
+        return jobs, other
+
+    def assert_small_ones_pass(self, other):
+        for side in (8, 500):  # 500 pixels a side take most of what a connection has for itself
+            replies = other.follow(self.ask_for(other, width=side, height=side, seed=3))
+            self.assertEqual(bytes(wire.images(replies)[0][1]), pattern(side * side, 3))
+
+    def wait_until_traced(self, other, slices):
+        wire.wait_for(lambda: other.stats().slices == slices, "the job is traced")
+
+    def finish(self, connection, job, size):
+        replies = connection.follow(job)
+        self.assertEqual(replies[-1].kind, wire.DONE)
+        (frame, data), = wire.images(replies)
+        self.assertEqual((frame.bytes, len(data)), (size, size))
+
+    def test_a_full_room_holds_up_only_what_needs_it(self):
+        jobs, other = self.fill()
+        waiting, younger = self.connect(), self.connect()
+        job = self.large(waiting)
+        self.wait_until_traced(other, 6)
+        # It would fit, but the one before it has waited longer.
+        middle = self.ask_for(younger, width=1024, height=1024)
+        self.wait_until_traced(other, 7)
+        self.assert_small_ones_pass(other)
+        stats = other.stats()
+        self.assertEqual((stats.image_bytes, stats.jobs), (5 * self.LARGE, 7))
+        # A client that reads makes room.
+        self.finish(*jobs[0], self.LARGE)
+        self.finish(waiting, job, self.LARGE)
+        self.finish(younger, middle, 12 << 20)
+        for connection, left in jobs[1:]:
+            self.finish(connection, left, self.LARGE)
+        self.assertEqual(other.stats().image_bytes, 0)
+
+    def test_a_client_that_goes_makes_room(self):
+        jobs, other = self.fill()
+        waiting = self.connect()
+        job = self.large(waiting)
+        self.wait_until_traced(other, 6)
+        self.assert_small_ones_pass(other)
+        jobs[2][0].close()
+        self.finish(waiting, job, self.LARGE)
+        self.assertEqual(jobs[3][0].ask(wire.CANCEL, pb.Cancel(request=jobs[3][1])).kind, wire.OK)
+        wire.wait_for(lambda: other.stats().image_bytes == 3 * self.LARGE, "its room is given back")
+
+    def test_one_larger_than_the_room_has_it_alone(self):
+        jobs, other = self.fill()
+        waiting = self.connect()
+        aovs = 1 | 2 | 4 | 8
+        huge = self.ask_for(waiting, width=8192, height=8192, aovs=aovs)  # 2.75 GiB by estimate
+        self.wait_until_traced(other, 6)
+        for connection, job in jobs[:4]:
+            self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=job)).kind, wire.OK)
+        self.assert_small_ones_pass(other)
+        self.assertEqual(other.stats().image_bytes, self.LARGE)
+        jobs[4][0].close()
+        frames = iter(lambda: waiting.receive_for(huge).kind, wire.IMAGE)
+        self.assertEqual(list(frames), [wire.ACCEPTED])
+        self.assertEqual(other.stats().image_bytes, 12 << 26)
+
+    def test_sweeps_and_previews_come_to_their_end(self):
+        jobs, other = self.fill()
+        late = self.connect()
+        sweep = pb.Sweep(render=render(width=1024, height=1024, samples=8, progressive=True, progress_ms=1),
+                         cameras=[pb.Camera(eye=pb.Vec3(x=i), target=pb.Vec3(z=1), vfov_degrees=40) for i in range(4)])
+        swept = late.send(wire.SWEEP, sweep)
+        single = late.send(wire.RENDER, render(width=2048, height=2048, samples=64, progressive=True))
+        self.assert_small_ones_pass(other)
+        for connection, _ in jobs:
+            connection.close()
+        for request, finals in ((swept, 4), (single, 1)):
+            replies = late.follow(request)
+            self.assertEqual(replies[-1].kind, wire.DONE)
+            self.assertEqual(sum(frame.final for frame, _ in wire.images(replies)), finals)
+
+
 class Crowd(FakeCase):
     def test_too_many_connections(self):
         crowd = [self.connect() for _ in range(256)]

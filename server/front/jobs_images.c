@@ -1,0 +1,127 @@
+// The images of jobs: room for them, asking for them, sending them.
+#include <unistd.h>
+
+#include "server/base/clock.h"
+#include "server/front/jobs_table.h"
+#include "server/front/session.h"
+
+#define PREVIEW_US 1000000u
+
+static enum room_answer take_room(struct jobs *jobs, const struct job *job, struct image *image, bool own_only)
+{
+	return room_take(&jobs->room, &job->session->room, &image->place, image_estimate(&job->render), own_only);
+}
+
+void job_release_image(struct jobs *jobs, const struct job *job, struct image *image)
+{
+	room_give_back(&jobs->room, &job->session->room, &image->place);
+	image_close(image);
+}
+
+// A preview at each doubling of samples or each second, whichever is first; none while the last one is on its way.
+void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
+{
+	uint64_t now = clock_us();
+	if (!job->render.progressive || !job_is_first(jobs, job) || job->preview_due || image_waits(&job->preview) ||
+	    samples <= job->preview_samples)
+		return;
+	if (samples < 2 * (uint64_t)job->preview_samples && now < job->preview_us + PREVIEW_US)
+		return;
+	if (take_room(jobs, job, &job->preview, jobs->short_of_room) != ROOM_TAKEN)
+		return;
+	job->preview_due = true;
+	job->preview_samples = samples;
+	job->preview_us = now;
+	worker_read(jobs->worker, job->id, false);
+}
+
+// The last READ, with END behind it: the device's memory is free once the worker has copied the picture. An image that waits
+// for common room lets no younger one have some, or small ones could keep a large one out for ever.
+void jobs_read_finished(struct jobs *jobs)
+{
+	jobs->short_of_room = false;
+	for (unsigned i = 0; i < jobs->count; i++) {
+		struct job *job = jobs->job[i];
+		if (job->state != JOB_FINISHED || !job_is_first(jobs, job))
+			continue;
+		enum room_answer answer = take_room(jobs, job, &job->final, jobs->short_of_room);
+		jobs->short_of_room |= answer == ROOM_COMMON_FULL;
+		if (answer != ROOM_TAKEN)
+			continue;
+		worker_read(jobs->worker, job->id, true);
+		worker_end(jobs->worker, job->id);
+		job->state = JOB_READING;
+		jobs_let_others_try(jobs);
+	}
+}
+
+static void take_over(struct jobs *jobs, struct job *job, struct image *image, int fd, const candil_ImageFrame *frame)
+{
+	image_set(image, fd, frame);
+	room_resize(&jobs->room, &job->session->room, &image->place, frame->bytes);
+}
+
+void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, int fd)
+{
+	struct job *job = jobs_by_id(jobs, id);
+	bool final = image->frame.final || (job && !job->preview_due);
+	if (!job || (final && job->state != JOB_READING)) {
+		if (fd >= 0)
+			close(fd);
+		return;
+	}
+	if (image->error.code != STATUS_OK) {
+		jobs_fail(jobs, job, &image->error);
+		return;
+	}
+	candil_ImageFrame frame = image->frame;
+	frame.final = final;
+	frame.index = job->index;
+	if (final) {
+		job->done = image->done;
+		job->state = JOB_SENDING;
+		take_over(jobs, job, &job->final, fd, &frame);
+		// A preview that nobody has seen the beginning of is of no use any more.
+		if (image_waits(&job->preview) && !job->preview.announced)
+			job_release_image(jobs, job, &job->preview);
+	} else {
+		job->preview_due = false;
+		take_over(jobs, job, &job->preview, fd, &frame);
+	}
+}
+
+static bool pump(struct jobs *jobs, struct job *job)
+{
+	bool broken;
+	struct image *image = image_waits(&job->preview) ? &job->preview : &job->final;
+	if (!image_waits(image) || !job_is_first(jobs, job))
+		return false;
+	bool queued = image_pump(image, job->session, job->request, &broken);
+	if (broken) {
+		struct error err;
+		error_set(&err, STATUS_INTERNAL, "the image could not be read back");
+		jobs_fail(jobs, job, &err);
+		return true;
+	}
+	if (image_is_sent(image)) {
+		bool last = image == &job->final;
+		job_release_image(jobs, job, image);
+		if (last)
+			job_finish(jobs, job);
+	}
+	return queued;
+}
+
+bool jobs_fill(struct jobs *jobs, struct session *session)
+{
+	bool queued = false;
+	// The oldest first, or those that come after it would take all the room for as long as the client asks for more. A
+	// job that ends moves the next into its place; one of a sweep brings another, at the end.
+	for (unsigned i = 0; i < jobs->count;) {
+		const uint32_t id = jobs->job[i]->id;
+		if (jobs->job[i]->session == session)
+			queued |= pump(jobs, jobs->job[i]);
+		i += i < jobs->count && jobs->job[i]->id == id;
+	}
+	return queued;
+}
