@@ -124,11 +124,13 @@ static void drop(struct loop *loop, int *fd)
 	*fd = -1;
 }
 
-void child_reap(struct child *child, struct loop *loop, char *how, size_t capacity)
+int child_reap(struct child *child, struct loop *loop, char *how, size_t capacity)
 {
 	siginfo_t info = {0};
+	int signal_number = 0;
 	snprintf(how, capacity, "ended");
 	if (child->pid > 0 && waitid(P_PIDFD, (id_t)child->pidfd, &info, WEXITED | WNOHANG) == 0) {
+		signal_number = info.si_code == CLD_EXITED ? 0 : info.si_status;
 		if (info.si_code == CLD_EXITED)
 			snprintf(how, capacity, "exited with status %d", info.si_status);
 		else
@@ -137,6 +139,7 @@ void child_reap(struct child *child, struct loop *loop, char *how, size_t capaci
 	drop(loop, &child->socket);
 	drop(loop, &child->pidfd);
 	child->pid = 0;
+	return signal_number;
 }
 
 struct abandoned {

@@ -38,8 +38,8 @@ enum status child_start(struct child *child, char *const argv[], int folder, str
 void child_kill(const struct child *child);
 
 // After pidfd became readable: collect it and close both descriptors (forgotten in `loop` first). `how` gets its end in
-// words, "killed by signal 9" or "exited with status 1".
-void child_reap(struct child *child, struct loop *loop, char *how, size_t capacity);
+// words, "killed by signal 9" or "exited with status 1". Returns the signal, 0 if it was none.
+int child_reap(struct child *child, struct loop *loop, char *how, size_t capacity);
 
 // Kill it and let go: the loop collects it whenever it has ended. Never blocks.
 void child_abandon(struct child *child, struct children *children);

@@ -4,6 +4,7 @@
 #include "server/front/loader.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -140,8 +141,14 @@ static void ended(void *owner, uint32_t events)
 	(void)events;
 	if (take(loader))
 		return;
-	child_reap(&loader->child, loader->loop, how, sizeof how);
-	error_set(&err, STATUS_LOADER_LOST, "the loader was lost while it read the file (%s): the file may be broken", how);
+	if (child_reap(&loader->child, loader->loop, how, sizeof how) == SIGXCPU)
+		error_set(
+		    &err, STATUS_SCENE_LIMIT,
+		    "the scene takes more than %u s of processor time to read: make it smaller, the file may be broken",
+		    LIMIT_LOAD_SECONDS);
+	else
+		error_set(&err, STATUS_LOADER_LOST,
+			  "the loader was lost while it read the file (%s): the file may be broken", how);
 	fail(loader, &err);
 }
 
@@ -149,7 +156,8 @@ static void too_late(void *owner)
 {
 	struct loader *loader = owner;
 	struct error err;
-	error_set(&err, STATUS_LOADER_LOST, "the loader was not done within %u s and was stopped", LIMIT_LOAD_SECONDS);
+	error_set(&err, STATUS_SCENE_LIMIT,
+		  "the scene takes more than %u s to read: make it smaller, the file may be broken", LIMIT_LOAD_SECONDS);
 	fail(loader, &err);
 }
 

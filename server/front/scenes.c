@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "protocol/limits.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
@@ -123,6 +124,20 @@ static void keep(struct scene *scene, const candil_SceneInfo *info, int blob)
 	source_close(&scene->source);
 }
 
+// Will all scenes together be too large with this one? The one that it replaces goes, unless jobs still use it.
+static enum status check_bytes(const struct scenes *scenes, const struct scene *old, uint64_t bytes, struct error *err)
+{
+	uint64_t others;
+	scenes_count(scenes, &others);
+	if (old && old->users == 1)
+		others -= old->info.blob_bytes;
+	if (others + bytes <= LIMIT_SCENES_BYTES)
+		return STATUS_OK;
+	return error_set(err, STATUS_TOO_MANY_SCENES,
+			 "the scene takes %llu MiB, the others %llu, all together may take %llu: unload some first",
+			 (unsigned long long)bytes >> 20, (unsigned long long)others >> 20, LIMIT_SCENES_BYTES >> 20);
+}
+
 static void loaded(void *owner, const struct ipc_loaded *message, int blob)
 {
 	struct scene *scene = owner;
@@ -132,6 +147,12 @@ static void loaded(void *owner, const struct ipc_loaded *message, int blob)
 		return;
 	}
 	struct scene *old = find(table, scene->info.name, false);
+	struct error err;
+	if (check_bytes(table, old, message->info.blob_bytes, &err) != STATUS_OK) {
+		close(blob);
+		scenes_stop_load(scene, &err);
+		return;
+	}
 	keep(scene, &message->info, blob);
 	scene->state = SCENE_READY;
 	if (old)

@@ -66,7 +66,8 @@ void scenes_init(struct scenes *scenes, struct children *children, const char *l
 void scenes_finish(struct scenes *scenes);
 
 // Begin a load. `source` is taken over, on failure too. `session` may be NULL. The answer comes by events, never before
-// this returns. STATUS_TOO_MANY_SCENES; STATUS_BAD_ARGUMENT if a load of that name is under way.
+// this returns. STATUS_TOO_MANY_SCENES; STATUS_BAD_ARGUMENT if a load of that name is under way. How large a scene is shows
+// when it is loaded: one that is too much together with the others (LIMIT_SCENES_BYTES) fails then.
 enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct source *source, struct session *session,
 			uint32_t request, struct error *err);
 
@@ -88,7 +89,7 @@ void scenes_unload(struct scene *scene);
 void scene_hold(struct scene *scene);
 void scene_release(struct scene *scene);
 
-// Listed and ready ones, and their bytes.
+// Listed and ready ones; the bytes of all, with those that jobs still use.
 uint32_t scenes_count(const struct scenes *scenes, uint64_t *bytes);
 
 // Of a load under way, else 0.

@@ -1,5 +1,6 @@
 // Stands in for candil-loader. The file's first word says what to do:
 //   ok [BYTES]   a blob of BYTES (default 4096)          refuse     an error of its own
+//   sparse BYTES a blob that takes no memory             overrun    be ended for its processor time
 //   hang         nothing, for ever                       die        be killed
 //   unsealed     a blob that could still change          dirty      text that is no UTF-8, counts out of bounds if asked
 //   other-build  a message of another build              nonsense   a message too short
@@ -70,8 +71,14 @@ int main(int argc, char *argv[])
 		memcpy(loaded.info.warnings[0], "bad \xFF\xC0\x80 \x1B[2J text", 18);
 	if (!strcmp(word, "counts"))
 		loaded.info.warnings_count = 60000;
+	if (!strcmp(word, "overrun"))
+		raise(SIGXCPU);
 	bool refused = loaded.error.code != STATUS_OK;
-	int fd = refused ? -1 : fake_memfd(bytes, 0, strcmp(word, "unsealed") != 0);
+	int fd = -1;
+	if (!strcmp(word, "sparse"))
+		fd = fake_sparse_memfd(bytes);
+	else if (!refused)
+		fd = fake_memfd(bytes, 0, strcmp(word, "unsealed") != 0);
 	ipc_send(IPC_FD, &loaded, strcmp(word, "nonsense") ? sizeof loaded : 12, fd, NULL);
 	return 0;
 }

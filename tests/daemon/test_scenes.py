@@ -64,6 +64,25 @@ class Loads(FakeCase):
         self.assertEqual(connection.ask(wire.UNLOAD, pb.Unload(name="s5")).kind, wire.OK)
         connection.load("more", self.scenes, "box.gltf")
 
+    def test_too_large_together(self):
+        connection = self.connect()
+        self.write("large.gltf", f"sparse {4 << 30}")
+        for i in range(4):
+            connection.load(f"s{i}", self.scenes, "large.gltf")
+        reply = connection.receive_for(connection.send_load("box", self.scenes, "box.gltf"))
+        self.assert_error(reply, "too-many-scenes")
+        self.assertIn("unload some", reply.body.message)
+        stats = connection.stats()
+        self.assertEqual((stats.scenes, stats.scene_bytes, stats.loader_failures), (4, 16 << 30, 1))
+        # In the place of another it fits, unless somebody still uses that.
+        job = connection.send(wire.RENDER, endless("s1"))
+        connection.receive(wire.ACCEPTED, job)
+        self.assert_error(connection.receive_for(connection.send_load("s1", self.scenes, "large.gltf")), "too-many-scenes")
+        self.assertEqual(connection.load("s0", self.scenes, "large.gltf").blob_bytes, 4 << 30)
+        self.assertEqual(connection.ask(wire.UNLOAD, pb.Unload(name="s2")).kind, wire.OK)
+        connection.load("box", self.scenes, "box.gltf")
+        self.assertEqual(connection.stats().scene_bytes, (12 << 30) + 4096)
+
     def test_at_most_two_loaders(self):
         connection = self.connect()
         self.write("slow.gltf", "hang")
@@ -137,6 +156,12 @@ class Distrust(FakeCase):
 
     def test_dies(self):
         self.assertIn("signal 9", self.load_fails("die", "loader-lost").body.message)
+
+    def test_takes_too_long(self):
+        self.assertIn("120 s of processor time", self.load_fails("overrun", "scene-limit").body.message)
+
+    def test_too_large_alone(self):
+        self.load_fails(f"sparse {(4 << 30) + 1}", "scene-limit")
 
     def test_unsealed_blob(self):
         self.load_fails("unsealed", "loader-lost")

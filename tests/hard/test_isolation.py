@@ -226,11 +226,11 @@ class Service(Loader):
             while not pid and job.poll() is None and time.monotonic() < deadline:
                 pid = daemon.stats()["loader_pid"]
             self.assertTrue(pid)
-            resource.prlimit(pid, resource.RLIMIT_CPU, (0, 0))
+            resource.prlimit(pid, resource.RLIMIT_CPU, (0, 100))
             _, error = job.communicate(timeout=HANG_SECONDS)
             self.assertEqual(job.returncode, 4, error)
-            self.assertIn(b"loader-lost", error)
-            self.assertIn(b"signal", error)
+            self.assertIn(b"scene-limit", error)
+            self.assertIn(b"processor time", error)
             self.assertGreater(float(daemon.render("box", spp=4).radiance.max()), 0)
 
     def test_refused_scenes_leave_the_daemon_as_it_was(self):

@@ -18,9 +18,9 @@ def render(scene="box", **fields):
     return pb.Render(scene=scene, **values)
 
 
-def endless(**fields):
+def endless(scene="box", **fields):
     """A render that no test sees the end of."""
-    return render(samples=1 << 24, progress_ms=1, **fields)
+    return render(scene, samples=1 << 24, progress_ms=1, **fields)
 
 
 class FakeCase(unittest.TestCase):
