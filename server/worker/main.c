@@ -8,6 +8,7 @@
 
 #include "server/base/ipc.h"
 #include "server/base/log.h"
+#include "server/worker/devices.h"
 #include "server/worker/doctor.h"
 #include "server/worker/serve.h"
 #include "server/worker/vk/device.h"
@@ -56,7 +57,7 @@ static bool parse(int argc, char **argv, struct settings *out)
 int main(int argc, char **argv)
 {
 	struct settings settings = {0};
-	struct device *device = NULL;
+	struct devices devices = {0};
 	struct error err = {0};
 	log_init("candil-worker", LOG_WARNING);
 	if (!parse(argc, argv, &settings)) {
@@ -69,9 +70,9 @@ int main(int argc, char **argv)
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the line
-	if (device_create(&settings.device, &device, &err) != STATUS_OK)
+	if (device_create(&settings.device, &devices.vk, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "%s", err.text);
-	enum status s = serve(IPC_FD, device, &err);
-	device_destroy(device);
+	enum status s = serve(IPC_FD, &devices, &err);
+	devices_finish(&devices);
 	return s == STATUS_OK ? 0 : 1;
 }

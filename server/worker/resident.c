@@ -41,14 +41,24 @@ enum status resident_add(struct resident_scenes *scenes, uint64_t id, int fd, st
 	return STATUS_OK;
 }
 
+static void leave_device(struct resident_scene *scene, struct device *device)
+{
+	while (scene->derived) {
+		struct derived *d = scene->derived;
+		scene->derived = d->next;
+		d->destroy(d);
+	}
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		buffer_finish(&scene->buffers[i], device);
+}
+
 static void destroy(struct resident_scenes *scenes, struct resident_scene *scene)
 {
 	struct resident_scene **at = &scenes->first;
 	while (*at != scene)
 		at = &(*at)->next;
 	*at = scene->next;
-	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
-		buffer_finish(&scene->buffers[i], scenes->device);
+	leave_device(scene, scenes->device);
 	if (scene->blob)
 		munmap((void *)(uintptr_t)scene->blob, scene->bytes);
 	close(scene->fd);
@@ -57,6 +67,8 @@ static void destroy(struct resident_scenes *scenes, struct resident_scene *scene
 
 static bool is_on_device(const struct resident_scene *scene)
 {
+	if (scene->derived)
+		return true;
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
 		if (scene->buffers[i].handle)
 			return true;
@@ -72,8 +84,7 @@ bool resident_evict(struct resident_scenes *scenes)
 	if (!oldest)
 		return false;
 	log_line(LOG_INFO, "scene %llu makes room", (unsigned long long)oldest->id);
-	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
-		buffer_finish(&oldest->buffers[i], scenes->device);
+	leave_device(oldest, scenes->device);
 	return true;
 }
 
@@ -127,15 +138,43 @@ void resident_release(struct resident_scenes *scenes, struct resident_scene *sce
 		destroy(scenes, scene);
 }
 
-static enum status upload_srgb_table(struct buffer *buffer, struct device *device, struct error *err)
+// sRGB's curve for the 256 bytes, IEC 61966-2-1.
+static const float *srgb_table(void)
 {
-	float table[256];
-	for (int i = 0; i < 256; i++) {
-		// IEC 61966-2-1.
-		double c = i / 255.0;
+	static float table[256];
+	for (int i = 0; table[255] == 0.0f && i < 256; i++) {
+		const double c = i / 255.0;
 		table[i] = (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
 	}
-	return buffer_init_with(buffer, device, table, sizeof table, err);
+	return table;
+}
+
+const void *resident_data(const struct resident_scene *s, uint32_t binding, uint64_t *bytes)
+{
+	if (binding == BIND_SRGB_TABLE) {
+		*bytes = 256 * sizeof(float);
+		return srgb_table();
+	}
+	if (binding == BIND_GGX_TABLE) {
+		*bytes = sizeof ggx_table;
+		return ggx_table;
+	}
+	*bytes = (uint64_t)scene_count(s, section_of[binding]) * blob_stride(section_of[binding]);
+	return scene_section(s, section_of[binding]);
+}
+
+struct derived *resident_derived(const struct resident_scene *s, const void *kind)
+{
+	struct derived *d = s->derived;
+	while (d && d->kind != kind)
+		d = d->next;
+	return d;
+}
+
+void resident_derive(struct resident_scene *s, struct derived *derived)
+{
+	derived->next = s->derived;
+	s->derived = derived;
 }
 
 // Whose buffer a binding is: what an edit left alone is shared with the scene as loaded.
@@ -150,29 +189,18 @@ const struct buffer *resident_buffer(const struct resident_scene *s, uint32_t bi
 	return is_shared(s, binding) ? &s->base->buffers[binding] : &s->buffers[binding];
 }
 
-static enum status upload(const struct resident_scene *s, uint32_t binding, struct buffer *buffer, struct device *device,
-			  struct error *err)
-{
-	const enum blob_section section = section_of[binding];
-	if (binding == BIND_SRGB_TABLE)
-		return upload_srgb_table(buffer, device, err);
-	if (binding == BIND_GGX_TABLE)
-		return buffer_init_with(buffer, device, ggx_table, sizeof ggx_table, err);
-	const uint64_t bytes = (uint64_t)scene_count(s, section) * blob_stride(section);
-	return buffer_init_with(buffer, device, scene_section(s, section), bytes, err);
-}
-
 enum status resident_upload(struct resident_scene *s, struct device *device, uint32_t bindings, struct error *err)
 {
-	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++) {
+	enum status r = STATUS_OK;
+	for (uint32_t i = 0; r == STATUS_OK && i < BIND_SCENE_COUNT; i++) {
 		struct buffer *buffer = is_shared(s, i) ? &s->base->buffers[i] : &s->buffers[i];
 		if (!(bindings & 1u << i) || buffer->handle)
 			continue;
-		enum status r = upload(s, i, buffer, device, err);
-		if (r != STATUS_OK)
-			return r;
+		uint64_t bytes;
+		const void *data = resident_data(s, i, &bytes);
+		r = buffer_init_with(buffer, device, data, bytes, err);
 	}
-	return STATUS_OK;
+	return r;
 }
 
 void resident_finish(struct resident_scenes *scenes)

@@ -7,6 +7,14 @@
 #include "server/worker/vk/buffer.h"
 #include "shaders/shared/bindings.h"
 
+// What a technique made out of a scene and keeps from job to job: another API's buffers, voxels. First member of the
+// technique's own struct.
+struct derived {
+	struct derived *next;
+	const void *kind; // the address of something that only its maker has
+	void (*destroy)(struct derived *derived);
+};
+
 struct resident_scene {
 	struct resident_scene *next;
 	uint64_t id;
@@ -16,6 +24,7 @@ struct resident_scene {
 	struct resident_scene *base; // of an edited scene: the one as it was loaded; else NULL
 	struct blob_view view; // what a job reads
 	struct buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device, or the base's is used
+	struct derived *derived; // newest first; they go before the buffers
 	uint32_t jobs; // that use it
 	uint64_t used; // when a job last began with it, in turns of resident_scenes.turn
 	bool forgotten; // goes with its last job
@@ -54,6 +63,15 @@ const struct buffer *resident_buffer(const struct resident_scene *scene, uint32_
 
 // Bring these bindings (bits 1 << BIND_…) onto the device, those that are not there yet. Sections without elements stay off.
 enum status resident_upload(struct resident_scene *scene, struct device *device, uint32_t bindings, struct error *err);
+
+// What a binding holds, in host memory: a section of the blob, or a table of ours. bytes is 0 for a section without
+// elements.
+const void *resident_data(const struct resident_scene *scene, uint32_t binding, uint64_t *bytes);
+
+// What a maker derived before, or NULL; and handing something over, to be destroyed with the scene or when it leaves the
+// device.
+struct derived *resident_derived(const struct resident_scene *scene, const void *kind);
+void resident_derive(struct resident_scene *scene, struct derived *derived);
 
 // Take the least recently used scene that no job needs off the device; its blob stays mapped. False if there is none: then
 // all that is on the device is in use.

@@ -10,10 +10,12 @@
 #include "server/base/clock.h"
 #include "server/base/ipc.h"
 #include "server/base/log.h"
+#include "server/worker/devices.h"
+#include "server/worker/gl/device.h"
 #include "server/worker/image/encoder.h"
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
-#include "server/worker/technique/pt.h"
+#include "server/worker/technique/technique.h"
 #include "server/worker/vk/device.h"
 
 struct job {
@@ -27,7 +29,7 @@ struct job {
 
 struct server {
 	int socket;
-	struct device *device;
+	struct devices *devices;
 	struct error no_device;
 	struct resident_scenes scenes;
 	struct encoder *encoder;
@@ -57,7 +59,7 @@ static void job_destroy(struct server *s, struct job *job)
 // begins the jobs again; an answer would fail a job that can still be done.
 static enum status answer_front(const struct server *s, const void *answer, size_t bytes)
 {
-	if (s->device && s->device->lost)
+	if (s->devices->vk && (s->devices->vk->lost || (s->devices->gl && s->devices->gl->lost)))
 		return STATUS_DEVICE;
 	return ipc_send(s->socket, answer, bytes, -1, NULL);
 }
@@ -74,15 +76,15 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 	out->technique = job->plan.technique;
 	out->plan_count = (pb_size_t)job->plan.report_count;
 	memcpy(out->plan, job->plan.reports, job->plan.report_count * sizeof *out->plan);
-	snprintf(out->device, sizeof out->device, "%s", s->device->info.name);
-	out->job_bytes = pt_job_bytes(s->device, &job->plan);
+	snprintf(out->device, sizeof out->device, "%s", s->devices->vk->info.name);
+	out->job_bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	out->samples = job->plan.samples;
 	out->depth = job->plan.depth;
 }
 
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
 {
-	if (!s->device) {
+	if (!s->devices->vk) {
 		*err = s->no_device;
 		return err->code;
 	}
@@ -92,15 +94,17 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	r = plan_make(&m->render, &job->scene->view, &job->plan, err);
 	if (r != STATUS_OK)
 		return r;
-	// Only the path tracer answers so far; the front refuses the other techniques by name.
-	job->technique = &technique_pt;
-	const uint64_t bytes = pt_job_bytes(s->device, &job->plan);
-	if (bytes > s->device->budget)
+	job->technique = technique_find(job->plan.technique);
+	if (!job->technique)
+		return error_set(err, STATUS_UNSUPPORTED, "this worker has no such technique");
+	const uint64_t budget = s->devices->vk->budget;
+	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
+	if (bytes > budget)
 		return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget is %llu MiB: render smaller",
-				 (unsigned long long)(bytes >> 20), (unsigned long long)(s->device->budget >> 20));
+				 (unsigned long long)(bytes >> 20), (unsigned long long)(budget >> 20));
 	// Scenes that nobody renders now make room, the one unused for longest first.
 	do
-		r = job->technique->begin(s->device, job->scene, &job->plan, &job->work, err);
+		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
 	while (r == STATUS_MEMORY && resident_evict(&s->scenes));
 	return r;
 }
@@ -140,9 +144,11 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	answer.finished = result.finished;
 	answer.fraction = result.fraction;
 	answer.device_us = clock_us() - start;
-	if (s->device) {
-		answer.device_bytes = s->device->bytes;
-		answer.validation_errors = atomic_load(&s->device->validation_errors);
+	if (s->devices->vk) {
+		answer.device_bytes = s->devices->vk->bytes;
+		answer.validation_errors = atomic_load(&s->devices->vk->validation_errors);
+		if (s->devices->gl)
+			answer.validation_errors += s->devices->gl->errors;
 	}
 	return answer_front(s, &answer, sizeof answer);
 }
@@ -163,7 +169,7 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 	frame_add_metadata(f, "depth", "%u", p->depth);
 	frame_add_metadata(f, "estimated_relmse", "%.6g", f->estimated_relmse);
 	frame_add_metadata(f, "non_finite_samples", "%llu", (unsigned long long)f->non_finite_samples);
-	frame_add_metadata(f, "device", "%s", s->device->info.name);
+	frame_add_metadata(f, "device", "%s", s->devices->vk->info.name);
 	frame_add_metadata(f, "scene_hash", "%016llx%016llx", (unsigned long long)job->scene->blob->hash[1],
 			   (unsigned long long)job->scene->blob->hash[0]);
 	for (uint32_t i = 0; i < f->stage_count; i++) {
@@ -252,17 +258,17 @@ static enum status handle(struct server *s, const void *message, size_t bytes, i
 	}
 }
 
-enum status serve(int socket, struct device *device, const struct error *why)
+enum status serve(int socket, struct devices *devices, const struct error *why)
 {
-	struct server s = {.socket = socket, .device = device, .scenes = {.device = device}};
+	struct server s = {.socket = socket, .devices = devices, .scenes = {.device = devices->vk}};
 	struct ipc_ready ready = {.head = {.op = IPC_READY}};
 	struct error err;
 	enum status r = STATUS_INTERNAL;
 	_Alignas(16) static char message[IPC_MAX_BYTES];
 	snprintf(ready.build, sizeof ready.build, "%s", ipc_build());
-	if (device) {
-		snprintf(ready.device, sizeof ready.device, "%s", device->info.name);
-		ready.software = device->info.software;
+	if (devices->vk) {
+		snprintf(ready.device, sizeof ready.device, "%s", devices->vk->info.name);
+		ready.software = devices->vk->info.software;
 	} else {
 		s.no_device = *why;
 		ready.error = *why;
@@ -286,7 +292,7 @@ enum status serve(int socket, struct device *device, const struct error *why)
 		s.jobs = job->next;
 		job_destroy(&s, job);
 	}
-	if (device)
+	if (devices->vk)
 		resident_finish(&s.scenes);
 	return r;
 }

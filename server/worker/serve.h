@@ -4,11 +4,11 @@
 
 #include "server/base/error.h"
 
-struct device;
+struct devices;
 
-// Serve the front at `socket` until it closes. `device` NULL: there is none, for the reason in `why`; every job is then
-// refused with it. STATUS_OK when the front has gone; STATUS_DEVICE when the device was lost, and the process should end so
-// that the front starts another.
-enum status serve(int socket, struct device *device, const struct error *why);
+// Serve the front at `socket` until it closes. `devices->vk` NULL: there is no device, for the reason in `why`; every job is
+// then refused with it. STATUS_OK when the front has gone; STATUS_DEVICE when the device was lost, and the process should
+// end so that the front starts another.
+enum status serve(int socket, struct devices *devices, const struct error *why);
 
 #endif

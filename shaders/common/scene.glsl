@@ -4,61 +4,80 @@
 
 #include "shared/bindings.h"
 
+// What runs, of the plan. Specialization constants of a Vulkan pipeline, macros of an OpenGL program: a program that comes
+// without them has everything on.
+#ifdef VULKAN
 layout(constant_id = SPEC_TEXTURES) const bool EFFECT_TEXTURES = true;
 layout(constant_id = SPEC_EMITTERS) const bool EFFECT_EMITTERS = true;
 layout(constant_id = SPEC_LIGHTS) const bool EFFECT_LIGHTS = true;
 layout(constant_id = SPEC_ENVIRONMENT) const bool EFFECT_ENVIRONMENT = true;
 layout(constant_id = SPEC_BOUNCES) const bool EFFECT_BOUNCES = true;
-
-layout(std430, set = 0, binding = BIND_NODES) readonly buffer Nodes {
-	vec4 nodes[];   // struct bvh_node, four words at a time
-};
 layout(constant_id = SPEC_GLOSSY) const bool EFFECT_GLOSSY = true;
 layout(constant_id = SPEC_NORMAL_MAPS) const bool EFFECT_NORMAL_MAPS = true;
 layout(constant_id = SPEC_ALPHA_MASK) const bool EFFECT_ALPHA_MASK = true;
 layout(constant_id = SPEC_VERTEX_COLORS) const bool EFFECT_VERTEX_COLORS = true;
 layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
+#define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
+#else
+#ifndef EFFECT_TEXTURES
+#define EFFECT_TEXTURES true
+#define EFFECT_EMITTERS true
+#define EFFECT_LIGHTS true
+#define EFFECT_ENVIRONMENT true
+#define EFFECT_BOUNCES true
+#define EFFECT_GLOSSY true
+#define EFFECT_NORMAL_MAPS true
+#define EFFECT_ALPHA_MASK true
+#define EFFECT_VERTEX_COLORS true
+#define EFFECT_UNLIT true
+#endif
+#define SCENE_BUFFER(n) layout(std430, binding = n)
+#endif
 
-layout(std430, set = 0, binding = BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
+
+SCENE_BUFFER(BIND_NODES) readonly buffer Nodes {
+	vec4 nodes[];   // struct bvh_node, four words at a time
+};
+SCENE_BUFFER(BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
 	vec4 leaf_triangles[];   // struct leaf_triangle, likewise
 };
-layout(std430, set = 0, binding = BIND_TRIANGLES) readonly buffer Triangles {
+SCENE_BUFFER(BIND_TRIANGLES) readonly buffer Triangles {
 	triangle triangles[];
 };
-layout(std430, set = 0, binding = BIND_VERTICES) readonly buffer Vertices {
+SCENE_BUFFER(BIND_VERTICES) readonly buffer Vertices {
 	vertex vertices[];
 };
-layout(std430, set = 0, binding = BIND_MATERIALS) readonly buffer Materials {
+SCENE_BUFFER(BIND_MATERIALS) readonly buffer Materials {
 	material materials[];
 };
-layout(std430, set = 0, binding = BIND_TEXTURES) readonly buffer Textures {
+SCENE_BUFFER(BIND_TEXTURES) readonly buffer Textures {
 	texture_info textures[];
 };
-layout(std430, set = 0, binding = BIND_TEXELS) readonly buffer Texels {
+SCENE_BUFFER(BIND_TEXELS) readonly buffer Texels {
 	uint texels[];
 };
-layout(std430, set = 0, binding = BIND_EMITTERS) readonly buffer Emitters {
+SCENE_BUFFER(BIND_EMITTERS) readonly buffer Emitters {
 	emitter emitters[];
 };
-layout(std430, set = 0, binding = BIND_LIGHTS) readonly buffer Lights {
+SCENE_BUFFER(BIND_LIGHTS) readonly buffer Lights {
 	punctual_light lights[];
 };
-layout(std430, set = 0, binding = BIND_SRGB_TABLE) readonly buffer SrgbTable {
+SCENE_BUFFER(BIND_SRGB_TABLE) readonly buffer SrgbTable {
 	float srgb_table[];
 };
-layout(std430, set = 0, binding = BIND_UV1) readonly buffer Uv1 {
+SCENE_BUFFER(BIND_UV1) readonly buffer Uv1 {
 	vertex_uv1 uv1[];
 };
-layout(std430, set = 0, binding = BIND_COLORS) readonly buffer Colors {
+SCENE_BUFFER(BIND_COLORS) readonly buffer Colors {
 	vertex_color colors[];
 };
-layout(std430, set = 0, binding = BIND_TANGENTS) readonly buffer Tangents {
+SCENE_BUFFER(BIND_TANGENTS) readonly buffer Tangents {
 	vertex_tangent tangents[];
 };
-layout(std430, set = 0, binding = BIND_GGX_TABLE) readonly buffer GgxTable {
+SCENE_BUFFER(BIND_GGX_TABLE) readonly buffer GgxTable {
 	vec2 ggx_table[];
 };
-layout(std430, set = 0, binding = BIND_JOB) readonly buffer Job {
+SCENE_BUFFER(BIND_JOB) readonly buffer Job {
 	pt_job job;
 };
 

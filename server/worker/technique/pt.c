@@ -231,4 +231,4 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 }
 
 const struct technique technique_pt = {
-    .name = "pt", .begin = pt_job_create, .step = pt_step, .read = pt_read, .end = pt_job_destroy};
+    .name = "pt", .bytes = pt_job_bytes, .begin = pt_job_create, .step = pt_step, .read = pt_read, .end = pt_job_destroy};

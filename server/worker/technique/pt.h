@@ -6,7 +6,4 @@
 
 extern const struct technique technique_pt;
 
-// Device memory, in bytes, that a job of this plan takes beside its scene.
-uint64_t pt_job_bytes(const struct device *device, const struct plan *plan);
-
 #endif

@@ -2,6 +2,7 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_JOB_H
 #define CANDIL_WORKER_TECHNIQUE_PT_JOB_H
 
+#include "server/worker/devices.h"
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
 #include "server/worker/vk/pipeline.h"
@@ -43,8 +44,10 @@ struct technique_job {
 
 #define PT_TILES_PER_DISPATCH 4096u
 
+uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
+
 // Make everything that the plan asks for. On failure nothing is left.
-enum status pt_job_create(struct device *device, struct resident_scene *scene, const struct plan *plan,
+enum status pt_job_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			  struct technique_job **job, struct error *err);
 void pt_job_destroy(struct technique_job *job);
 

@@ -5,6 +5,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/pt.h"
 #include "server/worker/technique/pt_job.h"
+#include "server/worker/technique/scene_job.h"
 #include "server/worker/vk/command.h"
 #include "shaders/aov_comp.h"
 #include "shaders/path_comp.h"
@@ -65,77 +66,16 @@ static uint64_t paths_bytes(const struct plan *plan)
 	return (uint64_t)tiles * TILE_PIXELS * sizeof(struct path_state);
 }
 
-uint64_t pt_job_bytes(const struct device *device, const struct plan *plan)
+uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
+	(void)scene;
 	uint64_t bytes = sizeof(struct pt_job) + 2 * sizeof(struct pt_counters);
-	if (segment_of(device, plan) <= plan->depth)
+	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
 	bytes += pixels_of(plan) * ACCUMULATOR_FLOATS * sizeof(float);
 	if (plan->aovs)
 		bytes += pixels_of(plan) * AOV_WORDS * sizeof(uint32_t);
 	return bytes;
-}
-
-// ---- the parameters -----------------------------------------------------------------------------------------------------
-
-static uint32_t scene_bindings(const struct plan *plan)
-{
-	uint32_t bits =
-	    1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES | 1u << BIND_TRIANGLES | 1u << BIND_VERTICES | 1u << BIND_MATERIALS;
-	if (plan_has(plan, candil_Effect_EFFECT_EMITTERS))
-		bits |= 1u << BIND_EMITTERS;
-	if (plan_has(plan, candil_Effect_EFFECT_LIGHTS))
-		bits |= 1u << BIND_LIGHTS;
-	if (plan_has(plan, candil_Effect_EFFECT_TEXTURES) || plan_has(plan, candil_Effect_EFFECT_NORMAL_MAPS))
-		bits |= 1u << BIND_TEXTURES | 1u << BIND_TEXELS | 1u << BIND_SRGB_TABLE | 1u << BIND_UV1;
-	if (plan_has(plan, candil_Effect_EFFECT_NORMAL_MAPS))
-		bits |= 1u << BIND_TANGENTS;
-	if (plan_has(plan, candil_Effect_EFFECT_VERTEX_COLORS))
-		bits |= 1u << BIND_COLORS;
-	if (plan_has(plan, candil_Effect_EFFECT_GLOSSY))
-		bits |= 1u << BIND_GGX_TABLE;
-	return bits;
-}
-
-// How next-event estimation divides its samples between the two kinds of light: by power, but never less than a tenth to
-// either, for a sun's power says little about a room that it does not reach.
-static float emitter_share(const struct plan *plan, const struct blob_view *scene)
-{
-	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
-	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
-	if (l <= 0)
-		return e > 0 ? 1.0f : 0.0f;
-	if (e <= 0)
-		return 0.0f;
-	const double share = e / (e + l);
-	return (float)(share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
-}
-
-static void fill_job(const struct technique_job *j, struct pt_job *out)
-{
-	const struct plan *p = &j->plan;
-	const struct blob_view *scene = &j->scene->view;
-	memset(out, 0, sizeof *out);
-	out->width = p->width;
-	out->height = p->height;
-	out->tiles_x = tile_columns(p);
-	out->depth = p->depth;
-	out->seed[0] = (uint32_t)p->seed;
-	out->seed[1] = (uint32_t)(p->seed >> 32);
-	out->emitter_count = scene->counts[BLOB_EMITTERS];
-	out->light_count = scene->counts[BLOB_LIGHTS];
-	out->emitter_share = emitter_share(p, scene);
-	out->emitter_power_inv = scene->emitter_power > 0 ? 1.0f / scene->emitter_power : 0.0f;
-	out->has_uv1 = scene->counts[BLOB_UV1] > 0;
-	out->has_colors = scene->counts[BLOB_COLORS] > 0;
-	out->orthographic = p->camera.orthographic ? 1.0f : 0.0f;
-	for (int i = 0; i < 3; i++) {
-		out->eye[i] = (float)(p->camera.eye[i] - scene->blob->origin[i]);
-		out->forward[i] = (float)p->camera.forward[i];
-		out->right[i] = (float)p->camera.right[i];
-		out->up[i] = (float)p->camera.up[i];
-		out->background[i] = p->background[i];
-	}
 }
 
 // ---- bands --------------------------------------------------------------------------------------------------------------
@@ -186,7 +126,7 @@ static enum status make_buffers(struct technique_job *j, struct error *err)
 {
 	struct device *d = j->device;
 	struct pt_job params;
-	fill_job(j, &params);
+	scene_job_fill(&j->plan, &j->scene->view, &params);
 	enum status s = buffer_init_with(&j->job, d, &params, sizeof params, err);
 	if (s == STATUS_OK)
 		s = buffer_init(&j->counters, d, sizeof(struct pt_counters), BUFFER_DEVICE, err);
@@ -302,9 +242,10 @@ static enum status make_aov_pass(struct technique_job *j, struct error *err)
 
 // ---- the job ------------------------------------------------------------------------------------------------------------
 
-enum status pt_job_create(struct device *device, struct resident_scene *scene, const struct plan *plan,
+enum status pt_job_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			  struct technique_job **job, struct error *err)
 {
+	struct device *device = devices->vk;
 	struct technique_job *j = calloc(1, sizeof *j);
 	if (!j)
 		return error_set(err, STATUS_MEMORY, "out of memory");
@@ -313,7 +254,7 @@ enum status pt_job_create(struct device *device, struct resident_scene *scene, c
 	j->plan = *plan;
 	j->tiles = tiles_of(plan);
 	const uint64_t start = clock_us();
-	enum status s = resident_upload(scene, device, scene_bindings(plan), err);
+	enum status s = resident_upload(scene, device, scene_bindings_shade(plan) | scene_bindings_trace(), err);
 	if (s == STATUS_OK)
 		s = cut_bands(j, err);
 	if (s == STATUS_OK)

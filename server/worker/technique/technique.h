@@ -10,9 +10,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "candil.pb.h"
 #include "server/base/error.h"
 
-struct device; // worker/vk/device.h
+struct devices; // worker/devices.h
 struct resident_scene; // worker/resident.h
 struct plan; // worker/plan.h
 struct frame; // worker/image/frame.h
@@ -27,8 +28,11 @@ struct step_result {
 struct technique {
 	const char *name; // "pt"
 
+	// Device memory, in bytes, that a job of this plan takes beside its scene: asked before it begins.
+	uint64_t (*bytes)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
+
 	// Make everything that the plan asks for, and nothing else. The first use of a set of effects compiles.
-	enum status (*begin)(struct device *device, struct resident_scene *scene, const struct plan *plan,
+	enum status (*begin)(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			     struct technique_job **job, struct error *err);
 
 	// Work for about budget_us of device time, at least one indivisible piece. Calls continue where the last one
@@ -42,5 +46,8 @@ struct technique {
 	// Free the job. NULL is allowed.
 	void (*end)(struct technique_job *job);
 };
+
+// The technique of a plan; NULL: there is none of that number.
+const struct technique *technique_find(candil_Technique technique);
 
 #endif

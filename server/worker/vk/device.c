@@ -127,6 +127,7 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 		vkGetPhysicalDeviceProperties2(physical, &p);
 	snprintf(info->name, sizeof info->name, "%.64s%s%.56s", p.properties.deviceName, driver.driverInfo[0] ? ", " : "",
 		 driver.driverInfo);
+	memcpy(info->uuid_bytes, id.deviceUUID, sizeof info->uuid_bytes);
 	for (unsigned i = 0, o = 0; i < VK_UUID_SIZE; i++) {
 		if (i == 4 || i == 6 || i == 8 || i == 10)
 			info->uuid[o++] = '-';

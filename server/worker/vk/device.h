@@ -20,6 +20,7 @@ struct device_info {
 	uint32_t index;
 	char name[DEVICE_NAME_BYTES]; // with the driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe Mesa 22.3.6 …"
 	char uuid[37];
+	uint8_t uuid_bytes[VK_UUID_SIZE];
 	const char *type; // "discrete", "integrated", "virtual", "cpu", "other"
 	uint32_t api; // VK_API_VERSION
 	uint64_t memory_bytes; // of the largest device-local heap

@@ -1,0 +1,25 @@
+#include "server/worker/devices.h"
+
+#include "server/worker/gl/device.h"
+#include "server/worker/vk/device.h"
+
+enum status devices_gl(struct devices *d, struct gl_device **gl, struct error *err)
+{
+	enum status s = STATUS_OK;
+	if (!d->gl) {
+		const struct gl_device_options options = {.uuid = d->vk->info.uuid_bytes,
+							  .software = d->vk->info.software,
+							  .bytes = &d->vk->bytes,
+							  .budget = &d->vk->budget};
+		s = gl_device_create(&options, &d->gl, err);
+	}
+	*gl = d->gl;
+	return s;
+}
+
+void devices_finish(struct devices *d)
+{
+	gl_device_destroy(d->gl);
+	device_destroy(d->vk);
+	*d = (struct devices){0};
+}

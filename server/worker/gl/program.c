@@ -1,0 +1,132 @@
+#include "server/worker/gl/program.h"
+
+#include <epoxy/gl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "candil.pb.h"
+#include "server/base/log.h"
+#include "shaders/shared/bindings.h"
+
+static const char version[] = "#version 450 core\n";
+
+void gl_define(struct gl_defines *d, const char *name, const char *format, ...)
+{
+	char value[64];
+	va_list args;
+	va_start(args, format);
+	vsnprintf(value, sizeof value, format, args);
+	va_end(args);
+	const size_t used = strlen(d->text);
+	const int n = snprintf(d->text + used, sizeof d->text - used, "#define %s %s\n", name, value);
+	d->full = d->full || n < 0 || (size_t)n >= sizeof d->text - used;
+}
+
+void gl_define_effects(struct gl_defines *d, uint32_t effects)
+{
+	static const char *const names[SPEC_EFFECTS] = {[SPEC_TEXTURES] = "EFFECT_TEXTURES",
+							[SPEC_EMITTERS] = "EFFECT_EMITTERS",
+							[SPEC_LIGHTS] = "EFFECT_LIGHTS",
+							[SPEC_ENVIRONMENT] = "EFFECT_ENVIRONMENT",
+							[SPEC_BOUNCES] = "EFFECT_BOUNCES",
+							[SPEC_GLOSSY] = "EFFECT_GLOSSY",
+							[SPEC_NORMAL_MAPS] = "EFFECT_NORMAL_MAPS",
+							[SPEC_ALPHA_MASK] = "EFFECT_ALPHA_MASK",
+							[SPEC_VERTEX_COLORS] = "EFFECT_VERTEX_COLORS",
+							[SPEC_UNLIT] = "EFFECT_UNLIT"};
+	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
+		gl_define(d, names[i], "%s", effects >> i & 1u ? "true" : "false");
+}
+
+static enum status compile(GLenum stage, const struct gl_program *p, const char *text, GLuint *shader, struct error *err)
+{
+	const char *const parts[] = {version, p->defines, text};
+	*shader = glCreateShader(stage);
+	glShaderSource(*shader, 3, parts, NULL);
+	glCompileShader(*shader);
+	GLint ok = GL_FALSE;
+	glGetShaderiv(*shader, GL_COMPILE_STATUS, &ok);
+	if (ok)
+		return STATUS_OK;
+	char words[1024] = "";
+	glGetShaderInfoLog(*shader, sizeof words, NULL, words);
+	log_line(LOG_ERROR, "%s: %s", p->source->name, words);
+	return error_set(err, STATUS_INTERNAL, "the shader %s does not compile: %.180s", p->source->name, words);
+}
+
+static enum status link_program(struct gl_program *p, struct error *err)
+{
+	GLint ok = GL_FALSE;
+	glLinkProgram(p->name);
+	glGetProgramiv(p->name, GL_LINK_STATUS, &ok);
+	if (ok)
+		return STATUS_OK;
+	char words[1024] = "";
+	glGetProgramInfoLog(p->name, sizeof words, NULL, words);
+	log_line(LOG_ERROR, "%s: %s", p->source->name, words);
+	return error_set(err, STATUS_INTERNAL, "the shader %s does not link: %.180s", p->source->name, words);
+}
+
+static enum status build(struct gl_program *p, struct error *err)
+{
+	const struct {
+		GLenum stage;
+		const char *text;
+	} stages[] = {{GL_COMPUTE_SHADER, p->source->compute},
+		      {GL_VERTEX_SHADER, p->source->vertex},
+		      {GL_FRAGMENT_SHADER, p->source->fragment}};
+	enum status s = STATUS_OK;
+	p->name = glCreateProgram();
+	for (unsigned i = 0; s == STATUS_OK && i < sizeof stages / sizeof *stages; i++) {
+		if (!stages[i].text)
+			continue;
+		GLuint shader;
+		s = compile(stages[i].stage, p, stages[i].text, &shader, err);
+		if (s == STATUS_OK)
+			glAttachShader(p->name, shader);
+		// Lives on as long as it is attached.
+		glDeleteShader(shader);
+	}
+	return s == STATUS_OK ? link_program(p, err) : s;
+}
+
+enum status gl_program_get(struct gl_device *d, const struct gl_source *source, const struct gl_defines *defines,
+			   const struct gl_program **program, struct error *err)
+{
+	for (struct gl_program *p = d->programs; p; p = p->next)
+		if (p->source == source && !strcmp(p->defines, defines->text)) {
+			*program = p;
+			return STATUS_OK;
+		}
+	if (defines->full)
+		return error_set(err, STATUS_INTERNAL, "too many macros for the shader %s", source->name);
+	struct gl_program *p = calloc(1, sizeof *p);
+	if (!p)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	p->source = source;
+	memcpy(p->defines, defines->text, sizeof p->defines);
+	enum status s = build(p, err);
+	if (s == STATUS_OK)
+		s = gl_check(d, "making a program", err);
+	if (s != STATUS_OK) {
+		glDeleteProgram(p->name);
+		free(p);
+		return s;
+	}
+	p->next = d->programs;
+	d->programs = p;
+	*program = p;
+	return STATUS_OK;
+}
+
+void gl_program_destroy_all(struct gl_device *d)
+{
+	while (d->programs) {
+		struct gl_program *p = d->programs;
+		d->programs = p->next;
+		glDeleteProgram(p->name);
+		free(p);
+	}
+}

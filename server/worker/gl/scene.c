@@ -1,0 +1,50 @@
+#include "server/worker/gl/scene.h"
+
+#include <stdlib.h>
+
+static const char kind; // its address names gl_scene among the derived
+
+static void destroy(struct derived *derived)
+{
+	struct gl_scene *s = (struct gl_scene *)derived;
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		gl_buffer_finish(&s->buffers[i], s->device);
+	free(s);
+}
+
+static enum status upload(struct gl_scene *s, const struct resident_scene *scene, uint32_t bindings, struct error *err)
+{
+	enum status r = STATUS_OK;
+	for (uint32_t i = 0; r == STATUS_OK && i < BIND_SCENE_COUNT; i++) {
+		if (!(bindings & 1u << i) || s->buffers[i].name)
+			continue;
+		uint64_t bytes;
+		const void *data = resident_data(scene, i, &bytes);
+		if (bytes > 0)
+			r = gl_buffer_init(&s->buffers[i], s->device, bytes, data, err);
+	}
+	return r;
+}
+
+enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device, uint32_t bindings, struct gl_scene **out,
+			 struct error *err)
+{
+	struct gl_scene *s = (struct gl_scene *)resident_derived(scene, &kind);
+	if (!s) {
+		s = calloc(1, sizeof *s);
+		if (!s)
+			return error_set(err, STATUS_MEMORY, "out of memory");
+		s->device = device;
+		s->derived = (struct derived){.kind = &kind, .destroy = destroy};
+		resident_derive(scene, &s->derived);
+	}
+	*out = s;
+	return upload(s, scene, bindings, err);
+}
+
+void gl_scene_bind(const struct gl_scene *s)
+{
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		if (s->buffers[i].name)
+			gl_buffer_bind(&s->buffers[i], i);
+}

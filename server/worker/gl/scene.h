@@ -1,0 +1,21 @@
+// A scene's sections in OpenGL's storage buffers: made of the blob at first use and kept with the resident scene.
+#ifndef CANDIL_WORKER_GL_SCENE_H
+#define CANDIL_WORKER_GL_SCENE_H
+
+#include "server/worker/gl/buffer.h"
+#include "server/worker/resident.h"
+
+struct gl_scene {
+	struct derived derived; // it goes when the resident scene leaves the device
+	struct gl_device *device;
+	struct gl_buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device
+};
+
+// The scene's buffers, those of `bindings` (bits 1 << BIND_…) uploaded. Owned by the resident scene.
+enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device, uint32_t bindings, struct gl_scene **out,
+			 struct error *err);
+
+// Bind all that is there, each to the storage block of its number.
+void gl_scene_bind(const struct gl_scene *scene);
+
+#endif

@@ -1,0 +1,65 @@
+#include "server/worker/technique/scene_job.h"
+
+#include <string.h>
+
+uint32_t scene_bindings_trace(void)
+{
+	return 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES;
+}
+
+uint32_t scene_bindings_shade(const struct plan *plan)
+{
+	uint32_t bits = 1u << BIND_TRIANGLES | 1u << BIND_VERTICES | 1u << BIND_MATERIALS;
+	if (plan_has(plan, candil_Effect_EFFECT_EMITTERS))
+		bits |= 1u << BIND_EMITTERS;
+	if (plan_has(plan, candil_Effect_EFFECT_LIGHTS))
+		bits |= 1u << BIND_LIGHTS;
+	if (plan_has(plan, candil_Effect_EFFECT_TEXTURES) || plan_has(plan, candil_Effect_EFFECT_NORMAL_MAPS))
+		bits |= 1u << BIND_TEXTURES | 1u << BIND_TEXELS | 1u << BIND_SRGB_TABLE | 1u << BIND_UV1;
+	if (plan_has(plan, candil_Effect_EFFECT_NORMAL_MAPS))
+		bits |= 1u << BIND_TANGENTS;
+	if (plan_has(plan, candil_Effect_EFFECT_VERTEX_COLORS))
+		bits |= 1u << BIND_COLORS;
+	if (plan_has(plan, candil_Effect_EFFECT_GLOSSY))
+		bits |= 1u << BIND_GGX_TABLE;
+	return bits;
+}
+
+// How next-event estimation divides its samples between the two kinds of light: by power, but never less than a tenth to
+// either, for a sun's power says little about a room that it does not reach.
+static float emitter_share(const struct plan *plan, const struct blob_view *scene)
+{
+	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
+	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
+	if (l <= 0)
+		return e > 0 ? 1.0f : 0.0f;
+	if (e <= 0)
+		return 0.0f;
+	const double share = e / (e + l);
+	return (float)(share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
+}
+
+void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct pt_job *out)
+{
+	memset(out, 0, sizeof *out);
+	out->width = p->width;
+	out->height = p->height;
+	out->tiles_x = (p->width + TILE_SIDE - 1) / TILE_SIDE;
+	out->depth = p->depth;
+	out->seed[0] = (uint32_t)p->seed;
+	out->seed[1] = (uint32_t)(p->seed >> 32);
+	out->emitter_count = scene->counts[BLOB_EMITTERS];
+	out->light_count = scene->counts[BLOB_LIGHTS];
+	out->emitter_share = emitter_share(p, scene);
+	out->emitter_power_inv = scene->emitter_power > 0 ? 1.0f / scene->emitter_power : 0.0f;
+	out->has_uv1 = scene->counts[BLOB_UV1] > 0;
+	out->has_colors = scene->counts[BLOB_COLORS] > 0;
+	out->orthographic = p->camera.orthographic ? 1.0f : 0.0f;
+	for (int i = 0; i < 3; i++) {
+		out->eye[i] = (float)(p->camera.eye[i] - scene->blob->origin[i]);
+		out->forward[i] = (float)p->camera.forward[i];
+		out->right[i] = (float)p->camera.right[i];
+		out->up[i] = (float)p->camera.up[i];
+		out->background[i] = p->background[i];
+	}
+}

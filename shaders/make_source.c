@@ -1,0 +1,75 @@
+// make_source SYMBOL INCLUDE_DIR FILE: one GLSL file with its includes in it, as a C array on standard output. Run when we
+// are built: the worker never opens a shader file. Lines of #version and #extension for include directives are dropped;
+// include guards see to files that come twice.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEPTH_MAX 16
+#define LINE_BYTES 1024
+#define PATH_BYTES 1024
+
+static int column;
+
+static void put(const char *text)
+{
+	for (; *text; text++) {
+		printf("%d,", *text);
+		if (++column % 32 == 0)
+			putchar('\n');
+	}
+}
+
+// Whether a line is `#include "path"`; its path then.
+static int is_include(const char *line, char path[PATH_BYTES])
+{
+	const char *from = strchr(line, '"');
+	if (strncmp(line, "#include", 8) != 0 || !from)
+		return 0;
+	const char *to = strchr(from + 1, '"');
+	if (!to || (size_t)(to - from) > PATH_BYTES)
+		return 0;
+	memcpy(path, from + 1, (size_t)(to - from - 1));
+	path[to - from - 1] = '\0';
+	return 1;
+}
+
+static int is_dropped(const char *line)
+{
+	return !strncmp(line, "#version", 8) || !strncmp(line, "#extension GL_GOOGLE_include_directive", 38);
+}
+
+static int expand(const char *root, const char *file, int depth)
+{
+	char line[LINE_BYTES], path[PATH_BYTES];
+	FILE *f = fopen(file, "r");
+	if (!f || depth > DEPTH_MAX) {
+		fprintf(stderr, "make_source: cannot read %s\n", file);
+		if (f)
+			fclose(f);
+		return 0;
+	}
+	int ok = 1;
+	while (ok && fgets(line, sizeof line, f)) {
+		if (is_include(line, path)) {
+			char whole[2 * PATH_BYTES];
+			snprintf(whole, sizeof whole, "%s/%s", root, path);
+			ok = expand(root, whole, depth + 1);
+		} else if (!is_dropped(line)) {
+			put(line);
+		}
+	}
+	fclose(f);
+	return ok;
+}
+
+int main(int argc, char **argv)
+{
+	if (argc != 4)
+		return 2;
+	printf("// Made by make_source out of %s.\nstatic const char %s[] = {\n", strrchr(argv[3], '/') + 1, argv[1]);
+	if (!expand(argv[2], argv[3], 0))
+		return 1;
+	puts("0};");
+	return fflush(stdout) == 0 ? 0 : 1;
+}
