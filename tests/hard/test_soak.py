@@ -6,19 +6,11 @@ import tempfile
 import unittest
 
 import make
+import wire
 from render import CANDIL, Daemon
 
 ROUNDS = 20 * int(os.environ.get("CANDIL_SOAK", "1"))
 SANITIZE = os.environ.get("CANDIL_SANITIZE") == "1"
-
-
-def resident_kib(pid):
-    with open(f"/proc/{pid}/status") as f:
-        return next(int(line.split()[1]) for line in f if line.startswith("VmRSS:"))
-
-
-def descriptors(pid):
-    return len(os.listdir(f"/proc/{pid}/fd"))
 
 
 class Soak(unittest.TestCase):
@@ -46,8 +38,8 @@ class Soak(unittest.TestCase):
         daemon.render("kept", size=(32, 32), spp=1)
         stats = daemon.stats()
         pids = {"daemon": daemon.process.pid, "worker": stats["worker_pid"]}
-        return {**{f"{n} descriptors": descriptors(p) for n, p in pids.items()}, "device bytes": stats["device_bytes"],
-                "scenes": stats["scenes"], "buffered": stats["buffered_bytes"]}, {n: resident_kib(p) for n, p in pids.items()}
+        return {**{f"{n} descriptors": wire.descriptors(p) for n, p in pids.items()}, "device bytes": stats["device_bytes"],
+                "scenes": stats["scenes"], "buffered": stats["buffered_bytes"]}, {n: wire.rss_kib(p) for n, p in pids.items()}
 
     def test_level(self):
         with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:

@@ -170,6 +170,16 @@ def images(replies):
     return found
 
 
+def rss_kib(pid):
+    """Resident memory of a process."""
+    with open(f"/proc/{pid}/status", encoding="ascii") as status:
+        return next(int(line.split()[1]) for line in status if line.startswith("VmRSS:"))
+
+
+def descriptors(pid):
+    return len(os.listdir(f"/proc/{pid}/fd"))
+
+
 class Daemon:
     """candild on a socket in a temporary folder. `libexec` None: the build's own loader and worker."""
 
@@ -211,14 +221,10 @@ class Daemon:
             return log.read()
 
     def rss_kib(self):
-        with open(f"/proc/{self.process.pid}/status") as status:
-            for line in status:
-                if line.startswith("VmRSS:"):
-                    return int(line.split()[1])
-        return 0
+        return rss_kib(self.process.pid)
 
     def descriptors(self):
-        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
+        return descriptors(self.process.pid)
 
     def end(self, how=signal.SIGTERM):
         """End it and give its exit status; its folder stays. Twice is allowed."""
