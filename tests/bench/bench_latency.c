@@ -4,14 +4,18 @@
 //   64 × 64, 4 samples    a preview, alone and while another connection's 512 × 512 frame of 4096 samples is traced
 //
 // The daemon should be idle and the scene small. Prints a table: median, 95th percentile, and the ratio of the previews.
+// With
+// --least N only the first is asked for, N times, and the milliseconds of each are printed, for programs that compare.
 #include <candil.h>
 #include <poll.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #define ROUNDS 200
+#define WARM_UP 5
 #define SCENE "bench-latency"
 
 static void must(candil_status status, const struct candil_error *error)
@@ -50,19 +54,25 @@ static struct candil_render_request request_of(uint32_t side, uint32_t samples)
 	return r;
 }
 
+static double time_one(candil_client *client, const struct candil_render_request *request)
+{
+	struct candil_render_result result;
+	struct candil_error error;
+	const double start = now_ms();
+	must(candil_render(client, request, NULL, &result, &error), &error);
+	const double ms = now_ms() - start;
+	candil_free(result.image.data);
+	return ms;
+}
+
 static struct figures measure(candil_client *client, uint32_t side, uint32_t samples)
 {
 	static double ms[ROUNDS];
 	const struct candil_render_request request = request_of(side, samples);
-	struct candil_render_result result;
-	struct candil_error error;
-	for (int i = -5; i < ROUNDS; i++) {
-		const double start = now_ms();
-		must(candil_render(client, &request, NULL, &result, &error), &error);
-		if (i >= 0)
-			ms[i] = now_ms() - start;
-		candil_free(result.image.data);
-	}
+	for (int i = 0; i < WARM_UP; i++)
+		time_one(client, &request);
+	for (int i = 0; i < ROUNDS; i++)
+		ms[i] = time_one(client, &request);
 	qsort(ms, ROUNDS, sizeof *ms, ascending);
 	return (struct figures){ms[ROUNDS / 2], ms[ROUNDS * 95 / 100]};
 }
@@ -88,30 +98,50 @@ static candil_client *start_long_frame(const char *socket)
 	return client;
 }
 
-int main(int argc, char **argv)
+static void print_least(candil_client *client, long count)
 {
-	candil_client *client;
+	const struct candil_render_request request = request_of(16, 1);
+	for (int i = 0; i < WARM_UP; i++)
+		time_one(client, &request);
+	for (long i = 0; i < count; i++)
+		printf("%.4f\n", time_one(client, &request));
+}
+
+static void print_table(candil_client *client, const char *socket)
+{
 	struct candil_error error;
 	struct candil_stats stats;
-	if (argc != 3) {
-		fprintf(stderr, "usage: bench_latency SOCKET SCENE\n");
-		return 2;
-	}
-	must(candil_connect(argv[1], &client, &error), &error);
-	must(candil_load_file(client, SCENE, argv[2], NULL, &error), &error);
 	const struct figures least = measure(client, 16, 1);
 	const struct figures alone = measure(client, 64, 4);
 	must(candil_stats(client, &stats, &error), &error);
-	candil_client *other = start_long_frame(argv[1]);
+	candil_client *other = start_long_frame(socket);
 	const struct figures beside = measure(client, 64, 4);
 	candil_disconnect(other); // which cancels the frame
-	must(candil_unload(client, SCENE, &error), &error);
-	candil_disconnect(client);
 	printf("device: %s, slices of %u ms, %d requests each\n\n", stats.device, (unsigned)stats.slice_ms, ROUNDS);
 	printf("| request | median ms | p95 ms |\n| --- | ---: | ---: |\n");
 	printf("| 16 x 16, 1 sample | %.2f | %.2f |\n", least.median, least.p95);
 	printf("| 64 x 64, 4 samples, alone | %.2f | %.2f |\n", alone.median, alone.p95);
 	printf("| the same beside a 4096-sample frame | %.2f | %.2f |\n", beside.median, beside.p95);
 	printf("\nbeside minus alone, p95 to median: %.1f slices\n", (beside.p95 - alone.median) / stats.slice_ms);
+}
+
+int main(int argc, char **argv)
+{
+	candil_client *client;
+	struct candil_error error;
+	const bool least = argc == 5 && !strcmp(argv[1], "--least");
+	if (argc != 3 && !least) {
+		fprintf(stderr, "usage: bench_latency [--least N] SOCKET SCENE\n");
+		return 2;
+	}
+	const char *socket = argv[argc - 2];
+	must(candil_connect(socket, &client, &error), &error);
+	must(candil_load_file(client, SCENE, argv[argc - 1], NULL, &error), &error);
+	if (least)
+		print_least(client, strtol(argv[2], NULL, 10));
+	else
+		print_table(client, socket);
+	must(candil_unload(client, SCENE, &error), &error);
+	candil_disconnect(client);
 	return 0;
 }
