@@ -132,6 +132,7 @@ static const char *const traversals[] = {"auto", "single", "packet", NULL};
 static const struct option_rule options[] = {
     {"pt.depth", 1, LIMIT_DEPTH, NULL, offsetof(struct plan, depth)},
     {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, offsetof(struct plan, segment)},
+    {"pt.batch", 1, PLAN_BATCH_MOST, NULL, offsetof(struct plan, batch)},
     {"pt.traversal", 0, 0, traversals, offsetof(struct plan, traversal)},
 };
 

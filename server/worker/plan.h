@@ -9,6 +9,7 @@
 
 #define PLAN_DEPTH_DEFAULT 8u
 #define PLAN_SAMPLES_DEFAULT 64u
+#define PLAN_BATCH_MOST 256u
 
 struct plan_camera {
 	double eye[3]; // metres, world space
@@ -28,6 +29,7 @@ struct plan {
 	uint64_t seed;
 	uint32_t depth; // scattering events at most
 	uint32_t segment; // pt: events in one dispatch at most; 0: as the device bears
+	uint32_t batch; // pt: samples in one dispatch; 0: as pays
 	uint32_t traversal; // pt: enum plan_traversal
 	uint32_t effects; // bits 1 << candil_Effect: what runs
 	uint32_t aovs; // AOV_*

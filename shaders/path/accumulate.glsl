@@ -22,12 +22,29 @@ vec2 add_compensated(vec2 sum, float x)
 	return vec2(hi, lo);
 }
 
-void accumulate(uint pixel, uint sample_half, vec3 value)
+// A pixel's sums while its lane adds to them. Read once, written once.
+vec2 sums[ACCUMULATOR_FLOATS / 2];
+
+void sums_load(uint pixel)
 {
-	uint at = pixel * (ACCUMULATOR_FLOATS / 2) + sample_half * 3u;
-	accumulator[at] = add_compensated(accumulator[at], value.r);
-	accumulator[at + 1u] = add_compensated(accumulator[at + 1u], value.g);
-	accumulator[at + 2u] = add_compensated(accumulator[at + 2u], value.b);
+	for (uint i = 0u; i < ACCUMULATOR_FLOATS / 2u; i++)
+		sums[i] = accumulator[pixel * (ACCUMULATOR_FLOATS / 2) + i];
+}
+
+void sums_add(uint sample_half, vec3 value)
+{
+	bool a = sample_half == 0u;
+	for (uint i = 0u; i < 3u; i++) {
+		vec2 sum = add_compensated(a ? sums[i] : sums[3u + i], value[i]);
+		sums[i] = a ? sum : sums[i];
+		sums[3u + i] = a ? sums[3u + i] : sum;
+	}
+}
+
+void sums_store(uint pixel)
+{
+	for (uint i = 0u; i < ACCUMULATOR_FLOATS / 2u; i++)
+		accumulator[pixel * (ACCUMULATOR_FLOATS / 2) + i] = sums[i];
 }
 
 #endif

@@ -1,4 +1,4 @@
-// The path tracer: one sample of every pixel of a run of tiles.
+// The path tracer: some samples of every pixel of a run of tiles.
 //
 // Iterative. At every scattering event one light sample by next-event estimation and one direction by the BSDF, combined by
 // multiple importance sampling (Veach 1997, chapter 9). A path that has more events than a dispatch may do is kept in
@@ -49,7 +49,7 @@ struct walker {
 	vec3 radiance;
 	float pdf;
 	uint event;
-	uint rays;
+	uint taken;    // samples of this dispatch's that are done
 	bool alive;
 };
 
@@ -105,41 +105,12 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	return p.event < most && max(reflects.r, max(reflects.g, reflects.b)) > 0.0;
 }
 
-// Up to push.event_count events. All lanes of a subgroup go round together, so that they trace together; those whose path
-// has ended trace nothing.
-void path_run(inout walker p, sampler_state rnd)
-{
-	uint rounds = 0u;
-	bool more = subgroupAny(p.alive);
-	while (more) {
-		bool running = p.alive;
-		ray_hit hit;
-		bool found = trace_closest(p.origin, p.direction, running ? INFINITY : -1.0, hit);
-		light_sample l;
-		l.t_max = -1.0;
-		l.segment = vec3(0.0, 0.0, 1.0);
-		l.contribution = vec3(0.0);
-		if (running) {
-			p.rays++;
-			surface s;
-			p.alive = arrive(p, found, hit, s);
-			if (p.alive)
-				scatter(p, s, rnd, l);
-		}
-		if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
-			bool shadowed = trace_any(p.origin, l.segment, l.t_max);
-			if (l.t_max > 0.0) {
-				p.rays++;
-				if (!shadowed)
-					p.radiance += l.contribution;
-			}
-		}
-		rounds++;
-		more = rounds < push.event_count && subgroupAny(p.alive);
-	}
-	// A driver that cut the loop short left it with work to do and rounds to spend.
-	trace_cut = trace_cut || (p.alive && rounds < push.event_count);
-}
+// Its lane's own account of a dispatch.
+struct tally {
+	uint rays;
+	uint non_finite;
+	uint rounds;
+};
 
 bool finite(vec3 c)
 {
@@ -148,24 +119,88 @@ bool finite(vec3 c)
 	return all(notEqual(e, uvec3(0x7f800000u)));
 }
 
-walker path_start(uvec2 pixel, sampler_state rnd)
+uint half_of(uint taken)
 {
-	walker p;
-	camera_ray(vec2(pixel) + sample_2d(rnd, SET_PIXEL), p.origin, p.direction);
+	return (push.first_sample + taken) & 1u;
+}
+
+sampler_state sampler_of(uvec2 scrambles, uint taken)
+{
+	uint sample_number = push.first_sample + taken;
+	return sampler_state(sample_number >> 1, half_of(taken) == 0u ? scrambles.x : scrambles.y);
+}
+
+void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
+{
+	camera_ray(vec2(pixel) + sample_2d(sampler_of(scrambles, p.taken), SET_PIXEL), p.origin, p.direction);
 	p.throughput = vec3(1.0);
 	p.radiance = vec3(0.0);
 	p.pdf = 0.0;
 	p.event = 0u;
-	p.rays = 0u;
 	p.alive = true;
-	return p;
 }
 
-walker path_load(uint slot)
+void path_finish(inout walker p, inout tally account)
+{
+	bool whole = finite(p.radiance);
+	account.non_finite += whole ? 0u : 1u;
+	sums_add(half_of(p.taken), whole ? p.radiance : vec3(0.0));
+	p.taken++;
+}
+
+// One scattering event.
+void path_round(inout walker p, sampler_state rnd, inout tally account)
+{
+	bool running = p.alive;
+	ray_hit hit;
+	bool found = trace_closest(p.origin, p.direction, running ? INFINITY : -1.0, hit);
+	light_sample l;
+	l.t_max = -1.0;
+	l.segment = vec3(0.0, 0.0, 1.0);
+	l.contribution = vec3(0.0);
+	if (running) {
+		account.rays++;
+		surface s;
+		p.alive = arrive(p, found, hit, s);
+		if (p.alive)
+			scatter(p, s, rnd, l);
+	}
+	if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
+		bool shadowed = trace_any(p.origin, l.segment, l.t_max);
+		if (l.t_max > 0.0) {
+			account.rays++;
+			if (!shadowed)
+				p.radiance += l.contribution;
+		}
+	}
+}
+
+// Up to push.round_count events. A lane whose path ends takes its pixel's next sample at once, so that none waits for
+// its neighbours' longer paths while there are samples left. All lanes of a subgroup go round together, so that they trace
+// together; those that have no sample left trace nothing.
+void path_run(inout walker p, uvec2 pixel, uvec2 scrambles, inout tally account)
+{
+	bool more = subgroupAny(p.alive);
+	if (more) do {
+		bool running = p.alive;
+		path_round(p, sampler_of(scrambles, p.taken), account);
+		if (running && !p.alive) {
+			path_finish(p, account);
+			if (p.taken < push.sample_count)
+				path_start(p, pixel, scrambles);
+		}
+		account.rounds++;
+		more = account.rounds < push.round_count && subgroupAny(p.alive);
+	} while (more);
+	// A driver that cut the loop short left it with work to do and rounds to spend.
+	trace_cut = trace_cut || (p.alive && account.rounds < push.round_count);
+}
+
+void path_load(uint slot, out walker p)
 {
 	path_state s = paths[slot];
-	return walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event, s.rays,
-		      s.event != PATH_DONE);
+	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event, s.taken,
+		   s.event != PATH_DONE);
 }
 
 void path_store(uint slot, walker p)
@@ -175,18 +210,19 @@ void path_store(uint slot, walker p)
 	paths[slot].direction = float[3](p.direction.x, p.direction.y, p.direction.z);
 	paths[slot].pdf = p.pdf;
 	paths[slot].throughput = float[3](p.throughput.r, p.throughput.g, p.throughput.b);
-	paths[slot].rays = p.rays;
+	paths[slot].taken = p.taken;
 	paths[slot].radiance = float[3](p.radiance.r, p.radiance.g, p.radiance.b);
 }
 
-void path_finish(uint pixel, walker p)
+// What the dispatch did, for the host.
+void give_account(tally account)
 {
-	if (!finite(p.radiance)) {
-		atomicAdd(counters.non_finite, 1u);
-		p.radiance = vec3(0.0);
-	}
-	accumulate(pixel, push.sample_half, p.radiance);
-	atomicAdd(counters.rays, p.rays);
+	atomicAdd(counters.rays, account.rays);
+	if (account.non_finite > 0u)
+		atomicAdd(counters.non_finite, account.non_finite);
+	if (trace_cut)
+		atomicAdd(counters.cut, 1u);
+	atomicMax(counters.loop_rounds, trace_rounds + account.rounds);
 }
 
 void main()
@@ -195,22 +231,26 @@ void main()
 	bool mine = gl_WorkGroupID.x < push.tile_count && pixel.x < job.width && pixel.y < job.height;
 	uint slot = gl_WorkGroupID.x * TILE_PIXELS + gl_LocalInvocationIndex;
 	uint index = pixel.y * job.width + pixel.x;
-	sampler_state rnd = sampler_make(index, push.sample_half, push.sample_index, job.seed[0], job.seed[1]);
+	uint at = index - push.first_row * job.width;
+	uvec2 scrambles = uvec2(sampler_make(index, 0u, 0u, job.seed[0], job.seed[1]).scramble,
+				sampler_make(index, 1u, 0u, job.seed[0], job.seed[1]).scramble);
 
 	walker p;
-	if (RESUMED && push.first_event != 0u)
-		p = path_load(slot);
+	p.taken = 0u;
+	if (RESUMED && push.resumes != 0u)
+		path_load(slot, p);
 	else
-		p = path_start(pixel, rnd);
+		path_start(p, pixel, scrambles);
 	p.alive = p.alive && mine;
 	bool had_work = p.alive;
-	path_run(p, rnd);
+	if (had_work)
+		sums_load(at);
+	tally account = tally(0u, 0u, 0u);
+	path_run(p, pixel, scrambles, account);
 	if (!had_work)
 		return;
-	if (trace_cut)
-		atomicAdd(counters.cut, 1u);
-	if (!p.alive)
-		path_finish(index - push.first_row * job.width, p);
+	give_account(account);
+	sums_store(at);
 	if (RESUMED)
 		path_store(slot, p);
 }

@@ -92,17 +92,17 @@ struct path_push {
 	uint first_tile;
 	uint tile_count;
 	uint first_row; // of the band whose sums or AOVs are bound; pixels count from there
-	uint sample_half; // 0 or 1: which of the two sequences
-	uint sample_index; // within it
-	uint first_event; // 0: start the paths; else go on with those kept in BIND_PATHS
-	uint event_count; // scattering events at most in this dispatch
+	uint first_sample; // of each pixel; sample n is number n >> 1 of half n & 1
+	uint sample_count; // > 0; this dispatch's and those that resume it
+	uint resumes; // 0: start the paths; else go on with those kept in BIND_PATHS
+	uint round_count; // scattering events of a lane at most in this dispatch
 };
 
 struct pt_counters {
 	uint rays;
 	uint non_finite; // samples with a NaN or an infinity, taken as zero
 	uint cut; // loops that the driver ended before their condition did
-	uint reserved;
+	uint loop_rounds; // the most that an invocation went round in its loops
 };
 LAYOUT_ASSERT(pt_counters, 16)
 
@@ -112,7 +112,7 @@ struct path_state {
 	float direction[3];
 	float pdf; // of the direction, solid angle
 	float throughput[3];
-	uint rays;
+	uint taken; // samples that are done
 	float radiance[3];
 	uint reserved;
 };

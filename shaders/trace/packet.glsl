@@ -86,6 +86,47 @@ uint stack_pop(inout packet_stack s)
 	return subgroupShuffle(v, s.top % WIDTH);
 }
 
+// One step down from an inner node: to the child that more lanes meet first, the other one kept for later.
+uint step_packet(uint node, uint lane, vec3 origin, vec3 inverse, float t_max, inout packet_stack stack)
+{
+	uint w[4];
+	fetch_node(node, lane, w);
+	float d0 = hit_box(WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), origin, inverse, t_max);
+	float d1 = hit_box(WORD_VEC3(w, 8u), WORD_VEC3(w, 12u), origin, inverse, t_max);
+	uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
+	uint c1 = WORD(w, 11u) | WORD(w, 15u) << LEAF_COUNT_SHIFT;
+	// A byte each: lanes that hit the first, the second; that are nearer to the second.
+	uint votes = (d0 < INFINITY ? 1u : 0u) | (d1 < INFINITY ? 0x100u : 0u) | (d1 < d0 ? 0x10000u : 0u) |
+		     (d0 < d1 ? 0x1000000u : 0u);
+	votes = sum_lanes(votes);
+	bool any0 = (votes & 0xffu) != 0u;
+	bool any1 = (votes & 0xff00u) != 0u;
+	bool swapped = !any0 || (any1 && (votes >> 16 & 0xffu) > votes >> 24);
+	if (any0 && any1)
+		stack_push(stack, lane, swapped ? c0 : c1);
+	if (any0 || any1)
+		return swapped ? c1 : c0;
+	return stack_pop(stack);
+}
+
+void test_packet(uint index, uint lane, sheared_ray ray, inout ray_hit hit)
+{
+	uint w[4];
+	fetch_triangle(index, lane, w);
+	uint id = WORD(w, 3u);
+	uint material = WORD(w, 7u);
+	float t;
+	vec2 uv;
+	bool inside = hit_triangle(ray, WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), WORD_VEC3(w, 8u), t, uv);
+	bool nearer = inside && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE));
+	if (EFFECT_ALPHA_MASK && nearer)
+		nearer = is_there(id, material, uv);
+	hit.t = nearer ? t : hit.t;
+	hit.id = nearer ? id : hit.id;
+	hit.uv = nearer ? uv : hit.uv;
+	hit.material = nearer ? material : hit.material;
+}
+
 bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit hit)
 {
 	uint lane = gl_SubgroupInvocationID;
@@ -93,7 +134,6 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	stack.top = 0u;
 	for (uint i = 0u; i < PACKET_STACK_WORDS; i++)
 		stack.words[i] = 0u;
-	uint current = 0u;
 	vec3 inverse = safe_inverse(direction);
 	sheared_ray ray = shear_ray(origin, direction);
 	hit.t = t_max;
@@ -101,59 +141,36 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	hit.uv = vec2(0.0);
 	hit.material = 0u;
 
-	while (current != TRAVERSE_DONE) {
-		while (current <= LEAF_INDEX_MASK) {
-			uint w[4];
-			fetch_node(current, lane, w);
-			float d0 = hit_box(WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), origin, inverse, hit.t);
-			float d1 = hit_box(WORD_VEC3(w, 8u), WORD_VEC3(w, 12u), origin, inverse, hit.t);
-			uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
-			uint c1 = WORD(w, 11u) | WORD(w, 15u) << LEAF_COUNT_SHIFT;
-			// A byte each: lanes that hit the first, the second; that are nearer to the second.
-			uint votes = (d0 < INFINITY ? 1u : 0u) | (d1 < INFINITY ? 0x100u : 0u) | (d1 < d0 ? 0x10000u : 0u) |
-				     (d0 < d1 ? 0x1000000u : 0u);
-			votes = sum_lanes(votes);
-			bool any0 = (votes & 0xffu) != 0u;
-			bool any1 = (votes & 0xff00u) != 0u;
-			bool swapped = !any0 || (any1 && (votes >> 16 & 0xffu) > votes >> 24);
-			if (any0 && any1)
-				stack_push(stack, lane, swapped ? c0 : c1);
-			if (any0 || any1)
-				current = swapped ? c1 : c0;
-			else
-				current = stack_pop(stack);
-		}
+	// All loops test at their end: a driver without branches runs the body of one that tests at its start once more than
+	// asked for.
+	uint current = 0u;
+	do {
+		do {
+			current = step_packet(current, lane, origin, inverse, hit.t, stack);
+			trace_rounds++;
+		} while (current <= LEAF_INDEX_MASK);
 		trace_cut = trace_cut || current <= LEAF_INDEX_MASK;
-		if (current == TRAVERSE_DONE || trace_cut)
-			break;
-		uint first = current & LEAF_INDEX_MASK;
-		uint last = first + (current >> LEAF_COUNT_SHIFT);
-		uint i = first;
-		for (; i < last; i++) {
-			uint w[4];
-			fetch_triangle(i, lane, w);
-			uint id = WORD(w, 3u);
-			uint material = WORD(w, 7u);
-			float t;
-			vec2 uv;
-			bool inside = hit_triangle(ray, WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), WORD_VEC3(w, 8u), t, uv);
-			bool nearer = inside && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE));
-			if (EFFECT_ALPHA_MASK && nearer)
-				nearer = is_there(id, material, uv);
-			hit.t = nearer ? t : hit.t;
-			hit.id = nearer ? id : hit.id;
-			hit.uv = nearer ? uv : hit.uv;
-			hit.material = nearer ? material : hit.material;
-		}
-		trace_cut = trace_cut || i != last;
-		if (any) {
-			// A ray that has its answer looks for nothing more.
-			hit.t = hit.id != NONE ? -1.0 : hit.t;
-			if (sum_lanes(hit.t > 0.0 ? 1u : 0u) == 0u)
-				return hit.id != NONE;
-		}
-		current = stack_pop(stack);
-	}
+		// One leaf after the other, as long as leaves follow.
+		uint i = current & LEAF_INDEX_MASK;
+		uint last = i + (current >> LEAF_COUNT_SHIFT);
+		bool leaf = current != TRAVERSE_DONE && !trace_cut;
+		if (leaf) do {
+			test_packet(i, lane, ray, hit);
+			i++;
+			trace_rounds++;
+			if (any) // a ray that has its answer looks for nothing more
+				hit.t = hit.id != NONE ? -1.0 : hit.t;
+			if (i == last) {
+				current = stack_pop(stack);
+				i = current & LEAF_INDEX_MASK;
+				last = i + (current >> LEAF_COUNT_SHIFT);
+				leaf = current > LEAF_INDEX_MASK && current != TRAVERSE_DONE;
+			}
+		} while (leaf);
+		trace_cut = trace_cut || leaf;
+		if (any && sum_lanes(hit.t > 0.0 ? 1u : 0u) == 0u)
+			current = TRAVERSE_DONE;
+	} while (current != TRAVERSE_DONE && !trace_cut);
 	trace_cut = trace_cut || current != TRAVERSE_DONE;
 	return hit.id != NONE;
 }

@@ -20,6 +20,7 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 
 	while (current != TRAVERSE_DONE) {
 		while (current <= LEAF_INDEX_MASK) {
+			trace_rounds++;
 			vec4 n0 = nodes[current * 4u];
 			vec4 n1 = nodes[current * 4u + 1u];
 			vec4 n2 = nodes[current * 4u + 2u];
@@ -46,6 +47,7 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 		uint last = first + (current >> LEAF_COUNT_SHIFT);
 		uint i = first;
 		for (; i < last; i++) {
+			trace_rounds++;
 			vec4 v0 = leaf_triangles[i * 3u];
 			vec4 v1 = leaf_triangles[i * 3u + 1u];
 			vec4 v2 = leaf_triangles[i * 3u + 2u];

@@ -20,6 +20,9 @@ struct ray_hit {
 // rounds): the walk would then have missed geometry without a word.
 bool trace_cut = false;
 
+// How often this invocation has gone round in loops, for such a driver's sake: who dispatches keeps well below that.
+uint trace_rounds = 0u;
+
 // Entry distance of a box, or infinity if missed (as an empty child's always is: its box is a point at infinity).
 // The factors make up for rounding: a few units for the products (Ize 2013); more for the comparison with a hit's distance,
 // which comes out of a longer computation. Of two surfaces at one place the tree's order would else choose.

@@ -17,9 +17,11 @@ void main()
 {
 	uint pixel = gl_GlobalInvocationID.x;
 	vec3 v = vec3(values[pixel * 3u], values[pixel * 3u + 1u], values[pixel * 3u + 2u]);
+	sums_load(pixel);
 	for (uint i = 0u; i < push.count; i++) {
 		uint n = push.first + i;
 		// A firefly now and then: what a plain float sum loses most by.
-		accumulate(pixel, n & 1u, n % 1000u == 0u ? v * 1e6 : v);
+		sums_add(n & 1u, n % 1000u == 0u ? v * 1e6 : v);
 	}
+	sums_store(pixel);
 }

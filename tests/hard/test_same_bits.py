@@ -74,6 +74,17 @@ class SameBits(unittest.TestCase):
             for events in (1, 2, 5):
                 self.assertEqual(bits(daemon, options={"pt.depth": 12, "pt.segment": events}), whole)
 
+    def test_samples_of_one_dispatch(self):
+        with Daemon() as daemon:
+            seen = {bits(daemon)}
+            for samples in (1, 3, 24):
+                for events in (9, 2):
+                    seen.add(bits(daemon, options={"pt.batch": samples, "pt.segment": events}))
+            # From an odd sample on, too.
+            odd = {bits(daemon, spp=7, arguments=["--first-sample", "5"], options={"pt.batch": n}) for n in (1, 2, 7)}
+        self.assertEqual(len(seen), 1)
+        self.assertEqual(len(odd), 1)
+
 
 class LongLoops(unittest.TestCase):
     """Some drivers end an invocation's loops after about 65,535 rounds, silently. In a closed sphere of albedo 0.999 a path has

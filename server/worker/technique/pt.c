@@ -1,8 +1,8 @@
-// The path tracer at work: a cursor over (sample, tile), in slices.
+// The path tracer at work: a cursor over (batch of samples, tile), in slices.
 //
-// A slice is one or more submissions, each as many tiles of one or more samples as should fit the rest of the budget by the
-// speed measured so far. Where a slice ends changes no bit: a pixel's samples are added in the order of their index, and a
-// tile's paths do not know about other tiles.
+// A slice is one or more submissions, each as many tiles of one batch as should fit the rest of the budget by the speed
+// measured so far. Where a slice or a batch ends changes no bit: a pixel's samples are added in the order of their index,
+// and a tile's paths do not know about other tiles.
 #include "server/worker/technique/pt.h"
 
 #include <stdlib.h>
@@ -43,33 +43,39 @@ static uint32_t run_of_tiles(const struct pt_band *band, uint32_t tile, uint64_t
 	return count < most ? (uint32_t)count : most;
 }
 
-// Record `count` tiles of work from the cursor on, and move it. Returns how many were recorded.
+// Record about `count` tiles' single samples from the cursor on, of one batch, and move it. Returns how many were recorded.
 static uint64_t record_paths(struct technique_job *j, uint64_t count)
 {
-	const struct plan *p = &j->plan;
 	uint64_t recorded = 0;
-	for (uint32_t n = 0; n < DISPATCHES_PER_SUBMIT && recorded < count && j->sample < p->samples; n += j->segments) {
-		const uint32_t global = p->first_sample + j->sample;
+	for (uint32_t n = 0; n < DISPATCHES_PER_SUBMIT && recorded < count && j->tile < j->tiles; n += j->segments) {
 		const struct pt_band *band = pt_job_band(j, j->tile);
+		const uint64_t tiles = (count - recorded) / j->batch;
 		struct path_push push = {.first_tile = j->tile,
-					 .tile_count = run_of_tiles(band, j->tile, count - recorded),
+					 .tile_count = run_of_tiles(band, j->tile, tiles > 0 ? tiles : 1),
 					 .first_row = band->first_row,
-					 .sample_half = global & 1u,
-					 .sample_index = global >> 1,
-					 .event_count = j->segment};
+					 .first_sample = j->plan.first_sample + j->sample,
+					 .sample_count = j->batch,
+					 .round_count = j->segment * j->batch};
 		bind(j, j->path, &band->path_bindings);
 		for (uint32_t s = 0; s < j->segments; s++) {
-			push.first_event = s * j->segment;
+			push.resumes = s > 0;
 			dispatch(j, j->path, &push);
 		}
-		recorded += push.tile_count;
+		recorded += (uint64_t)push.tile_count * j->batch;
 		j->tile += push.tile_count;
-		if (j->tile == j->tiles) {
-			j->tile = 0;
-			j->sample++;
-		}
 	}
 	return recorded;
+}
+
+// After the last tile of a batch: its samples are complete.
+static void end_batch(struct technique_job *j)
+{
+	if (j->tile < j->tiles)
+		return;
+	j->tile = 0;
+	j->sample += j->batch;
+	if (j->sample < j->plan.samples)
+		pt_job_next_batch(j);
 }
 
 static void record_aov(struct technique_job *j, uint64_t count)
@@ -85,6 +91,10 @@ static void record_aov(struct technique_job *j, uint64_t count)
 // The driver ended a loop early, and what has been summed lacks something: begin again with shorter dispatches.
 static enum status on_cut(struct technique_job *j, struct error *err)
 {
+	if (j->batch > 1 && !j->plan.batch) {
+		log_line(LOG_WARNING, "the driver ended a loop early: going on with %u samples a dispatch", j->batch / 2);
+		return pt_job_restart(j, j->segment, j->batch / 2, err);
+	}
 	if (j->segment == 1)
 		return error_set(
 		    err, STATUS_TRAVERSAL_CUT,
@@ -95,7 +105,7 @@ static enum status on_cut(struct technique_job *j, struct error *err)
 				 "the driver ended a loop of the path tracer early: leave pt.segment out or set it below %u",
 				 j->segment);
 	log_line(LOG_WARNING, "the driver ended a loop early: going on with %u events a dispatch", j->segment / 2);
-	return pt_job_restart(j, j->segment / 2, err);
+	return pt_job_restart(j, j->segment / 2, j->batch_most, err);
 }
 
 static enum status take_counters(struct technique_job *j, struct error *err)
@@ -105,6 +115,8 @@ static enum status take_counters(struct technique_job *j, struct error *err)
 	j->rays += now.rays - j->seen.rays; // modulo 2^32, which no submission reaches
 	j->non_finite += now.non_finite - j->seen.non_finite;
 	j->seen = now;
+	if (now.loop_rounds > j->loop_rounds)
+		j->loop_rounds = now.loop_rounds;
 	return now.cut ? on_cut(j, err) : STATUS_OK;
 }
 
@@ -116,6 +128,9 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	enum status s = command_begin(d, err);
 	if (s != STATUS_OK)
 		return s;
+	// The greatest count is of one submission; the others grow.
+	vkCmdFillBuffer(d->commands, j->counters.handle, offsetof(struct pt_counters, loop_rounds), sizeof(uint), 0);
+	command_barrier(d);
 	if (aov)
 		record_aov(j, AOV_TILES * count);
 	else
@@ -135,7 +150,10 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	j->trace_us += us;
 	const double measured = (double)us / (double)recorded;
 	j->tile_us = j->tile_us > 0 ? 0.5 * (j->tile_us + measured) : measured;
-	return take_counters(j, err);
+	s = take_counters(j, err);
+	if (s == STATUS_OK)
+		end_batch(j);
+	return s;
 }
 
 static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
@@ -149,12 +167,12 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 			return s;
 		spent = clock_us() - start;
 		// What is left would not do another tile.
-		if (spent >= budget_us || (double)(budget_us - spent) < j->tile_us)
+		if (spent >= budget_us || (double)(budget_us - spent) < j->tile_us * j->batch)
 			break;
 	}
 	result->samples_done = j->sample;
 	result->finished = j->sample == j->plan.samples;
-	result->fraction = ((double)j->sample + (double)j->tile / j->tiles) / j->plan.samples;
+	result->fraction = ((double)j->sample + (double)j->batch * j->tile / j->tiles) / j->plan.samples;
 	return STATUS_OK;
 }
 
@@ -216,7 +234,7 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	if (s != STATUS_OK)
 		return s;
 	struct pt_resolver resolver;
-	pt_resolver_init(&resolver, j->plan.first_sample, j->sample, j->tile);
+	pt_resolver_init(&resolver, j->plan.first_sample, j->sample, j->tile, j->batch);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
 		s = read_band(j, &j->bands[i], &resolver, f, err);
 	if (s != STATUS_OK) {

@@ -22,8 +22,9 @@ struct technique_job {
 	struct resident_scene *scene;
 	struct plan plan;
 	uint32_t tiles;
-	uint32_t segment; // scattering events in a dispatch at most
-	uint32_t segments; // dispatches a sample
+	uint32_t segment; // scattering events in a dispatch at most, for each of its samples
+	uint32_t segments; // dispatches that a batch takes
+	uint32_t batch_most; // samples of a batch at most
 	struct buffer job; // struct pt_job
 	struct buffer counters; // struct pt_counters, growing
 	struct buffer counters_host; // what the last submission left in them
@@ -33,8 +34,11 @@ struct technique_job {
 	struct pt_band *bands;
 	uint32_t band_count;
 
-	// The cursor: next to do is tile `tile` of sample first_sample + `sample`.
-	uint32_t sample, tile;
+	// The cursor: a batch is the next few samples of every pixel; next to do of it is tile `tile`.
+	uint32_t sample; // those before it, counted from first_sample, are complete
+	uint32_t batch; // samples in it
+	uint32_t tile;
+	uint32_t loop_rounds; // the most that an invocation went round in this batch's dispatches
 	uint32_t aov_tile;
 	double tile_us; // measured time of a tile of one sample; 0: not yet
 	struct pt_counters seen; // counters at the last look
@@ -51,8 +55,12 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 			  struct technique_job **job, struct error *err);
 void pt_job_destroy(struct technique_job *job);
 
-// Begin the image again with dispatches of at most `segment` events: what has been summed is forgotten.
-enum status pt_job_restart(struct technique_job *job, uint32_t segment, struct error *err);
+// Begin the image again with dispatches of at most `segment` events for each of `batch` samples: what has been summed is
+// forgotten.
+enum status pt_job_restart(struct technique_job *job, uint32_t segment, uint32_t batch, struct error *err);
+
+// Choose the size of the batch at the cursor.
+void pt_job_next_batch(struct technique_job *job);
 
 // The band that holds a tile.
 struct pt_band *pt_job_band(const struct technique_job *job, uint32_t tile);

@@ -10,11 +10,11 @@ static void count_halves(uint32_t first, uint32_t samples, double counts[2])
 	counts[1] = samples - even;
 }
 
-void pt_resolver_init(struct pt_resolver *r, uint32_t first_sample, uint32_t samples, uint32_t tiles)
+void pt_resolver_init(struct pt_resolver *r, uint32_t first_sample, uint32_t samples, uint32_t tiles, uint32_t more)
 {
 	*r = (struct pt_resolver){.tiles = tiles};
 	count_halves(first_sample, samples, r->counts[0]);
-	count_halves(first_sample, samples + 1, r->counts[1]);
+	count_halves(first_sample, samples + more, r->counts[1]);
 }
 
 static double sum_of(const float *pair)

@@ -8,14 +8,14 @@
 #include "server/worker/image/frame.h"
 
 struct pt_resolver {
-	uint32_t tiles; // the image's first tiles, which have one sample more
+	uint32_t tiles; // the image's first tiles, which have more samples
 	double counts[2][2]; // samples of half A and B: in the other tiles, in those first ones
 	double error; // so far
 	uint64_t known;
 };
 
-// Every pixel has `samples` from `first_sample` on, those of the first `tiles` tiles one more.
-void pt_resolver_init(struct pt_resolver *resolver, uint32_t first_sample, uint32_t samples, uint32_t tiles);
+// Every pixel has `samples` from `first_sample` on, those of the first `tiles` tiles `more` on top.
+void pt_resolver_init(struct pt_resolver *resolver, uint32_t first_sample, uint32_t samples, uint32_t tiles, uint32_t more);
 
 // Fill rows [first_row, first_row + rows) of frame->radiance from their sums, ACCUMULATOR_FLOATS floats a pixel
 // (shaders/path/accumulate.glsl).

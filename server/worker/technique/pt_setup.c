@@ -14,6 +14,15 @@
 // events of two rays leave a ray 2,000 rounds.
 #define SEGMENT_SOFTWARE 16u
 
+// Samples that a lane takes one after the other: with more of them fewer lanes wait for the longest path beside them, but
+// the longer until the next whole picture.
+#define BATCH_MOST 16u
+#define BATCH_FIRST 2u
+#define BATCH_QUICK_US 200000.0 // of a whole picture: may be larger than all before it
+
+// Loop rounds of an invocation that a batch is meant to stay below, where a driver ends loops after 65,535.
+#define ROUNDS_SAFE 24000u
+
 // The plan's bits become the shaders' constants one for one.
 _Static_assert((int)SPEC_TEXTURES == (int)candil_Effect_EFFECT_TEXTURES, "one constant an effect");
 _Static_assert((int)SPEC_EMITTERS == (int)candil_Effect_EFFECT_EMITTERS, "one constant an effect");
@@ -58,6 +67,31 @@ static uint32_t segment_of(const struct device *device, const struct plan *plan)
 	const uint32_t whole = plan->depth + 1;
 	const uint32_t segment = plan->segment ? plan->segment : device->info.software ? SEGMENT_SOFTWARE : whole;
 	return segment < whole ? segment : whole;
+}
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;
+}
+
+// As many samples as make lanes busy; but not so many that a preview waits for several times what it took so far, and not so
+// many that the driver would end loops, judged by the batch before.
+void pt_job_next_batch(struct technique_job *j)
+{
+	const uint32_t grown = j->sample > BATCH_FIRST ? j->sample : BATCH_FIRST;
+	const double one_us = j->tile_us * j->tiles;
+	uint32_t batch = grown;
+	if (j->tile_us > 0 && BATCH_QUICK_US / one_us > grown)
+		batch = BATCH_QUICK_US / one_us < BATCH_MOST ? (uint32_t)(BATCH_QUICK_US / one_us) : BATCH_MOST;
+	if (j->device->info.software && j->loop_rounds > 0) {
+		const uint64_t safe = (uint64_t)ROUNDS_SAFE * j->batch / j->loop_rounds;
+		batch = safe < batch ? (uint32_t)safe : batch;
+	}
+	if (j->plan.batch)
+		batch = j->plan.batch;
+	batch = least(least(batch, j->batch_most), j->plan.samples - j->sample);
+	j->batch = batch > 0 ? batch : 1;
+	j->loop_rounds = 0;
 }
 
 static uint64_t paths_bytes(const struct plan *plan)
@@ -253,6 +287,7 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	j->scene = scene;
 	j->plan = *plan;
 	j->tiles = tiles_of(plan);
+	j->batch_most = plan->batch ? plan->batch : BATCH_MOST;
 	const uint64_t start = clock_us();
 	enum status s = resident_upload(scene, device, scene_bindings_shade(plan) | scene_bindings_trace(), err);
 	if (s == STATUS_OK)
@@ -268,17 +303,21 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 		pt_job_destroy(j);
 		return s;
 	}
+	pt_job_next_batch(j);
 	*job = j;
 	return STATUS_OK;
 }
 
-enum status pt_job_restart(struct technique_job *j, uint32_t segment, struct error *err)
+enum status pt_job_restart(struct technique_job *j, uint32_t segment, uint32_t batch, struct error *err)
 {
+	j->batch_most = batch;
 	j->sample = 0;
 	j->tile = 0;
 	j->seen = (struct pt_counters){0};
 	j->rays = 0;
 	j->non_finite = 0;
+	j->loop_rounds = 0;
+	pt_job_next_batch(j);
 	enum status s = make_path_pass(j, segment, err);
 	return s == STATUS_OK ? clear_bands(j, err) : s;
 }
