@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 
 #include "server/base/clock.h"
+#include "server/worker/devices.h"
 #include "server/worker/image/frame.h"
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
@@ -38,7 +39,7 @@ static void turn(struct device *device, struct resident_scene *scene, const stru
 	struct technique_job *job;
 	struct error err;
 	struct frame *frame;
-	must(technique_pt.begin(device, scene, plan, &job, &err), &err);
+	must(technique_pt.begin(&(struct devices){.vk = device}, scene, plan, &job, &err), &err);
 	const uint64_t start = clock_us();
 	const double busy = processor_ms();
 	struct step_result result = {0};
@@ -88,6 +89,7 @@ int main(int argc, char **argv)
 	}
 	must(load_scene(argv[1], argv[2], &loaded, &err), &err);
 	struct resident_scene scene = {.blob = loaded.blob, .bytes = loaded.bytes, .fd = loaded.fd};
+	blob_view_init(&scene.view, loaded.blob);
 	request.width = request.height = 512;
 	request.samples = (uint32_t)strtoul(argv[3], NULL, 10);
 	for (int i = 4; i < argc; i++)
@@ -95,7 +97,7 @@ int main(int argc, char **argv)
 			request.effects_on = ~0u;
 		else
 			add_option(&request, argv[i]);
-	must(plan_make(&request, loaded.blob, &plan, &err), &err);
+	must(plan_make(&request, &scene.view, &plan, &err), &err);
 	for (int i = 0; i < TURNS; i++)
 		turn(device, &scene, &plan);
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
