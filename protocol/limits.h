@@ -26,9 +26,13 @@
 #define LIMIT_TEXT 255u // an error's sentence, a warning
 #define LIMIT_WARNINGS 32u
 #define LIMIT_CAMERA_LIST 32u
+#define LIMIT_NODE_LIST 64u // names of nodes in a SceneInfo
+#define LIMIT_MATERIAL_LIST 64u // names of materials
+#define LIMIT_ANIMATION_LIST 32u
 #define LIMIT_SCENES 64u
 #define LIMIT_STAGES 16u
 #define LIMIT_EFFECTS 16u
+#define LIMIT_NOTES 4u // in an Accepted
 
 // ---- a render ----
 #define LIMIT_SIDE 16384u // pixels, width and height
@@ -40,6 +44,12 @@
 #define LIMIT_COORDINATE 1e12 // of a camera's position, metres
 #define LIMIT_EXPOSURE_EV 64.0 // either way
 #define LIMIT_PROGRESS_MS 3600000u
+#define LIMIT_EDIT_LIGHTS 32u // of one request
+#define LIMIT_EDIT_MATERIALS 32u
+#define LIMIT_EDIT_NODES 32u
+#define LIMIT_EDIT_SCALE 1e9 // of a node, largest and one over smallest
+#define LIMIT_TIME_S 1e9 // of an animation, either way
+#define LIMIT_VARIANTS 4u // edited scenes that a worker keeps while no job uses them
 #define LIMIT_SWEEP_CAMERAS 256u // of one Sweep; so many fit a message
 
 // ---- a scene ----
@@ -58,6 +68,9 @@
 #define LIMIT_CAMERAS 1024u
 #define LIMIT_NODES 1000000u
 #define LIMIT_NODE_DEPTH 4096u
+#define LIMIT_ANIMATIONS 1024u
+#define LIMIT_CHANNELS 65536u // of all animations
+#define LIMIT_CURVE_FLOATS (16u * 1024u * 1024u) // times and values of all channels
 #define LIMIT_BVH_DEPTH 48u // levels; the shader's stack has as many entries
 #define LIMIT_LOAD_SECONDS 120u // of the clock, and of processor time, that one loader may take
 #define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob

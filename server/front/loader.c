@@ -52,6 +52,12 @@ static void clean_info(candil_SceneInfo *info)
 		text_clean(info->ignored[i], sizeof info->ignored[i]);
 	for (size_t i = 0; i < info->facts_count; i++)
 		text_clean(info->facts[i], sizeof info->facts[i]);
+	for (size_t i = 0; i < info->nodes_count; i++)
+		text_clean(info->nodes[i], sizeof info->nodes[i]);
+	for (size_t i = 0; i < info->material_names_count; i++)
+		text_clean(info->material_names[i], sizeof info->material_names[i]);
+	for (size_t i = 0; i < info->animations_count; i++)
+		text_clean(info->animations[i].name, sizeof info->animations[i].name);
 }
 
 static bool counts_hold(const candil_SceneInfo *info)
@@ -59,7 +65,10 @@ static bool counts_hold(const candil_SceneInfo *info)
 	return info->cameras_count <= sizeof info->cameras / sizeof *info->cameras &&
 	       info->warnings_count <= sizeof info->warnings / sizeof *info->warnings &&
 	       info->ignored_count <= sizeof info->ignored / sizeof *info->ignored &&
-	       info->facts_count <= sizeof info->facts / sizeof *info->facts;
+	       info->facts_count <= sizeof info->facts / sizeof *info->facts &&
+	       info->nodes_count <= sizeof info->nodes / sizeof *info->nodes &&
+	       info->material_names_count <= sizeof info->material_names / sizeof *info->material_names &&
+	       info->animations_count <= sizeof info->animations / sizeof *info->animations;
 }
 
 static void clean_error(struct error *err)

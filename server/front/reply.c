@@ -8,7 +8,7 @@
 #include "server/front/session.h"
 #include "server/front/text.h"
 
-#define REPLY_BYTES (24u * 1024u)
+#define REPLY_BYTES (32u * 1024u)
 
 _Static_assert(candil_SceneInfo_size <= REPLY_BYTES, "the longest reply fits the buffer");
 _Static_assert(candil_SceneList_size <= REPLY_BYTES, "the longest reply fits the buffer");

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "protocol/header.h"
+#include "server/front/request_edits.h"
 #include "server/front/text.h"
 
 #define DEFAULT_SAMPLES 64u
@@ -269,6 +270,8 @@ enum status request_check_render(candil_Render *render, struct error *err)
 		status = check_output(render, err);
 	if (status == STATUS_OK)
 		status = check_options(render, err);
+	if (status == STATUS_OK && render->has_edits)
+		status = request_check_edits(&render->edits, err);
 	return status;
 }
 
@@ -289,10 +292,29 @@ static enum status decode_sweep(const uint8_t *body, size_t bytes, candil_Sweep 
 	if (pb_decode(&stream, candil_Sweep_fields, sweep))
 		return STATUS_OK;
 	if (!strcmp(PB_GET_ERROR(&stream), "array overflow"))
-		return error_set(err, STATUS_LIMIT, "a sweep has at most %u cameras and %u options: send several requests",
-				 LIMIT_SWEEP_CAMERAS, LIMIT_OPTIONS);
+		return error_set(err, STATUS_LIMIT,
+				 "a sweep has at most %u cameras or times, %u options and %u edits of a kind: send several "
+				 "requests",
+				 LIMIT_SWEEP_CAMERAS, LIMIT_OPTIONS, LIMIT_EDIT_NODES);
 	return error_set(err, STATUS_BAD_MESSAGE, "the body cannot be decoded (%s): see candil.proto",
 			 PB_GET_ERROR(&stream));
+}
+
+// One camera an image, or one for all times.
+static enum status check_times(const candil_Sweep *sweep, struct error *err)
+{
+	enum status status = STATUS_OK;
+	if (sweep->times_count == 0)
+		return STATUS_OK;
+	if (!sweep->render.edits.animation[0])
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "a sweep over times needs an animation: name one in render.edits");
+	if (sweep->cameras_count != 1 && sweep->cameras_count != sweep->times_count)
+		return error_set(err, STATUS_BAD_ARGUMENT, "a sweep over %u times takes as many cameras, or one for all",
+				 (unsigned)sweep->times_count);
+	for (pb_size_t i = 0; i < sweep->times_count && status == STATUS_OK; i++)
+		status = request_check_time(sweep->times[i], err);
+	return status;
 }
 
 enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err)
@@ -307,11 +329,14 @@ enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep
 		status = request_check_render(render, err);
 	for (pb_size_t i = 0; i < sweep->cameras_count && status == STATUS_OK; i++)
 		status = check_camera(&sweep->cameras[i], err);
+	if (status == STATUS_OK)
+		status = check_times(sweep, err);
+	const uint64_t images = sweep->times_count > 0 ? sweep->times_count : sweep->cameras_count;
 	// No product of these passes 2^64: each was held to its own limit.
 	uint64_t samples = (uint64_t)render->samples * render->width * render->height;
-	if (status == STATUS_OK && samples * sweep->cameras_count > LIMIT_SAMPLES_TIMES_PIXELS)
+	if (status == STATUS_OK && samples * images > LIMIT_SAMPLES_TIMES_PIXELS)
 		status = error_set(err, STATUS_LIMIT,
-				   "cameras times samples times pixels is at most %llu: split the cameras over requests",
+				   "images times samples times pixels is at most %llu: split them over requests",
 				   LIMIT_SAMPLES_TIMES_PIXELS);
 	return status;
 }

@@ -30,14 +30,18 @@ void sweep_destroy(struct sweep *sweep)
 
 uint32_t sweep_count(const struct sweep *sweep)
 {
-	return sweep->message->cameras_count;
+	const candil_Sweep *m = sweep->message;
+	return m->times_count > 0 ? m->times_count : m->cameras_count;
 }
 
 void sweep_frame(const struct sweep *sweep, uint32_t index, candil_Render *render)
 {
 	*render = sweep->message->render;
 	render->has_camera = true;
-	render->camera = sweep->message->cameras[index];
+	// With times one camera may stand for all images.
+	render->camera = sweep->message->cameras[sweep->message->cameras_count > 1 ? index : 0];
+	if (sweep->message->times_count > 0)
+		render->edits.time_s = sweep->message->times[index];
 }
 
 static void add_stage(candil_Done *total, const candil_Stage *stage)

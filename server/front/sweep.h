@@ -1,7 +1,7 @@
-// One request for pictures from many cameras: its cameras, how far it is, its account. jobs.c makes a job of each camera in
-// turn: at most two at a time, the second not before the first is traced, so that one image is traced while the one before
-// it is encoded and sent. The jobs inherit the sweep's place in the schedule: to others it is one long request. The sweep
-// belongs to its jobs and goes with the last of them; it holds the scene meanwhile.
+// One request for pictures from many cameras or at many times: its images, how far it is, its account. jobs.c makes a job of
+// each in turn: at most two at a time, the second not before the first is traced, so that one image is traced while the one
+// before it is encoded and sent. The jobs inherit the sweep's place in the schedule: to others it is one long request. The
+// sweep belongs to its jobs and goes with the last of them; it holds the scene meanwhile.
 #ifndef CANDIL_FRONT_SWEEP_H
 #define CANDIL_FRONT_SWEEP_H
 

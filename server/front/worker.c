@@ -259,8 +259,11 @@ static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 // Its counts are bounds of our loops, and its strings go to clients.
 static bool accepted_holds(candil_Accepted *accepted)
 {
-	if (accepted->plan_count > sizeof accepted->plan / sizeof *accepted->plan)
+	if (accepted->plan_count > sizeof accepted->plan / sizeof *accepted->plan ||
+	    accepted->notes_count > sizeof accepted->notes / sizeof *accepted->notes)
 		return false;
+	for (size_t i = 0; i < accepted->notes_count; i++)
+		text_clean(accepted->notes[i], sizeof accepted->notes[i]);
 	text_clean(accepted->device, sizeof accepted->device);
 	for (size_t i = 0; i < accepted->plan_count; i++)
 		text_clean(accepted->plan[i].why, sizeof accepted->plan[i].why);

@@ -12,8 +12,8 @@
 #include "server/base/memfd.h"
 #include "server/loader/bvh.h"
 #include "server/loader/geometry.h"
-#include "server/loader/lights.h"
 #include "server/scene/facts.h"
+#include "server/scene/lights.h"
 
 // Everything that goes into a blob, section by section, before it is laid out.
 struct parts {
@@ -22,6 +22,7 @@ struct parts {
 	struct leaf_triangle *leaves;
 	struct emitter *emitters;
 	struct punctual_light *lights;
+	struct scene_node *nodes;
 	uint32_t emitter_count, light_count;
 	float emitter_power, light_power;
 };
@@ -33,6 +34,7 @@ static void parts_finish(struct parts *p)
 	free(p->leaves);
 	free(p->emitters);
 	free(p->lights);
+	free(p->nodes);
 }
 
 static enum status make_leaves(struct parts *p, struct error *err)
@@ -53,23 +55,52 @@ static enum status make_leaves(struct parts *p, struct error *err)
 	return STATUS_OK;
 }
 
-static double bounding_radius(const struct geometry *g)
-{
-	double sum = 0;
-	for (int i = 0; i < 3; i++)
-		sum += ((double)g->max[i] - g->min[i]) * ((double)g->max[i] - g->min[i]);
-	return sum > 0 ? 0.5 * sqrt(sum) : 1.0;
-}
-
-static enum status make_lights(struct import *im, struct parts *p, struct error *err)
+// The lights of the blob, and where the import's went.
+static enum status make_punctual(const struct import *im, struct parts *p, uint32_t *place, struct error *err)
 {
 	const struct geometry *g = &p->geometry;
-	lights_weigh_materials(im);
-	enum status status = lights_collect_emitters(im->materials, g->vertices, g->triangles, g->triangle_count,
-						     &p->emitters, &p->emitter_count, &p->emitter_power, err);
+	p->lights = calloc(im->light_count + 1, sizeof *p->lights);
+	if (!p->lights)
+		return error_set(err, STATUS_MEMORY, "no memory for %zu lights", im->light_count);
+	for (size_t i = 0; i < im->light_count; i++) {
+		p->lights[i] = im->lights[i].light;
+		for (int c = 0; c < 3; c++)
+			p->lights[i].position[c] = (float)(im->lights[i].position[c] - g->origin[c]);
+	}
+	p->light_count = (uint32_t)im->light_count;
+	return lights_make_table(p->lights, &p->light_count, lights_bounding_radius(g->min, g->max), place, &p->light_power,
+				 err);
+}
+
+static void make_nodes(const struct import *im, const uint32_t *light_place, struct scene_node *out)
+{
+	uint32_t first = 0;
+	for (size_t i = 0; i < im->node_count; i++) {
+		out[i] = im->nodes[i].node;
+		out[i].world =
+		    out[i].parent == NONE ? out[i].local : transform_compose(&out[out[i].parent].world, &out[i].local);
+		out[i].first_triangle = first;
+		out[i].triangle_count = (uint32_t)im->nodes[i].triangle_end - first;
+		out[i].light = out[i].light == NONE ? NONE : light_place[out[i].light];
+		first += out[i].triangle_count;
+	}
+}
+
+static enum status make_lights_and_nodes(struct import *im, struct parts *p, struct error *err)
+{
+	const struct geometry *g = &p->geometry;
+	for (size_t i = 0; i < im->material_count; i++)
+		im->materials[i].power_density = lights_power_density(&im->materials[i], im->textures, im->texels);
+	if (lights_collect_emitters(im->materials, g->vertices, g->triangles, g->triangle_count, &p->emitters,
+				    &p->emitter_count, &p->emitter_power, err) != STATUS_OK)
+		return err->code;
+	uint32_t *place = malloc((im->light_count + 1) * sizeof *place);
+	p->nodes = malloc((im->node_count + 1) * sizeof *p->nodes);
+	enum status status = place && p->nodes ? make_punctual(im, p, place, err)
+					       : error_set(err, STATUS_MEMORY, "no memory for %zu nodes", im->node_count);
 	if (status == STATUS_OK)
-		status = lights_collect_punctual(im, g->origin, bounding_radius(g), &p->lights, &p->light_count,
-						 &p->light_power, err);
+		make_nodes(im, place, p->nodes);
+	free(place);
 	return status;
 }
 
@@ -95,6 +126,10 @@ static void list_sources(const struct import *im, const struct parts *p, struct 
 	out[BLOB_UV1] = (struct source){g->uv1, g->uv1 ? g->vertex_count : 0};
 	out[BLOB_COLORS] = (struct source){g->colors, g->colors ? g->vertex_count : 0};
 	out[BLOB_TANGENTS] = (struct source){g->tangents, g->tangents ? g->vertex_count : 0};
+	out[BLOB_SCENE_NODES] = (struct source){p->nodes, im->node_count};
+	out[BLOB_ANIMATIONS] = (struct source){im->animations, im->animation_count};
+	out[BLOB_CHANNELS] = (struct source){im->channels, im->channel_count};
+	out[BLOB_CURVES] = (struct source){im->curves, im->curve_count};
 }
 
 static size_t aligned(size_t bytes)
@@ -156,6 +191,24 @@ static void describe_cameras(candil_SceneInfo *info, const struct blob_header *h
 	}
 }
 
+static void describe_names(candil_SceneInfo *info, const struct blob_header *h)
+{
+	const struct scene_node *nodes = blob_section(h, BLOB_SCENE_NODES);
+	const struct blob_name *materials = blob_section(h, BLOB_MATERIAL_NAMES);
+	const struct scene_animation *animations = blob_section(h, BLOB_ANIMATIONS);
+	info->node_count = blob_count(h, BLOB_SCENE_NODES);
+	info->animation_count = blob_count(h, BLOB_ANIMATIONS);
+	for (uint32_t i = 0; i < info->node_count && i < LIMIT_NODE_LIST; i++)
+		memcpy(info->nodes[info->nodes_count++], nodes[i].name, sizeof nodes[i].name);
+	for (uint32_t i = 0; i < blob_count(h, BLOB_MATERIAL_NAMES) && i < LIMIT_MATERIAL_LIST; i++)
+		memcpy(info->material_names[info->material_names_count++], materials[i].text, sizeof materials[i].text);
+	for (uint32_t i = 0; i < info->animation_count && i < LIMIT_ANIMATION_LIST; i++) {
+		candil_AnimationInfo *out = &info->animations[info->animations_count++];
+		memcpy(out->name, animations[i].name, sizeof out->name);
+		out->duration_s = animations[i].duration_s;
+	}
+}
+
 static void describe(candil_SceneInfo *info, const struct blob_header *h)
 {
 	double min[3], max[3];
@@ -182,6 +235,7 @@ static void describe(candil_SceneInfo *info, const struct blob_header *h)
 			snprintf(info->facts[info->facts_count++], sizeof info->facts[0], "%s",
 				 fact_name((enum fact)(1u << bit)));
 	describe_cameras(info, h);
+	describe_names(info, h);
 }
 
 static void warn_all(struct import *im, const struct blob_header *h)
@@ -243,7 +297,7 @@ static enum status make_parts(struct import *im, struct parts *p, struct error *
 	}
 	enum status status = geometry_build(im, &p->geometry, err);
 	if (status == STATUS_OK)
-		status = make_lights(im, p, err);
+		status = make_lights_and_nodes(im, p, err);
 	if (status == STATUS_OK)
 		status = bvh_build(p->geometry.vertices, p->geometry.triangles, p->geometry.triangle_count, &p->bvh, err);
 	return status == STATUS_OK ? make_leaves(p, err) : status;

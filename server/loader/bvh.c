@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/scene/bvh_refit.h"
+
 // A node of the tree before it is flat: a leaf if count > 0.
 struct tree {
 	struct bvh_node node; // the children's boxes; numbers come when it is flattened
@@ -31,22 +33,7 @@ static void grow_box(float min[3], float max[3], const struct RTCBuildPrimitive 
 	max[2] = fmaxf(max[2], p->upper_z);
 }
 
-// Boxes are minima and maxima of the vertices' own floats, so they are exact.
-// A box's face a unit in the last place outside of its triangle. A ray that runs within a face's plane has a distance of 0
-// times infinity to it; with the face moved off, a walk that tests the box never misses what a test of the triangle hits, so
-// every order of walking finds the same. The least step is for faces at zero, whose neighbours a device may flush.
-static const float least_step = 1e-20f;
-
-static float below(float x)
-{
-	return fminf(nextafterf(x, -INFINITY), x - least_step);
-}
-
-static float above(float x)
-{
-	return fmaxf(nextafterf(x, INFINITY), x + least_step);
-}
-
+// Boxes are minima and maxima of the vertices' own floats, moved outwards (bvh_refit.h).
 static struct RTCBuildPrimitive *make_primitives(const struct vertex *vertices, const struct triangle *triangles,
 						 uint32_t count)
 {
@@ -55,12 +42,12 @@ static struct RTCBuildPrimitive *make_primitives(const struct vertex *vertices, 
 		const float *a = vertices[triangles[i].vertex[0]].position, *b = vertices[triangles[i].vertex[1]].position,
 			    *c = vertices[triangles[i].vertex[2]].position;
 		out[i] = (struct RTCBuildPrimitive){
-		    .lower_x = below(fminf(a[0], fminf(b[0], c[0]))),
-		    .lower_y = below(fminf(a[1], fminf(b[1], c[1]))),
-		    .lower_z = below(fminf(a[2], fminf(b[2], c[2]))),
-		    .upper_x = above(fmaxf(a[0], fmaxf(b[0], c[0]))),
-		    .upper_y = above(fmaxf(a[1], fmaxf(b[1], c[1]))),
-		    .upper_z = above(fmaxf(a[2], fmaxf(b[2], c[2]))),
+		    .lower_x = bvh_below(fminf(a[0], fminf(b[0], c[0]))),
+		    .lower_y = bvh_below(fminf(a[1], fminf(b[1], c[1]))),
+		    .lower_z = bvh_below(fminf(a[2], fminf(b[2], c[2]))),
+		    .upper_x = bvh_above(fmaxf(a[0], fmaxf(b[0], c[0]))),
+		    .upper_y = bvh_above(fmaxf(a[1], fmaxf(b[1], c[1]))),
+		    .upper_z = bvh_above(fmaxf(a[2], fmaxf(b[2], c[2]))),
 		    .primID = i,
 		};
 	}

@@ -28,6 +28,15 @@ static json_t *cameras(const candil_SceneInfo *info)
 	return out;
 }
 
+static json_t *animations(const candil_SceneInfo *info)
+{
+	json_t *out = json_array();
+	for (pb_size_t i = 0; i < info->animations_count; i++)
+		json_array_append_new(out, json_pack("{s:s,s:f}", "name", info->animations[i].name, "duration_s",
+						     info->animations[i].duration_s));
+	return out;
+}
+
 static void set_number(json_t *root, const char *name, uint64_t value)
 {
 	json_object_set_new(root, name, json_integer((json_int_t)value));
@@ -42,6 +51,8 @@ static void set_counts(json_t *root, const candil_SceneInfo *info)
 	set_number(root, "emissive_triangles", info->emissive_triangles);
 	set_number(root, "punctual_lights", info->punctual_lights);
 	set_number(root, "camera_count", info->camera_count);
+	set_number(root, "node_count", info->node_count);
+	set_number(root, "animation_count", info->animation_count);
 	set_number(root, "bvh_nodes", info->bvh_nodes);
 	set_number(root, "bvh_depth", info->bvh_depth);
 	set_number(root, "dropped_degenerate", info->dropped_degenerate);
@@ -61,6 +72,10 @@ bool describe_print(const candil_SceneInfo *info)
 	json_object_set_new(root, "bounds_max", vector(&info->bounds_max));
 	json_object_set_new(root, "origin", vector(&info->origin));
 	json_object_set_new(root, "cameras", cameras(info));
+	json_object_set_new(root, "nodes", strings(info->nodes[0], sizeof info->nodes[0], info->nodes_count));
+	json_object_set_new(root, "material_names",
+			    strings(info->material_names[0], sizeof info->material_names[0], info->material_names_count));
+	json_object_set_new(root, "animations", animations(info));
 	json_object_set_new(root, "warnings", strings(info->warnings[0], sizeof info->warnings[0], info->warnings_count));
 	json_object_set_new(root, "ignored", strings(info->ignored[0], sizeof info->ignored[0], info->ignored_count));
 	json_object_set_new(root, "facts", strings(info->facts[0], sizeof info->facts[0], info->facts_count));

@@ -20,11 +20,20 @@ static bool sound(const double p[3])
 	return true;
 }
 
+// Where a node's triangles end, as triangles are dropped: called before triangle `i` of the old count, `kept` being those
+// before it that stayed, and once more at the end.
+static void end_nodes(struct import *im, size_t *node, size_t i, size_t kept)
+{
+	while (*node < im->node_count && im->nodes[*node].triangle_end <= i)
+		im->nodes[(*node)++].triangle_end = kept;
+}
+
 // Drop what is not finite, in place, and find the bounds of the rest.
 static void drop_non_finite(struct import *im, double min[3], double max[3])
 {
-	size_t kept = 0;
+	size_t kept = 0, node = 0;
 	for (size_t i = 0; i < im->triangle_count; i++) {
+		end_nodes(im, &node, i, kept);
 		const struct triangle t = im->triangles[i];
 		const double *p[3];
 		for (int k = 0; k < 3; k++)
@@ -39,6 +48,7 @@ static void drop_non_finite(struct import *im, double min[3], double max[3])
 		}
 		im->triangles[kept++] = t;
 	}
+	end_nodes(im, &node, im->triangle_count, kept);
 	im->triangle_count = kept;
 }
 
@@ -137,7 +147,9 @@ static void round_vertices(struct import *im, struct geometry *g, uint32_t *plac
 
 static void keep_triangles_with_area(struct import *im, struct geometry *g, const uint32_t *place)
 {
+	size_t node = 0;
 	for (size_t i = 0; i < im->triangle_count; i++) {
+		end_nodes(im, &node, i, g->triangle_count);
 		struct triangle t = im->triangles[i];
 		for (int k = 0; k < 3; k++)
 			t.vertex[k] = place[t.vertex[k]];
@@ -146,6 +158,7 @@ static void keep_triangles_with_area(struct import *im, struct geometry *g, cons
 		else
 			im->info->dropped_degenerate++;
 	}
+	end_nodes(im, &node, im->triangle_count, g->triangle_count);
 }
 
 static void find_bounds(struct geometry *g)

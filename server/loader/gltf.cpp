@@ -8,6 +8,7 @@
 
 extern "C" {
 #include "server/loader/gltf_json.h"
+#include "server/scene/transform.h"
 }
 
 namespace
@@ -100,61 +101,36 @@ enum status parse(gltf_reader *reader, const struct file_bytes *bytes, struct er
 	return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: %s; export it again", reason);
 }
 
-// world = parent · local
-transform compose(const transform &parent, const transform &local)
+// What the file says of a node's place, whole and in parts.
+transform local_transform(const tinygltf::Node &node, transform_parts *parts)
 {
-	transform world;
-	for (int column = 0; column < 4; column++)
-		for (int row = 0; row < 3; row++) {
-			double sum = column == 3 ? parent.c[3][row] : 0.0;
-			for (int k = 0; k < 3; k++)
-				sum += parent.c[k][row] * local.c[column][k];
-			world.c[column][row] = sum;
-		}
-	return world;
-}
-
-void rotate_columns(transform *t, const std::vector<double> &q)
-{
-	const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-	if (!(length > 0) || !std::isfinite(length))
-		return;
-	const double x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
-	const double r[3][3] = {
-	    {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
-	    {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-	    {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
-	};
-	for (int column = 0; column < 3; column++)
-		for (int row = 0; row < 3; row++)
-			t->c[column][row] = r[column][row];
-}
-
-transform local_transform(const tinygltf::Node &node)
-{
-	transform t = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+	*parts = transform_no_parts;
 	if (node.matrix.size() == 16) {
+		transform t;
 		for (int column = 0; column < 4; column++)
 			for (int row = 0; row < 3; row++)
 				t.c[column][row] = node.matrix[(size_t)(column * 4 + row)];
+		*parts = transform_to_parts(&t);
 		return t;
 	}
-	if (node.rotation.size() == 4)
-		rotate_columns(&t, node.rotation);
-	if (node.scale.size() == 3)
-		for (int column = 0; column < 3; column++)
-			for (int row = 0; row < 3; row++)
-				t.c[column][row] *= node.scale[(size_t)column];
-	if (node.translation.size() == 3)
-		for (int row = 0; row < 3; row++)
-			t.c[3][row] = node.translation[(size_t)row];
-	return t;
+	double length = 0;
+	for (size_t i = 0; i < 4 && node.rotation.size() == 4; i++)
+		length += node.rotation[i] * node.rotation[i];
+	length = std::sqrt(length);
+	for (size_t i = 0; i < 4 && length > 0 && std::isfinite(length); i++)
+		parts->rotation[i] = node.rotation[i] / length;
+	for (size_t i = 0; i < 3 && node.scale.size() == 3; i++)
+		parts->scale[i] = node.scale[i];
+	for (size_t i = 0; i < 3 && node.translation.size() == 3; i++)
+		parts->translation[i] = node.translation[i];
+	return transform_of_parts(parts);
 }
 
 struct visit {
 	int node;
 	unsigned depth;
-	transform parent;
+	uint32_t parent; // the import's node, or NONE
+	transform world; // the parent's
 };
 
 enum status add_node(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err)
@@ -177,8 +153,8 @@ enum status add_node(gltf_reader *reader, const tinygltf::Node &node, const tran
 
 // Push nodes so that the first is visited first. A node has one parent in glTF: one that is met twice is a cycle or would
 // be expanded over and over, so it is refused.
-enum status push_nodes(const gltf_reader *reader, const std::vector<int> &nodes, const transform &parent, unsigned depth,
-		       std::vector<bool> *seen, std::vector<visit> *stack, struct error *err)
+enum status push_nodes(const gltf_reader *reader, const std::vector<int> &nodes, uint32_t parent, const transform &world,
+		       unsigned depth, std::vector<bool> *seen, std::vector<visit> *stack, struct error *err)
 {
 	if (depth > LIMIT_NODE_DEPTH)
 		return error_set(err, STATUS_SCENE_LIMIT, "the node hierarchy is deeper than %u; flatten it",
@@ -191,27 +167,49 @@ enum status push_nodes(const gltf_reader *reader, const std::vector<int> &nodes,
 			return error_set(err, STATUS_SCENE_INVALID,
 					 "node %d is reached twice: the hierarchy has a cycle or a shared node", n);
 		(*seen)[(size_t)n] = true;
-		stack->push_back({n, depth, parent});
+		stack->push_back({n, depth, parent, world});
 	}
 	return STATUS_OK;
 }
 
+// A node and all that is on it. A transform that is not finite places nothing: such a node, and so all beneath it, is left
+// out, and *world is then not finite.
+enum status enter_node(gltf_reader *reader, const visit &v, transform *world, struct error *err)
+{
+	const tinygltf::Node &node = reader->model.nodes[(size_t)v.node];
+	transform_parts parts;
+	const transform local = local_transform(node, &parts);
+	*world = transform_compose(&v.world, &local);
+	if (v.parent == NONE)
+		*world = local;
+	if (!transform_is_finite(world) || !transform_is_finite(&local)) {
+		world->c[3][0] = INFINITY;
+		import_warn(reader->import, "node '%.60s' is left out with all beneath it: its transform is not finite",
+			    node.name.c_str());
+		return STATUS_OK;
+	}
+	reader->nodes[(size_t)v.node] = (uint32_t)reader->import->node_count;
+	if (import_add_node(reader->import, node.name.c_str(), &local, &parts, v.parent, err) != STATUS_OK)
+		return err->code;
+	return add_node(reader, node, *world, err);
+}
+
 enum status walk_nodes(gltf_reader *reader, const std::vector<int> &roots, struct error *err)
 {
-	const transform identity = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
 	const std::vector<tinygltf::Node> &nodes = reader->model.nodes;
 	std::vector<bool> seen(nodes.size());
 	std::vector<visit> stack;
 
-	enum status status = push_nodes(reader, roots, identity, 1, &seen, &stack, err);
+	reader->nodes.assign(nodes.size(), NONE);
+	enum status status = push_nodes(reader, roots, NONE, transform_identity, 1, &seen, &stack, err);
 	while (status == STATUS_OK && !stack.empty()) {
 		const visit v = stack.back();
+		transform world;
 		stack.pop_back();
-		const tinygltf::Node &node = nodes[(size_t)v.node];
-		const transform world = compose(v.parent, local_transform(node));
-		status = add_node(reader, node, world, err);
-		if (status == STATUS_OK)
-			status = push_nodes(reader, node.children, world, v.depth + 1, &seen, &stack, err);
+		status = enter_node(reader, v, &world, err);
+		if (status == STATUS_OK && transform_is_finite(&world))
+			status = push_nodes(reader, nodes[(size_t)v.node].children, reader->nodes[(size_t)v.node], world,
+					    v.depth + 1, &seen, &stack, err);
 	}
 	return status;
 }
@@ -236,8 +234,6 @@ void list_ignored(gltf_reader *reader)
 		if (!known)
 			import_ignore(reader->import, name.c_str());
 	}
-	if (!reader->model.animations.empty())
-		import_ignore(reader->import, "animations");
 	if (reader->model.scenes.size() > 1)
 		import_ignore(reader->import, "scenes other than the default one");
 }
@@ -275,6 +271,8 @@ enum status import_all(struct import *import, const struct file_bytes *bytes, st
 		status = gltf_add_materials(reader.get(), err);
 	if (status == STATUS_OK)
 		status = walk_nodes(reader.get(), scene->nodes, err);
+	if (status == STATUS_OK)
+		status = gltf_add_animations(reader.get(), err);
 	if (status == STATUS_OK)
 		list_ignored(reader.get());
 	return status;

@@ -3,51 +3,14 @@
 #include <cmath>
 #include <cstring>
 
+extern "C" {
+#include "server/scene/nodes.h"
+}
+
 namespace
 {
 
 const double pi = 3.14159265358979323846;
-
-double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-// False for a vector without a direction.
-bool normalize(double v[3])
-{
-	double largest = std::fmax(std::fabs(v[0]), std::fmax(std::fabs(v[1]), std::fabs(v[2])));
-	if (!(largest > 0) || !std::isfinite(largest))
-		return false;
-	for (int i = 0; i < 3; i++)
-		v[i] /= largest;
-	const double length = std::sqrt(dot(v, v));
-	for (int i = 0; i < 3; i++)
-		v[i] /= length;
-	return true;
-}
-
-bool finite(const double v[3])
-{
-	return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]) && std::fabs(v[0]) <= LIMIT_COORDINATE &&
-	       std::fabs(v[1]) <= LIMIT_COORDINATE && std::fabs(v[2]) <= LIMIT_COORDINATE;
-}
-
-// Eye, forward and up in world space. False where the node's transform leaves no direction.
-bool place_camera(struct blob_camera *out, const transform &world)
-{
-	for (int i = 0; i < 3; i++) {
-		out->eye[i] = world.c[3][i];
-		out->forward[i] = -world.c[2][i];
-		out->up[i] = world.c[1][i];
-	}
-	if (!finite(out->eye) || !normalize(out->forward) || !normalize(out->up))
-		return false;
-	const double along = dot(out->forward, out->up);
-	for (int i = 0; i < 3; i++)
-		out->up[i] -= along * out->forward[i];
-	return dot(out->up, out->up) > 1e-12 && normalize(out->up);
-}
 
 bool set_lens(struct blob_camera *out, const tinygltf::Camera &camera)
 {
@@ -102,23 +65,11 @@ bool set_cone(struct punctual_light *out, const tinygltf::SpotLight &spot)
 bool fill_light(struct import_light *out, const tinygltf::Light &light, const transform &world)
 {
 	struct punctual_light *l = &out->light;
-	double forward[3];
-	for (int i = 0; i < 3; i++) {
-		out->position[i] = world.c[3][i];
-		forward[i] = -world.c[2][i];
-	}
-	if (!set_intensity(l, light) || !finite(out->position))
+	const bool point = light.type == "point", spot = light.type == "spot";
+	l->kind = point ? LIGHT_POINT : spot ? LIGHT_SPOT : LIGHT_DIRECTIONAL;
+	if (!set_intensity(l, light) || !node_place_light(&world, l, out->position))
 		return false;
-	if (light.type == "point") {
-		l->kind = LIGHT_POINT;
-		return true;
-	}
-	if (!normalize(forward))
-		return false;
-	for (int i = 0; i < 3; i++)
-		l->direction[i] = (float)forward[i];
-	l->kind = light.type == "spot" ? LIGHT_SPOT : LIGHT_DIRECTIONAL;
-	return light.type == "spot" ? set_cone(l, light.spot) : light.type == "directional";
+	return point || (spot ? set_cone(l, light.spot) : light.type == "directional");
 }
 
 } // namespace
@@ -133,7 +84,7 @@ enum status gltf_add_camera(gltf_reader *reader, const tinygltf::Node &node, con
 		import_clean_text(out.name, sizeof out.name, name);
 	else
 		snprintf(out.name, sizeof out.name, "camera %zu", reader->import->camera_count);
-	if (!set_lens(&out, camera) || !place_camera(&out, world)) {
+	if (!set_lens(&out, camera) || !node_place_camera(&world, &out)) {
 		import_warn(reader->import, "camera '%s' has no usable lens or direction and is left out", out.name);
 		return STATUS_OK;
 	}

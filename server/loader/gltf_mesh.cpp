@@ -27,54 +27,6 @@ void note_bounds(gltf_reader *reader, const gltf_elements &positions)
 	import_note_source(reader->import, min, max);
 }
 
-// Normals go by the inverse transpose. Its cofactors do without a division, up to a factor that has the determinant's sign.
-struct normal_map {
-	double c[3][3];
-	double determinant;
-};
-
-normal_map normals_of(const transform &t)
-{
-	normal_map m;
-	for (int i = 0; i < 3; i++) {
-		const double *a = t.c[(i + 1) % 3], *b = t.c[(i + 2) % 3];
-		m.c[i][0] = a[1] * b[2] - a[2] * b[1];
-		m.c[i][1] = a[2] * b[0] - a[0] * b[2];
-		m.c[i][2] = a[0] * b[1] - a[1] * b[0];
-	}
-	m.determinant = t.c[0][0] * m.c[0][0] + t.c[0][1] * m.c[0][1] + t.c[0][2] * m.c[0][2];
-	return m;
-}
-
-void place_normal(float out[3], const double *n, const normal_map &map)
-{
-	double v[3], length = 0;
-	for (int row = 0; row < 3; row++) {
-		v[row] = map.c[0][row] * n[0] + map.c[1][row] * n[1] + map.c[2][row] * n[2];
-		length = std::fmax(length, std::fabs(v[row]));
-	}
-	// Divided by the largest component first: a float holds it whatever the scale.
-	for (int row = 0; row < 3; row++)
-		out[row] = length > 0 && std::isfinite(length)
-			       ? (float)(map.determinant < 0 ? -v[row] / length : v[row] / length)
-			       : 0.0f;
-}
-
-// A direction along the surface goes by the transform itself.
-void place_tangent(float out[4], const double *t, const transform &world, const normal_map &map)
-{
-	double v[3], length = 0;
-	for (int row = 0; row < 3; row++) {
-		v[row] = world.c[0][row] * t[0] + world.c[1][row] * t[1] + world.c[2][row] * t[2];
-		length = std::fmax(length, std::fabs(v[row]));
-	}
-	const bool usable = length > 0 && std::isfinite(length) && (t[3] > 0 || t[3] < 0);
-	for (int row = 0; row < 3; row++)
-		out[row] = usable ? (float)(v[row] / length) : 0.0f;
-	// A mirror keeps normal, tangent and bitangent but not their handedness.
-	out[3] = !usable ? 0.0f : (t[3] > 0) == (map.determinant >= 0) ? 1.0f : -1.0f;
-}
-
 // The attributes of a primitive's vertices but for their positions. Those that nothing asks for stay empty.
 struct attributes {
 	gltf_elements normals, uvs, uvs1, colors, tangents;
@@ -124,7 +76,8 @@ enum status read_attributes(const gltf_reader *reader, const tinygltf::Primitive
 }
 
 // False if a colour had to be clamped.
-bool fill_extra(const attributes &from, size_t i, const transform &world, const normal_map &map, struct import_extra *out)
+bool fill_extra(const attributes &from, size_t i, const transform &world, const transform_normals &map,
+		struct import_extra *out)
 {
 	bool fit = true;
 	*out = {{0, 0}, {1, 1, 1, 1}, {0, 0, 0, 0}};
@@ -133,19 +86,18 @@ bool fill_extra(const attributes &from, size_t i, const transform &world, const 
 	for (size_t c = 0; c < from.color_width && from.colors.count; c++)
 		fit &= import_fit(&out->color[c], from.colors.values[i * from.color_width + c], (double)BLOB_COLOR_MAX);
 	if (from.tangents.count)
-		place_tangent(out->tangent, &from.tangents.values[i * 4], world, map);
+		transform_tangent(&world, &map, &from.tangents.values[i * 4], out->tangent);
 	return fit;
 }
 
 enum status add_vertex(struct import *import, const attributes &from, size_t i, const double *p, const transform &world,
-		       const normal_map &map, struct error *err)
+		       const transform_normals &map, struct error *err)
 {
 	struct import_vertex v = {};
 	struct import_extra extra;
-	for (int row = 0; row < 3; row++)
-		v.position[row] = world.c[0][row] * p[0] + world.c[1][row] * p[1] + world.c[2][row] * p[2] + world.c[3][row];
+	transform_point(&world, p, v.position);
 	if (from.normals.count)
-		place_normal(v.normal, &from.normals.values[i * 3], map);
+		transform_normal(&map, &from.normals.values[i * 3], v.normal);
 	for (size_t c = 0; c < 2 && from.uvs.count; c++)
 		v.uv[c] = (float)from.uvs.values[i * 2 + c];
 	if (import_add_vertex(import, &v, err) != STATUS_OK)
@@ -163,7 +115,7 @@ enum status add_vertices(gltf_reader *reader, const tinygltf::Primitive &primiti
 	attributes from;
 	if (read_attributes(reader, primitive, material, positions.count, &from, err) != STATUS_OK)
 		return err->code;
-	const normal_map map = normals_of(world);
+	const transform_normals map = transform_normals_of(&world);
 	for (size_t i = 0; i < positions.count; i++)
 		if (add_vertex(reader->import, from, i, &positions.values[i * 3], world, map, err) != STATUS_OK)
 			return err->code;
@@ -257,7 +209,7 @@ enum status add_primitive(gltf_reader *reader, const tinygltf::Primitive &primit
 	list_ignored(import, primitive);
 	note_bounds(reader, positions);
 	const size_t first = import->vertex_count;
-	const bool flip = normals_of(world).determinant < 0;
+	const bool flip = transform_normals_of(&world).determinant < 0;
 	if (add_vertices(reader, primitive, material, world, positions, err) != STATUS_OK)
 		return err->code;
 	return add_triangles(reader, primitive, first, positions.count, material, flip, err);

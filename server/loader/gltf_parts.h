@@ -12,15 +12,11 @@ extern "C" {
 #include "server/loader/gltf.h"
 }
 
-// A node's transform to world space: columns, in double all the way down the hierarchy.
-struct transform {
-	double c[4][3]; // images of the axes, then of the origin
-};
-
 struct gltf_reader {
 	struct import *import;
 	tinygltf::Model model;
 	uint32_t default_material = NONE; // made when the first primitive without a material comes
+	std::vector<uint32_t> nodes; // by the file's number: the import's, or NONE for those outside the scene
 };
 
 // Positions, UVs, indices of a mesh, into world space. gltf_mesh.cpp
@@ -50,5 +46,8 @@ enum status gltf_default_material(gltf_reader *reader, uint32_t *material, struc
 // A node's camera and light. gltf_light.cpp
 enum status gltf_add_camera(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err);
 enum status gltf_add_light(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err);
+
+// The file's animations of nodes that are in the scene; after the nodes. gltf_animation.cpp
+enum status gltf_add_animations(gltf_reader *reader, struct error *err);
 
 #endif

@@ -28,6 +28,10 @@ void import_finish(struct import *im)
 	free(im->lights);
 	free(im->cameras);
 	free(im->images);
+	free(im->nodes);
+	free(im->animations);
+	free(im->channels);
+	free(im->curves);
 	*im = (struct import){0};
 }
 
@@ -88,6 +92,8 @@ enum status import_add_triangle(struct import *im, const struct triangle *triang
 		return err->code;
 	im->triangles = items;
 	im->triangles[im->triangle_count++] = *triangle;
+	if (im->node_count > 0)
+		im->nodes[im->node_count - 1].triangle_end = im->triangle_count;
 	return STATUS_OK;
 }
 
@@ -128,6 +134,8 @@ enum status import_add_light(struct import *im, const struct import_light *light
 	if (!items)
 		return err->code;
 	im->lights = items;
+	if (im->node_count > 0)
+		im->nodes[im->node_count - 1].node.light = (uint32_t)im->light_count;
 	im->lights[im->light_count++] = *light;
 	return STATUS_OK;
 }
@@ -139,7 +147,76 @@ enum status import_add_camera(struct import *im, const struct blob_camera *camer
 	if (!items)
 		return err->code;
 	im->cameras = items;
+	if (im->node_count > 0)
+		im->nodes[im->node_count - 1].node.camera = (uint32_t)im->camera_count;
 	im->cameras[im->camera_count++] = *camera;
+	return STATUS_OK;
+}
+
+static void name_it(char out[LIMIT_NAME + 1], const char *name, const char *kind, size_t number)
+{
+	import_clean_text(out, LIMIT_NAME + 1, name);
+	if (!out[0])
+		snprintf(out, LIMIT_NAME + 1, "%s %zu", kind, number);
+}
+
+enum status import_add_node(struct import *im, const char *name, const struct transform *local,
+			    const struct transform_parts *parts, uint32_t parent, struct error *err)
+{
+	void *items = grown(im->nodes, im->node_count, 1, &im->node_room, sizeof *im->nodes, LIMIT_NODES, "nodes", err);
+	if (!items)
+		return err->code;
+	im->nodes = items;
+	struct import_node *n = &im->nodes[im->node_count];
+	memset(n, 0, sizeof *n);
+	name_it(n->node.name, name, "node", im->node_count);
+	n->node.local = *local;
+	n->node.parts = *parts;
+	n->node.parent = parent;
+	n->node.light = n->node.camera = NONE;
+	n->triangle_end = im->triangle_count;
+	im->node_count++;
+	return STATUS_OK;
+}
+
+enum status import_add_animation(struct import *im, const char *name, struct error *err)
+{
+	void *items = grown(im->animations, im->animation_count, 1, &im->animation_room, sizeof *im->animations,
+			    LIMIT_ANIMATIONS, "animations", err);
+	if (!items)
+		return err->code;
+	im->animations = items;
+	struct scene_animation *a = &im->animations[im->animation_count];
+	memset(a, 0, sizeof *a);
+	name_it(a->name, name, "animation", im->animation_count);
+	a->first_channel = (uint32_t)im->channel_count;
+	im->animation_count++;
+	return STATUS_OK;
+}
+
+enum status import_add_channel(struct import *im, const struct scene_channel *channel, const float *times,
+			       const float *values, struct error *err)
+{
+	const size_t width = channel->path == CHANNEL_ROTATION ? 4 : 3, per_key = channel->curve == CURVE_CUBIC ? 3 : 1;
+	const size_t count = channel->keys * width * per_key; // below 2^36
+	void *items = grown(im->channels, im->channel_count, 1, &im->channel_room, sizeof *channel, LIMIT_CHANNELS,
+			    "channels of animations", err);
+	if (!items)
+		return err->code;
+	im->channels = items;
+	items = grown(im->curves, im->curve_count, channel->keys + count, &im->curve_room, sizeof *im->curves,
+		      LIMIT_CURVE_FLOATS, "numbers in its animations", err);
+	if (!items)
+		return err->code;
+	im->curves = items;
+	im->channels[im->channel_count] = *channel;
+	im->channels[im->channel_count++].first = (uint32_t)im->curve_count;
+	memcpy(im->curves + im->curve_count, times, channel->keys * sizeof *times);
+	memcpy(im->curves + im->curve_count + channel->keys, values, count * sizeof *values);
+	im->curve_count += channel->keys + count;
+	struct scene_animation *a = &im->animations[im->animation_count - 1];
+	a->channel_count++;
+	a->duration_s = fmax(a->duration_s, (double)times[channel->keys - 1]);
 	return STATUS_OK;
 }
 

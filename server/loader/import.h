@@ -32,6 +32,12 @@ struct import_light {
 	double position[3];
 };
 
+// A node of the file's hierarchy: what it owns is what was added between it and the next one.
+struct import_node {
+	struct scene_node node; // all but world and triangles; `light` counts import_add_light
+	size_t triangle_end; // triangles up to here are its own, those of the nodes before it apart
+};
+
 // One decoded image: where its texels are. Images are known by a key so that each is decoded once.
 struct import_image {
 	char *key;
@@ -56,6 +62,10 @@ struct import {
 	struct import_light *lights;
 	struct blob_camera *cameras;
 	struct import_image *images;
+	struct import_node *nodes;
+	struct scene_animation *animations;
+	struct scene_channel *channels;
+	float *curves;
 	size_t vertex_count, vertex_room;
 	size_t extra_count, extra_room;
 	size_t triangle_count, triangle_room;
@@ -65,6 +75,10 @@ struct import {
 	size_t light_count, light_room;
 	size_t camera_count, camera_room;
 	size_t image_count, image_room;
+	size_t node_count, node_room;
+	size_t animation_count, animation_room;
+	size_t channel_count, channel_room;
+	size_t curve_count, curve_room;
 
 	double source_reach; // of the vertices least precise in the file: largest |coordinate| …
 	double source_extent; // … and how far they span; 0: nothing noted
@@ -85,6 +99,17 @@ struct material import_plain_material(float albedo);
 
 enum status import_add_light(struct import *import, const struct import_light *light, struct error *err);
 enum status import_add_camera(struct import *import, const struct blob_camera *camera, struct error *err);
+
+// Every triangle, light and camera belongs to the node that was added last: add one before them. Its name is cleaned here;
+// one without is called "node" and its number. `parent` is an earlier node or NONE.
+enum status import_add_node(struct import *import, const char *name, const struct transform *local,
+			    const struct transform_parts *parts, uint32_t parent, struct error *err);
+
+// The channels added from here on are this animation's.
+enum status import_add_animation(struct import *import, const char *name, struct error *err);
+// `values` holds, of each key, what struct scene_channel says; all finite, times ascending.
+enum status import_add_channel(struct import *import, const struct scene_channel *channel, const float *times,
+			       const float *values, struct error *err);
 
 // How a texture is looked up: the wrap, filter and space flags of texture_info, and its transform.
 struct import_sampling {

@@ -249,20 +249,40 @@ static enum status add_mesh(struct import *im, const struct aiMesh *mesh, struct
 	return STATUS_OK;
 }
 
+static enum status add_group(struct import *im, const struct aiScene *scene, const struct aiNode *group, struct error *err)
+{
+	if (import_add_node(im, group->mName.data, &transform_identity, &transform_no_parts, NONE, err) != STATUS_OK)
+		return err->code;
+	for (unsigned i = 0; i < group->mNumMeshes; i++) {
+		const struct aiMesh *mesh = scene->mMeshes[group->mMeshes[i]];
+		if (mesh->mMaterialIndex >= scene->mNumMaterials)
+			return error_set(err, STATUS_SCENE_INVALID, "the OBJ file uses a material that is not there");
+		if (add_mesh(im, mesh, err) != STATUS_OK)
+			return err->code;
+	}
+	return STATUS_OK;
+}
+
+// The OBJ importer makes a node of each `o` or `g`, without transforms, all beneath one root, and puts each mesh into one of
+// them.
+static enum status add_groups(struct import *im, const struct aiScene *scene, struct error *err)
+{
+	const struct aiNode *root = scene->mRootNode;
+	if (root->mNumMeshes > 0 && add_group(im, scene, root, err) != STATUS_OK)
+		return err->code;
+	for (unsigned i = 0; i < root->mNumChildren; i++)
+		if (root->mChildren[i]->mNumMeshes > 0 && add_group(im, scene, root->mChildren[i], err) != STATUS_OK)
+			return err->code;
+	return STATUS_OK;
+}
+
 static enum status add_scene(struct obj_files *files, const struct aiScene *scene, struct error *err)
 {
 	for (unsigned i = 0; i < scene->mNumMaterials; i++)
 		if (add_material(files, scene->mMaterials[i], err) != STATUS_OK)
 			return err->code;
 	warn_undefined(files, scene);
-	// The OBJ importer puts no transform on its nodes, and each mesh into one of them.
-	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
-		if (scene->mMeshes[i]->mMaterialIndex >= scene->mNumMaterials)
-			return error_set(err, STATUS_SCENE_INVALID, "the OBJ file uses a material that is not there");
-		if (add_mesh(files->import, scene->mMeshes[i], err) != STATUS_OK)
-			return err->code;
-	}
-	return STATUS_OK;
+	return add_groups(files->import, scene, err);
 }
 
 enum status obj_import(struct import *im, const char *name, const struct file_bytes *bytes, struct error *err)

@@ -19,6 +19,10 @@ size_t blob_stride(enum blob_section section)
 	    [BLOB_UV1] = sizeof(struct vertex_uv1),
 	    [BLOB_COLORS] = sizeof(struct vertex_color),
 	    [BLOB_TANGENTS] = sizeof(struct vertex_tangent),
+	    [BLOB_SCENE_NODES] = sizeof(struct scene_node),
+	    [BLOB_ANIMATIONS] = sizeof(struct scene_animation),
+	    [BLOB_CHANNELS] = sizeof(struct scene_channel),
+	    [BLOB_CURVES] = sizeof(float),
 	};
 	return strides[section];
 }

@@ -13,10 +13,11 @@
 #include <stdint.h>
 
 #include "server/base/error.h"
+#include "server/scene/transform.h"
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 2u
+#define BLOB_FORMAT 3u
 #define BLOB_ALIGN 256u
 #define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
@@ -36,6 +37,10 @@ enum blob_section {
 	BLOB_UV1, // struct vertex_uv1: none, or one a vertex; there if a texture has TEXTURE_UV1
 	BLOB_COLORS, // struct vertex_color, likewise; there with FACT_VERTEX_COLORS
 	BLOB_TANGENTS, // struct vertex_tangent, likewise; there with FACT_NORMAL_MAPS
+	BLOB_SCENE_NODES, // struct scene_node, parents before their children
+	BLOB_ANIMATIONS, // struct scene_animation
+	BLOB_CHANNELS, // struct scene_channel, those of an animation side by side
+	BLOB_CURVES, // float
 	BLOB_SECTIONS
 };
 
@@ -86,6 +91,40 @@ struct blob_camera {
 	double half_height; // orthographic: metres
 };
 
+// A node of the file's hierarchy. A triangle belongs to one node, and with it the vertices that it names: a node's triangles
+// are side by side, and no vertex is named by those of two.
+struct scene_node {
+	char name[LIMIT_NAME + 1];
+	struct transform local; // to the parent's space
+	struct transform world; // parent's world · local, bit for bit as transform_compose has it
+	struct transform_parts parts; // of `local`, which differs from them where the file gives a matrix with shear
+	uint32_t parent; // an earlier node, or NONE
+	uint32_t first_triangle, triangle_count; // by id
+	uint32_t light; // of BLOB_LIGHTS, or NONE: its light stands in the node's origin and shines along -Z
+	uint32_t camera; // of BLOB_CAMERAS, or NONE, likewise
+	uint32_t reserved;
+};
+
+struct scene_animation {
+	char name[LIMIT_NAME + 1];
+	double duration_s; // the last key of any channel
+	uint32_t first_channel, channel_count;
+};
+
+enum channel_path { CHANNEL_TRANSLATION, CHANNEL_ROTATION, CHANNEL_SCALE };
+enum channel_curve { CURVE_STEP, CURVE_LINEAR, CURVE_CUBIC };
+
+// What an animation does to one part of one node (glTF 2.0, appendix C). Its floats in BLOB_CURVES: `keys` ascending times
+// in seconds, then as many values of three components, or four of a rotation; with CURVE_CUBIC each value is three, the
+// tangent that leads in, the value, the tangent that leads out.
+struct scene_channel {
+	uint32_t node;
+	uint32_t path; // enum channel_path
+	uint32_t curve; // enum channel_curve
+	uint32_t keys; // at least one
+	uint32_t first; // float
+};
+
 struct blob_name {
 	char text[LIMIT_NAME + 1];
 };
@@ -95,9 +134,9 @@ size_t blob_stride(enum blob_section section);
 
 // Check a mapped blob of `bytes` from end to end: magic, section bounds, every index inside, the BVH a tree of at most
 // LIMIT_BVH_DEPTH levels whose leaves have at most BLOB_LEAF_MAX triangles and name each once, texture ranges inside the
-// texels, all floats finite, the facts those of its sections, and the per-vertex sections there that textures and facts ask
-// for. A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID otherwise, with the first thing that is
-// wrong.
+// texels, the nodes a forest whose transforms compose, animations of nodes that are there, all floats finite, the facts
+// those of its sections, and the per-vertex sections there that textures and facts ask for. A blob that passes cannot lead a
+// reader outside of it. STATUS_SCENE_INVALID otherwise, with the first thing that is wrong.
 enum status blob_check(const void *blob, size_t bytes, struct error *err);
 
 // Elements of a section of a checked blob. Nodes are numbered depth first (a node, its first child's tree, its second

@@ -6,6 +6,7 @@
 
 #include "server/base/checked.h"
 #include "server/scene/blob.h"
+#include "server/scene/blob_check_nodes.h"
 #include "server/scene/facts.h"
 
 static enum status bad(struct error *err, const char *what)
@@ -35,11 +36,12 @@ static bool is_share(float value)
 }
 
 static const uint64_t section_limit[BLOB_SECTIONS] = {
-    [BLOB_NODES] = LIMIT_TRIANGLES,   [BLOB_LEAF_TRIANGLES] = LIMIT_TRIANGLES, [BLOB_TRIANGLES] = LIMIT_TRIANGLES,
-    [BLOB_VERTICES] = LIMIT_VERTICES, [BLOB_MATERIALS] = LIMIT_MATERIALS,      [BLOB_TEXTURES] = LIMIT_TEXTURES,
-    [BLOB_TEXELS] = LIMIT_TEXELS,     [BLOB_EMITTERS] = LIMIT_TRIANGLES,       [BLOB_LIGHTS] = LIMIT_PUNCTUAL_LIGHTS,
-    [BLOB_CAMERAS] = LIMIT_CAMERAS,   [BLOB_MATERIAL_NAMES] = LIMIT_MATERIALS, [BLOB_UV1] = LIMIT_VERTICES,
-    [BLOB_COLORS] = LIMIT_VERTICES,   [BLOB_TANGENTS] = LIMIT_VERTICES,
+    [BLOB_NODES] = LIMIT_TRIANGLES,       [BLOB_LEAF_TRIANGLES] = LIMIT_TRIANGLES, [BLOB_TRIANGLES] = LIMIT_TRIANGLES,
+    [BLOB_VERTICES] = LIMIT_VERTICES,     [BLOB_MATERIALS] = LIMIT_MATERIALS,      [BLOB_TEXTURES] = LIMIT_TEXTURES,
+    [BLOB_TEXELS] = LIMIT_TEXELS,         [BLOB_EMITTERS] = LIMIT_TRIANGLES,       [BLOB_LIGHTS] = LIMIT_PUNCTUAL_LIGHTS,
+    [BLOB_CAMERAS] = LIMIT_CAMERAS,       [BLOB_MATERIAL_NAMES] = LIMIT_MATERIALS, [BLOB_UV1] = LIMIT_VERTICES,
+    [BLOB_COLORS] = LIMIT_VERTICES,       [BLOB_TANGENTS] = LIMIT_VERTICES,        [BLOB_SCENE_NODES] = LIMIT_NODES,
+    [BLOB_ANIMATIONS] = LIMIT_ANIMATIONS, [BLOB_CHANNELS] = LIMIT_CHANNELS,        [BLOB_CURVES] = LIMIT_CURVE_FLOATS,
 };
 
 static enum status check_sections(const struct blob_header *h, size_t bytes, struct error *err)
@@ -350,8 +352,8 @@ static enum status check_facts(const struct blob_header *h, struct error *err)
 enum status blob_check(const void *blob, size_t bytes, struct error *err)
 {
 	static enum status (*const checks[])(const struct blob_header *, struct error *) = {
-	    check_geometry, check_vertex_parts, check_materials,          check_textures, check_leaf_triangles,
-	    check_bvh,      check_emitters,     check_lights_and_cameras, check_facts,
+	    check_geometry, check_vertex_parts, check_materials,          check_textures,   check_leaf_triangles,
+	    check_bvh,      check_emitters,     check_lights_and_cameras, blob_check_nodes, check_facts,
 	};
 	const struct blob_header *h = blob;
 	enum status status = check_header(h, bytes, err);

@@ -1,11 +1,16 @@
 #include "server/worker/resident.h"
 
 #include <math.h>
+#include <pb_encode.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include "ggx_table.h"
+#include "protocol/limits.h"
+#include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/memfd.h"
 
@@ -52,17 +57,42 @@ static void leave_device(struct resident_scene *scene, struct device *device)
 		buffer_finish(&scene->buffers[i], device);
 }
 
-static void destroy(struct resident_scenes *scenes, struct resident_scene *scene)
+static void unlink_scene(struct resident_scenes *scenes, const struct resident_scene *scene)
 {
 	struct resident_scene **at = &scenes->first;
 	while (*at != scene)
 		at = &(*at)->next;
 	*at = scene->next;
+}
+
+static void destroy_one(struct resident_scenes *scenes, struct resident_scene *scene)
+{
+	unlink_scene(scenes, scene);
 	leave_device(scene, scenes->device);
-	if (scene->blob)
+	edited_finish(&scene->edited);
+	free(scene->edits);
+	if (!scene->base && scene->blob)
 		munmap((void *)(uintptr_t)scene->blob, scene->bytes);
-	close(scene->fd);
+	if (!scene->base)
+		close(scene->fd);
 	free(scene);
+}
+
+static struct resident_scene *first_variant(const struct resident_scenes *scenes, const struct resident_scene *base)
+{
+	struct resident_scene *s = scenes->first;
+	while (s && s->base != base)
+		s = s->next;
+	return s;
+}
+
+// A scene without jobs has no variant with any.
+static void destroy(struct resident_scenes *scenes, struct resident_scene *scene)
+{
+	struct resident_scene *variant;
+	while (!scene->base && (variant = first_variant(scenes, scene)))
+		destroy_one(scenes, variant);
+	destroy_one(scenes, scene);
 }
 
 static bool is_on_device(const struct resident_scene *scene)
@@ -83,7 +113,11 @@ bool resident_evict(struct resident_scenes *scenes)
 			oldest = s;
 	if (!oldest)
 		return false;
-	log_line(LOG_INFO, "scene %llu makes room", (unsigned long long)oldest->id);
+	log_line(LOG_INFO, "scene %llu%s makes room", (unsigned long long)oldest->id, oldest->base ? ", edited," : "");
+	if (oldest->base) {
+		destroy(scenes, oldest);
+		return true;
+	}
 	leave_device(oldest, scenes->device);
 	return true;
 }
@@ -91,7 +125,7 @@ bool resident_evict(struct resident_scenes *scenes)
 static struct resident_scene *find(const struct resident_scenes *scenes, uint64_t id)
 {
 	struct resident_scene *s = scenes->first;
-	while (s && s->id != id)
+	while (s && (s->base || s->id != id))
 		s = s->next;
 	return s;
 }
@@ -106,36 +140,151 @@ void resident_forget(struct resident_scenes *scenes, uint64_t id)
 		destroy(scenes, s);
 }
 
-enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, struct resident_scene **scene, struct error *err)
+static enum status map_blob(struct resident_scene *s, struct error *err)
 {
-	struct resident_scene *s = find(scenes, id);
-	if (!s)
-		return error_set(err, STATUS_INTERNAL, "the worker does not know this scene");
-	if (!s->blob) {
-		const void *map;
-		size_t bytes;
-		enum status r = memfd_map_sealed(s->fd, &map, &bytes, err);
-		if (r != STATUS_OK)
-			return r;
-		r = blob_check(map, bytes, err);
-		if (r != STATUS_OK) {
-			munmap((void *)(uintptr_t)map, bytes);
-			return r;
-		}
-		s->blob = map;
-		s->bytes = bytes;
-		blob_view_init(&s->view, map);
+	const void *map;
+	size_t bytes;
+	if (s->blob)
+		return STATUS_OK;
+	enum status r = memfd_map_sealed(s->fd, &map, &bytes, err);
+	if (r != STATUS_OK)
+		return r;
+	r = blob_check(map, bytes, err);
+	if (r != STATUS_OK) {
+		munmap((void *)(uintptr_t)map, bytes);
+		return r;
 	}
-	s->jobs++;
-	s->used = ++scenes->turn;
+	s->blob = map;
+	s->bytes = bytes;
+	blob_view_init(&s->view, map);
+	s->keys = edit_keys(&s->view);
+	return STATUS_OK;
+}
+
+// ---- variants -----------------------------------------------------------------------------------------------------------
+
+// As bytes, by which equal edits are known. *bytes NULL and *count 0: they change nothing.
+static enum status encode(const candil_Edits *edits, uint8_t **bytes, size_t *count, struct error *err)
+{
+	*bytes = NULL;
+	*count = 0;
+	if (!edits || !pb_get_encoded_size(count, candil_Edits_fields, edits) || *count == 0)
+		return STATUS_OK;
+	*bytes = malloc(*count);
+	if (!*bytes)
+		return error_set(err, STATUS_MEMORY, "no memory for an edit");
+	pb_ostream_t stream = pb_ostream_from_buffer(*bytes, *count);
+	if (pb_encode(&stream, candil_Edits_fields, edits))
+		return STATUS_OK;
+	free(*bytes);
+	*bytes = NULL;
+	return error_set(err, STATUS_INTERNAL, "edits cannot be encoded: %s", PB_GET_ERROR(&stream));
+}
+
+static struct resident_scene *find_variant(const struct resident_scenes *scenes, const struct resident_scene *base,
+					   const uint8_t *edits, size_t bytes)
+{
+	for (struct resident_scene *s = scenes->first; s; s = s->next)
+		if (s->base == base && s->edit_bytes == bytes && memcmp(s->edits, edits, bytes) == 0)
+			return s;
+	return NULL;
+}
+
+// Takes `bytes`.
+static enum status add_variant(struct resident_scenes *scenes, struct resident_scene *base, const candil_Edits *edits,
+			       uint8_t *bytes, size_t count, struct resident_scene **out, struct error *err)
+{
+	const uint64_t start = clock_us();
+	struct resident_scene *s = calloc(1, sizeof *s);
+	enum status r = s ? edit_apply(&base->view, edits, &s->edited, err) : error_set(err, STATUS_MEMORY, "out of memory");
+	if (r != STATUS_OK) {
+		free(bytes);
+		free(s);
+		return r;
+	}
+	s->id = base->id;
+	s->fd = -1;
+	s->blob = base->blob;
+	s->bytes = base->bytes;
+	s->base = base;
+	s->view = s->edited.view;
+	s->keys = s->edited.keys;
+	s->edits = bytes;
+	s->edit_bytes = count;
+	s->edit_hash = XXH3_64bits(bytes, count);
+	s->edit_us = clock_us() - start;
+	s->next = scenes->first;
+	scenes->first = s;
+	log_line(LOG_DEBUG, "scene %llu: edited in %llu us, %u nodes moved%s%s", (unsigned long long)s->id,
+		 (unsigned long long)s->edit_us, s->edited.move_count, s->edited.note[0] ? ": " : "", s->edited.note);
+	*out = s;
+	return STATUS_OK;
+}
+
+static enum status acquire_variant(struct resident_scenes *scenes, struct resident_scene *base, const candil_Edits *edits,
+				   struct resident_scene **out, struct error *err)
+{
+	uint8_t *bytes;
+	size_t count;
+	*out = base;
+	if (encode(edits, &bytes, &count, err) != STATUS_OK)
+		return err->code;
+	if (count == 0)
+		return STATUS_OK;
+	struct resident_scene *known = find_variant(scenes, base, bytes, count);
+	if (!known)
+		return add_variant(scenes, base, edits, bytes, count, out, err);
+	free(bytes);
+	*out = known;
+	return STATUS_OK;
+}
+
+// Let the least recently used variants go that are idle beyond the limit.
+static void trim_variants(struct resident_scenes *scenes)
+{
+	for (;;) {
+		struct resident_scene *oldest = NULL;
+		unsigned idle = 0;
+		for (struct resident_scene *s = scenes->first; s; s = s->next) {
+			if (!s->base || s->jobs > 0)
+				continue;
+			idle++;
+			if (!oldest || s->used < oldest->used)
+				oldest = s;
+		}
+		if (idle <= LIMIT_VARIANTS)
+			return;
+		destroy(scenes, oldest);
+	}
+}
+
+enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, const candil_Edits *edits,
+			     struct resident_scene **scene, struct error *err)
+{
+	struct resident_scene *base = find(scenes, id), *s;
+	if (!base)
+		return error_set(err, STATUS_INTERNAL, "the worker does not know this scene");
+	if (map_blob(base, err) != STATUS_OK || acquire_variant(scenes, base, edits, &s, err) != STATUS_OK)
+		return err->code;
+	base->used = ++scenes->turn;
+	base->jobs++;
+	if (s != base) {
+		s->used = scenes->turn;
+		s->jobs++;
+	}
 	*scene = s;
 	return STATUS_OK;
 }
 
 void resident_release(struct resident_scenes *scenes, struct resident_scene *scene)
 {
-	if (--scene->jobs == 0 && scene->forgotten)
-		destroy(scenes, scene);
+	struct resident_scene *base = scene->base ? scene->base : scene;
+	if (scene != base)
+		scene->jobs--;
+	if (--base->jobs == 0 && base->forgotten)
+		destroy(scenes, base);
+	else
+		trim_variants(scenes);
 }
 
 // sRGB's curve for the 256 bytes, IEC 61966-2-1.
@@ -177,8 +326,10 @@ void resident_derive(struct resident_scene *s, struct derived *derived)
 	s->derived = derived;
 }
 
-// Whose buffer a binding is: what an edit left alone is shared with the scene as loaded.
-static bool is_shared(const struct resident_scene *s, uint32_t binding)
+// ---- on the device ------------------------------------------------------------------------------------------------------
+
+// Our own tables are of no scene: all variants use their base's.
+bool resident_shares(const struct resident_scene *s, uint32_t binding)
 {
 	const enum blob_section section = section_of[binding];
 	return s->base && (section == BLOB_SECTIONS || s->view.sections[section] == s->base->view.sections[section]);
@@ -186,14 +337,14 @@ static bool is_shared(const struct resident_scene *s, uint32_t binding)
 
 const struct buffer *resident_buffer(const struct resident_scene *s, uint32_t binding)
 {
-	return is_shared(s, binding) ? &s->base->buffers[binding] : &s->buffers[binding];
+	return resident_shares(s, binding) ? &s->base->buffers[binding] : &s->buffers[binding];
 }
 
 enum status resident_upload(struct resident_scene *s, struct device *device, uint32_t bindings, struct error *err)
 {
 	enum status r = STATUS_OK;
 	for (uint32_t i = 0; r == STATUS_OK && i < BIND_SCENE_COUNT; i++) {
-		struct buffer *buffer = is_shared(s, i) ? &s->base->buffers[i] : &s->buffers[i];
+		struct buffer *buffer = resident_shares(s, i) ? &s->base->buffers[i] : &s->buffers[i];
 		if (!(bindings & 1u << i) || buffer->handle)
 			continue;
 		uint64_t bytes;
@@ -206,5 +357,5 @@ enum status resident_upload(struct resident_scene *s, struct device *device, uin
 void resident_finish(struct resident_scenes *scenes)
 {
 	while (scenes->first)
-		destroy(scenes, scenes->first);
+		destroy(scenes, scenes->first->base ? scenes->first->base : scenes->first);
 }

@@ -25,6 +25,7 @@ struct job {
 	struct resident_scene *scene;
 	const struct technique *technique;
 	struct technique_job *work;
+	uint64_t edit_us; // that its edits took; 0: none, or made before
 };
 
 struct server {
@@ -80,6 +81,8 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 	out->job_bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	out->samples = job->plan.samples;
 	out->depth = job->plan.depth;
+	if (job->scene->edited.note[0])
+		snprintf(out->notes[out->notes_count++], sizeof out->notes[0], "%s", job->scene->edited.note);
 }
 
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
@@ -88,9 +91,14 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 		*err = s->no_device;
 		return err->code;
 	}
-	enum status r = resident_acquire(&s->scenes, m->scene, &job->scene, err);
+	enum status r =
+	    resident_acquire(&s->scenes, m->scene, m->render.has_edits ? &m->render.edits : NULL, &job->scene, err);
 	if (r != STATUS_OK)
 		return r;
+	if (job->scene->base && !job->scene->edit_told) {
+		job->edit_us = job->scene->edit_us;
+		job->scene->edit_told = true;
+	}
 	r = plan_make(&m->render, &job->scene->view, &job->plan, err);
 	if (r != STATUS_OK)
 		return r;
@@ -172,6 +180,8 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 	frame_add_metadata(f, "device", "%s", s->devices->vk->info.name);
 	frame_add_metadata(f, "scene_hash", "%016llx%016llx", (unsigned long long)job->scene->blob->hash[1],
 			   (unsigned long long)job->scene->blob->hash[0]);
+	if (job->scene->base)
+		frame_add_metadata(f, "edits", "%016llx", (unsigned long long)job->scene->edit_hash);
 	for (uint32_t i = 0; i < f->stage_count; i++) {
 		char key[40];
 		snprintf(key, sizeof key, "%s_us", f->stages[i].name);
@@ -188,6 +198,8 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 			    : error_set(&failure.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
 	if (r != STATUS_OK)
 		return answer_front(s, &failure, sizeof failure);
+	if (job->edit_us > 0)
+		frame_add_stage(frame, "edit", job->edit_us);
 	add_metadata(s, job, frame);
 	const struct encoder_task task = {.job = job->id,
 					  .final = m->final != 0,

@@ -34,10 +34,12 @@ static inline void small_box(float min[3], float max[3], float x0, float x1)
 }
 
 // Four triangles side by side along x, three nodes, two materials (glossy and masked with all maps, and a lamp), a texture
-// by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex.
+// by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex. A root node
+// has the first two triangles and the camera, its child the others and the point light; an animation turns the root in two
+// linear keys and moves the child in one cubic.
 static inline void small_make(struct small_blob *b)
 {
-	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2, 12, 12, 12};
+	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2, 12, 12, 12, 2, 1, 2, 24};
 	struct blob_header *h = small_header(b);
 	uint64_t end = (sizeof *h + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
 	memset(b, 0, sizeof *b);
@@ -118,6 +120,27 @@ static inline void small_make(struct small_blob *b)
 					       .pmf = .33f};
 	struct blob_camera *c = small_section(b, BLOB_CAMERAS);
 	c[0] = (struct blob_camera){.name = "camera", .forward = {0, 0, -1}, .up = {0, 1, 0}, .vfov_degrees = 40};
+	struct scene_node *nodes = small_section(b, BLOB_SCENE_NODES);
+	for (uint32_t i = 0; i < 2; i++) {
+		nodes[i] = (struct scene_node){.name = "node",
+					       .local = transform_identity,
+					       .parts = transform_no_parts,
+					       .parent = i ? 0 : NONE,
+					       .first_triangle = 2 * i,
+					       .triangle_count = 2,
+					       .light = i ? 0 : NONE,
+					       .camera = i ? NONE : 0};
+		nodes[i].local.c[3][0] = nodes[i].parts.translation[0] = 1;
+		nodes[i].world = nodes[i].local;
+	}
+	nodes[1].world.c[3][0] = 2;
+	struct scene_animation *animation = small_section(b, BLOB_ANIMATIONS);
+	animation[0] = (struct scene_animation){.name = "turn", .duration_s = 2, .channel_count = 2};
+	struct scene_channel *channels = small_section(b, BLOB_CHANNELS);
+	channels[0] = (struct scene_channel){0, CHANNEL_ROTATION, CURVE_LINEAR, 2, 0};
+	channels[1] = (struct scene_channel){1, CHANNEL_TRANSLATION, CURVE_CUBIC, 1, 10};
+	static const float curves[] = {0, 2, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 0, 1, 2, 3, 0, 0, 0};
+	memcpy(small_section(b, BLOB_CURVES), curves, sizeof curves);
 	h->bounds_max[0] = 3.5f;
 	h->bounds_max[1] = 1;
 	h->facts = facts_collect(h);

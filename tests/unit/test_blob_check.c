@@ -255,13 +255,52 @@ static void lights_and_cameras(void **state)
 	REFUSED(memset(SECTION(blob_camera, BLOB_CAMERAS)[0].name, 'x', LIMIT_NAME + 1));
 }
 
+static void nodes(void **state)
+{
+	(void)state;
+	REFUSED(memset(SECTION(scene_node, BLOB_SCENE_NODES)[0].name, 'x', LIMIT_NAME + 1));
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[0].parent = 0);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[0].parent = 1);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].parent = 2);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].first_triangle = 3);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].first_triangle = UINT32_MAX);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].triangle_count = UINT32_MAX);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].light = 3);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[0].camera = 1);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[0].local.c[3][0] = NAN);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].world.c[0][0] = INFINITY);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].world.c[3][0] = 1);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].parts.scale[2] = NAN);
+	REFUSED(SECTION(scene_node, BLOB_SCENE_NODES)[1].parts.rotation[3] = 0);
+}
+
+static void animations(void **state)
+{
+	(void)state;
+	REFUSED(memset(SECTION(scene_animation, BLOB_ANIMATIONS)[0].name, 'x', LIMIT_NAME + 1));
+	REFUSED(SECTION(scene_animation, BLOB_ANIMATIONS)[0].channel_count = 3);
+	REFUSED(SECTION(scene_animation, BLOB_ANIMATIONS)[0].first_channel = UINT32_MAX);
+	REFUSED(SECTION(scene_animation, BLOB_ANIMATIONS)[0].duration_s = NAN);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[0].node = 2);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[0].path = 3);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[0].curve = 3);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[0].keys = 0);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[0].keys = UINT32_MAX);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[1].keys = 2);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[1].first = 15);
+	REFUSED(SECTION(scene_channel, BLOB_CHANNELS)[1].first = UINT32_MAX);
+	REFUSED(((float *)small_section(&blob, BLOB_CURVES))[1] = 0);
+	REFUSED(((float *)small_section(&blob, BLOB_CURVES))[5] = NAN);
+}
+
 static void a_missing_child_is_fine_in_a_tiny_scene(void **state)
 {
 	struct blob_header *h = small_header(&blob);
 	struct bvh_node *n = small_section(&blob, BLOB_NODES);
 	(void)state;
 	h->sections[BLOB_NODES].count = h->sections[BLOB_TRIANGLES].count = h->sections[BLOB_LEAF_TRIANGLES].count = 1;
-	h->sections[BLOB_EMITTERS].count = 0;
+	h->sections[BLOB_EMITTERS].count = h->sections[BLOB_SCENE_NODES].count = h->sections[BLOB_CHANNELS].count = 0;
+	h->sections[BLOB_ANIMATIONS].count = 0;
 	h->facts = facts_collect(h);
 	h->bvh_depth = 1;
 	n[0] = n[1];
@@ -287,6 +326,8 @@ int main(void)
 	    cmocka_unit_test_setup(parts_of_vertices, fresh),
 	    cmocka_unit_test_setup(facts_are_those_of_the_contents, fresh),
 	    cmocka_unit_test_setup(lights_and_cameras, fresh),
+	    cmocka_unit_test_setup(nodes, fresh),
+	    cmocka_unit_test_setup(animations, fresh),
 	    cmocka_unit_test_setup(a_missing_child_is_fine_in_a_tiny_scene, fresh),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

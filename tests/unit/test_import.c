@@ -12,7 +12,7 @@
 
 #include "server/loader/geometry.h"
 #include "server/loader/import.h"
-#include "server/loader/lights.h"
+#include "server/scene/lights.h"
 
 static candil_SceneInfo info;
 static struct import import;
@@ -155,6 +155,13 @@ static void the_origin_moves_where_precision_needs_it(void **state)
 	assert_true(origin[0] + (double)far_off[0] == -1e5 + 0.25);
 }
 
+static void weigh_materials(void)
+{
+	for (size_t i = 0; i < import.material_count; i++)
+		import.materials[i].power_density =
+		    lights_power_density(&import.materials[i], import.textures, import.texels);
+}
+
 static void emitters_go_by_power(void **state)
 {
 	struct emitter *once, *twice;
@@ -171,7 +178,7 @@ static void emitters_go_by_power(void **state)
 		add_triangle(i, 0, 0, 1 + i, (uint32_t)i);
 	}
 	assert_int_equal(geometry_build(&import, &g, NULL), STATUS_OK);
-	lights_weigh_materials(&import);
+	weigh_materials();
 	assert_true(fabsf(import.materials[1].power_density - 3.14159265f) < 1e-5f);
 	assert_true(fabsf(import.materials[3].power_density - 6 * 3.14159265f) < 1e-5f);
 	assert_int_equal(lights_collect_emitters(import.materials, g.vertices, g.triangles, g.triangle_count, &once, &count,
@@ -185,7 +192,7 @@ static void emitters_go_by_power(void **state)
 	for (int i = 0; i < 4; i++)
 		for (int c = 0; c < 3; c++)
 			import.materials[i].emission[c] *= 2;
-	lights_weigh_materials(&import);
+	weigh_materials();
 	assert_int_equal(lights_collect_emitters(import.materials, g.vertices, g.triangles, g.triangle_count, &twice, &again,
 						 &doubled, NULL),
 			 STATUS_OK);
@@ -199,27 +206,23 @@ static void emitters_go_by_power(void **state)
 
 static void punctual_lights_go_by_power(void **state)
 {
-	struct punctual_light *table;
-	uint32_t count;
+	struct punctual_light table[4];
+	uint32_t count = 4, place[4];
 	float power;
-	const double origin[3] = {1, 0, 0};
 	const double weights[3] = {4, 2 * (1 - 0.75), 9}; // in units of pi, with radius 3
 	(void)state;
-	for (uint32_t kind = 0; kind < 3; kind++) {
-		const struct import_light l = {
-		    .light = {.kind = kind, .intensity = {1, 1, 1}, .cos_inner = 1, .cos_outer = 0.5f},
-		    .position = {3, 2, 1}};
-		assert_int_equal(import_add_light(&import, &l, NULL), STATUS_OK);
-	}
-	const struct import_light black = {.light = {.kind = LIGHT_POINT}};
-	assert_int_equal(import_add_light(&import, &black, NULL), STATUS_OK);
-	assert_int_equal(lights_collect_punctual(&import, origin, 3, &table, &count, &power, NULL), STATUS_OK);
+	table[0] = (struct punctual_light){.kind = LIGHT_POINT}; // black
+	for (uint32_t kind = 0; kind < 3; kind++)
+		table[1 + kind] =
+		    (struct punctual_light){.kind = kind, .intensity = {1, 1, 1}, .cos_inner = 1, .cos_outer = 0.5f};
+	assert_int_equal(lights_make_table(table, &count, 3, place, &power, NULL), STATUS_OK);
 	assert_int_equal(count, 3);
-	assert_true(table[0].position[0] == 2 && table[0].position[1] == 2);
+	assert_int_equal(place[0], NONE);
+	for (uint32_t i = 0; i < 3; i++)
+		assert_true(place[1 + i] == i && table[i].kind == i);
 	for (int i = 0; i < 3; i++)
 		assert_true(fabs(table[i].pmf - weights[i] / 13.5) < 1e-6);
 	assert_true(fabs(power - 13.5 * 3.14159265) < 1e-4);
-	free(table);
 }
 
 int main(void)

@@ -16,7 +16,7 @@ static enum status upload(struct gl_scene *s, const struct resident_scene *scene
 {
 	enum status r = STATUS_OK;
 	for (uint32_t i = 0; r == STATUS_OK && i < BIND_SCENE_COUNT; i++) {
-		if (!(bindings & 1u << i) || s->buffers[i].name)
+		if (!(bindings & 1u << i) || s->buffers[i].name || resident_shares(scene, i))
 			continue;
 		uint64_t bytes;
 		const void *data = resident_data(scene, i, &bytes);
@@ -39,11 +39,22 @@ enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device,
 		resident_derive(scene, &s->derived);
 	}
 	*out = s;
+	if (scene->base) {
+		struct gl_scene *base;
+		uint32_t shared = 0;
+		for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
+			shared |= resident_shares(scene, i) ? bindings & 1u << i : 0;
+		if (gl_scene_get(scene->base, device, shared, &base, err) != STATUS_OK)
+			return err->code;
+		s->base = base;
+	}
 	return upload(s, scene, bindings, err);
 }
 
 void gl_scene_bind(const struct gl_scene *s)
 {
+	if (s->base)
+		gl_scene_bind(s->base);
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
 		if (s->buffers[i].name)
 			gl_buffer_bind(&s->buffers[i], i);

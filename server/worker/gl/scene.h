@@ -8,6 +8,8 @@
 struct gl_scene {
 	struct derived derived; // it goes when the resident scene leaves the device
 	struct gl_device *device;
+	const struct gl_scene
+	    *base; // of an edited scene: whose buffers are bound that it shares; set anew by each gl_scene_get
 	struct gl_buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device
 };
 

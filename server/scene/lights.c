@@ -1,4 +1,4 @@
-#include "server/loader/lights.h"
+#include "server/scene/lights.h"
 
 #include <float.h>
 #include <math.h>
@@ -25,16 +25,15 @@ static double linear(uint32_t byte)
 	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
-static void mean_colour(const struct import *im, uint32_t texture, double mean[3])
+static void mean_colour(const struct texture_info *t, const uint32_t *texels, double mean[3])
 {
-	const struct texture_info *t = &im->textures[texture];
 	const size_t count = (size_t)t->width * t->height;
 	double table[256], sum[3] = {0, 0, 0};
 
 	for (uint32_t i = 0; i < 256; i++)
 		table[i] = t->flags & TEXTURE_SRGB ? linear(i) : i / 255.0;
 	for (size_t i = 0; i < count; i++) {
-		const uint32_t texel = im->texels[t->offset + i];
+		const uint32_t texel = texels[t->offset + i];
 		for (int c = 0; c < 3; c++)
 			sum[c] += table[texel >> (8 * c) & 255u];
 	}
@@ -42,17 +41,14 @@ static void mean_colour(const struct import *im, uint32_t texture, double mean[3
 		mean[c] = sum[c] / (double)count;
 }
 
-void lights_weigh_materials(struct import *im)
+float lights_power_density(const struct material *m, const struct texture_info *textures, const uint32_t *texels)
 {
-	for (size_t i = 0; i < im->material_count; i++) {
-		struct material *m = &im->materials[i];
-		double colour[3] = {1, 1, 1};
-		if (m->emission_texture != NONE)
-			mean_colour(im, m->emission_texture, colour);
-		for (int c = 0; c < 3; c++)
-			colour[c] *= m->emission[c];
-		m->power_density = (float)(pi * luminance(colour) * (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
-	}
+	double colour[3] = {1, 1, 1};
+	if (m->emission_texture != NONE)
+		mean_colour(&textures[m->emission_texture], texels, colour);
+	for (int c = 0; c < 3; c++)
+		colour[c] *= m->emission[c];
+	return (float)(pi * luminance(colour) * (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
 }
 
 static double area_of(const struct vertex *vertices, const struct triangle *t)
@@ -136,56 +132,56 @@ static double light_weight(const struct punctual_light *l, double radius)
 	return value * 4.0 * pi;
 }
 
-static uint32_t list_punctual(const struct import *im, const double origin[3], double radius, double *weights,
-			      struct punctual_light *out)
+double lights_bounding_radius(const float min[3], const float max[3])
+{
+	double sum = 0;
+	for (int i = 0; i < 3; i++)
+		sum += ((double)max[i] - (double)min[i]) * ((double)max[i] - (double)min[i]);
+	return sum > 0 ? 0.5 * sqrt(sum) : 1.0;
+}
+
+// Keep what has a weight. Returns how many.
+static uint32_t weigh(struct punctual_light *lights, uint32_t count, double radius, double *weights, uint32_t *place)
 {
 	uint32_t found = 0;
-	for (size_t i = 0; i < im->light_count; i++) {
-		const double weight = light_weight(&im->lights[i].light, radius);
-		if (!is_weight(weight))
+	for (uint32_t i = 0; i < count; i++) {
+		const double weight = light_weight(&lights[i], radius);
+		const bool counts = is_weight(weight);
+		if (place)
+			place[i] = counts ? found : NONE;
+		if (!counts)
 			continue;
 		weights[found] = weight;
-		out[found] = im->lights[i].light;
-		for (int c = 0; c < 3; c++)
-			out[found].position[c] = (float)(im->lights[i].position[c] - origin[c]);
-		found++;
+		lights[found++] = lights[i];
 	}
 	return found;
 }
 
-enum status lights_collect_punctual(const struct import *im, const double origin[3], double radius,
-				    struct punctual_light **out, uint32_t *light_count, float *power, struct error *err)
+enum status lights_make_table(struct punctual_light *lights, uint32_t *count, double radius, uint32_t *place, float *power,
+			      struct error *err)
 {
 	double sum = 0;
-	enum status status = STATUS_MEMORY;
+	enum status status = STATUS_OK;
 
-	*out = NULL;
-	*light_count = 0;
 	*power = 0;
-	if (im->light_count == 0)
+	if (*count == 0)
 		return STATUS_OK;
-	double *weights = calloc(im->light_count, sizeof *weights);
-	struct alias_row *rows = malloc(im->light_count * sizeof *rows);
-	*out = calloc(im->light_count, sizeof **out);
-	if (!weights || !rows || !*out) {
-		error_set(err, STATUS_MEMORY, "no memory for %zu lights", im->light_count);
+	double *weights = calloc(*count, sizeof *weights);
+	struct alias_row *rows = malloc(*count * sizeof *rows);
+	if (!weights || !rows) {
+		status = error_set(err, STATUS_MEMORY, "no memory for %u lights", *count);
 		goto out;
 	}
-	const uint32_t found = list_punctual(im, origin, radius, weights, *out);
-	status = alias_build(weights, found, rows, &sum, err);
-	for (uint32_t i = 0; i < found && status == STATUS_OK; i++) {
-		(*out)[i].keep = rows[i].keep;
-		(*out)[i].alias = rows[i].alias;
-		(*out)[i].pmf = rows[i].pmf;
+	*count = weigh(lights, *count, radius, weights, place);
+	status = alias_build(weights, *count, rows, &sum, err);
+	for (uint32_t i = 0; i < *count && status == STATUS_OK; i++) {
+		lights[i].keep = rows[i].keep;
+		lights[i].alias = rows[i].alias;
+		lights[i].pmf = rows[i].pmf;
 	}
-	*light_count = found;
 	*power = (float)fmin(sum, FLT_MAX);
 out:
 	free(rows);
 	free(weights);
-	if (status != STATUS_OK) {
-		free(*out);
-		*out = NULL;
-	}
 	return status;
 }
