@@ -55,7 +55,7 @@ class Crowd(unittest.TestCase):
             expected = [self.render(first, seed=seed) for seed in range(SEEDS)]
             self.assertFalse(numpy.array_equal(expected[0], expected[1]))
             stalled = request(width=512, height=512, samples=1)
-            people = crowd.Crowd(self.daemon, self.connect, [stalled, stalled],
+            people = crowd.Crowd(self.daemon, self.connect, [stalled],
                                  crowd.slow_render(scene="box", width=16, height=16, samples=2, format=pb.FORMAT_EXR_FLOAT))
             worker = people.observer.stats().worker_pid
             for number in range(ROUNDS):
