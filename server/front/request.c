@@ -109,7 +109,7 @@ static enum status check_size(candil_Render *r, struct error *err)
 	if (pixels > LIMIT_PIXELS)
 		return error_set(err, STATUS_LIMIT, "an image has at most %u pixels: ask for a smaller one", LIMIT_PIXELS);
 	if (r->samples == 0)
-		r->samples = DEFAULT_SAMPLES;
+		r->samples = r->technique == candil_Technique_TECHNIQUE_DIRECT ? 1 : DEFAULT_SAMPLES;
 	if ((uint64_t)r->first_sample + r->samples > LIMIT_SAMPLES)
 		return error_set(err, STATUS_LIMIT, "first_sample + samples is at most %u", LIMIT_SAMPLES);
 	if (r->samples * pixels > LIMIT_SAMPLES_TIMES_PIXELS)
@@ -123,11 +123,11 @@ static enum status check_technique(const candil_Render *r, struct error *err)
 	switch (r->technique) {
 	case candil_Technique_TECHNIQUE_AUTO:
 	case candil_Technique_TECHNIQUE_PT:
+	case candil_Technique_TECHNIQUE_DIRECT:
 		return STATUS_OK;
 	case candil_Technique_TECHNIQUE_VCT:
 	case candil_Technique_TECHNIQUE_RADIOSITY:
-	case candil_Technique_TECHNIQUE_DIRECT:
-		return error_set(err, STATUS_UNSUPPORTED, "this daemon has no such technique: ask for pt or auto");
+		return error_set(err, STATUS_UNSUPPORTED, "this daemon has no such technique: ask for pt, direct or auto");
 	}
 	return error_set(err, STATUS_BAD_ARGUMENT, "technique %u is none of candil.proto", (unsigned)r->technique);
 }

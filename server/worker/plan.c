@@ -89,33 +89,44 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	return false;
 }
 
+// Why a technique cannot do an effect; NULL: it can.
+static const char *cannot(const struct plan *p, candil_Effect effect)
+{
+	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_BOUNCES)
+		return "direct shows light that comes straight from its source: pt follows it further";
+	return NULL;
+}
+
+// What becomes of an effect, and the reason to tell.
+static candil_EffectState decide(const struct effect_rule *rule, const candil_Render *r, uint32_t facts,
+				 const struct plan *p, const char **why)
+{
+	const uint32_t bit = 1u << rule->effect;
+	*why = cannot(p, rule->effect);
+	if (*why)
+		return candil_EffectState_EFFECT_STATE_UNSUPPORTED;
+	*why = rule->substitute;
+	if (r->effects_off & bit)
+		return candil_EffectState_EFFECT_STATE_SWITCHED_OFF;
+	*why = rule->simulated;
+	if (called_for(rule->effect, r, p, facts))
+		return candil_EffectState_EFFECT_STATE_SIMULATED;
+	*why = rule->absent;
+	return r->effects_on & bit ? candil_EffectState_EFFECT_STATE_FORCED : candil_EffectState_EFFECT_STATE_ABSENT;
+}
+
 static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
 {
 	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
-		const struct effect_rule *rule = &rules[i];
-		const uint32_t bit = 1u << rule->effect;
-		const bool called = called_for(rule->effect, r, p, facts);
 		candil_EffectReport *report = &p->reports[p->report_count++];
-		*report = (candil_EffectReport)candil_EffectReport_init_zero;
-		report->effect = rule->effect;
 		const char *why;
-		if (r->effects_off & bit) {
-			report->state = candil_EffectState_EFFECT_STATE_SWITCHED_OFF;
-			why = rule->substitute;
-		} else if (called) {
-			report->state = candil_EffectState_EFFECT_STATE_SIMULATED;
-			why = rule->simulated;
-		} else if (r->effects_on & bit) {
-			report->state = candil_EffectState_EFFECT_STATE_FORCED;
-			why = rule->absent;
-		} else {
-			report->state = candil_EffectState_EFFECT_STATE_ABSENT;
-			why = rule->absent;
-		}
+		*report = (candil_EffectReport)candil_EffectReport_init_zero;
+		report->effect = rules[i].effect;
+		report->state = decide(&rules[i], r, facts, p, &why);
 		snprintf(report->why, sizeof report->why, "%s", why);
 		if (report->state == candil_EffectState_EFFECT_STATE_SIMULATED ||
 		    report->state == candil_EffectState_EFFECT_STATE_FORCED)
-			p->effects |= bit;
+			p->effects |= 1u << report->effect;
 	}
 }
 
@@ -127,9 +138,12 @@ struct option_rule {
 	size_t offset; // of the uint32_t in struct plan
 };
 
+static const char *const shadows[] = {"rays", "none", NULL};
 static const char *const traversals[] = {"auto", "single", "packet", NULL};
 
 static const struct option_rule options[] = {
+    {"direct.samples", 1, LIMIT_DIRECT_SAMPLES, NULL, offsetof(struct plan, direct_points)},
+    {"direct.shadows", 0, 0, shadows, offsetof(struct plan, direct_shadows)},
     {"pt.depth", 1, LIMIT_DEPTH, NULL, offsetof(struct plan, depth)},
     {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, offsetof(struct plan, segment)},
     {"pt.batch", 1, PLAN_BATCH_MOST, NULL, offsetof(struct plan, batch)},
@@ -264,13 +278,14 @@ static enum status plan_camera(const candil_Render *r, const struct blob_view *s
 enum status plan_make(const candil_Render *r, const struct blob_view *scene, struct plan *p, struct error *err)
 {
 	memset(p, 0, sizeof *p);
-	p->technique = candil_Technique_TECHNIQUE_PT;
+	p->technique = r->technique == candil_Technique_TECHNIQUE_AUTO ? candil_Technique_TECHNIQUE_PT : r->technique;
 	p->width = r->width;
 	p->height = r->height;
 	p->samples = r->samples ? r->samples : PLAN_SAMPLES_DEFAULT;
 	p->first_sample = r->first_sample;
 	p->seed = r->seed;
 	p->depth = PLAN_DEPTH_DEFAULT;
+	p->direct_points = PLAN_POINTS_DEFAULT;
 	p->aovs = r->aovs;
 	p->format = r->format;
 	p->view = r->view;
@@ -285,6 +300,8 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, str
 		if (s != STATUS_OK)
 			return s;
 	}
+	if (p->technique == candil_Technique_TECHNIQUE_DIRECT)
+		p->depth = 1;
 	enum status s = plan_camera(r, scene, p, err);
 	if (s != STATUS_OK)
 		return s;

@@ -8,6 +8,7 @@
 #include "server/scene/blob.h"
 
 #define PLAN_DEPTH_DEFAULT 8u
+#define PLAN_POINTS_DEFAULT 4u
 #define PLAN_SAMPLES_DEFAULT 64u
 #define PLAN_BATCH_MOST 256u
 
@@ -19,6 +20,7 @@ struct plan_camera {
 	bool orthographic;
 };
 
+enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
 
 struct plan {
@@ -31,6 +33,8 @@ struct plan {
 	uint32_t segment; // pt: events in one dispatch at most; 0: as the device bears
 	uint32_t batch; // pt: samples in one dispatch; 0: as pays
 	uint32_t traversal; // pt: enum plan_traversal
+	uint32_t direct_points; // direct: on lamps, for a pixel's sample
+	uint32_t direct_shadows; // direct: enum plan_shadows
 	uint32_t effects; // bits 1 << candil_Effect: what runs
 	uint32_t aovs; // AOV_*
 	struct plan_camera camera;

@@ -98,6 +98,24 @@ bsdf bsdf_make(surface s, vec3 direction)
 	return b;
 }
 
+// Of a direction in the frame, without folding: the diffuse part's BSDF × cosine, 1/sr.
+vec3 diffuse_lobe(bsdf b, vec3 l)
+{
+	float cosine = max(l.z, 0.0) * (1.0 / PI);
+	if (!EFFECT_GLOSSY)
+		return b.diffuse * cosine;
+	vec3 inward = 1.0 - specular_albedo(b, ggx_albedo(l.z, b.roughness));
+	return b.diffuse * b.outward * inward * cosine;
+}
+
+// The microfacets' (xyz), and the density of their own sampling (w). A perfect mirror's are zero.
+vec4 facet_lobe(bsdf b, vec3 l)
+{
+	if (!EFFECT_GLOSSY || b.mirror || !(b.share > 0.0) || l.z <= 0.0)
+		return vec4(0.0);
+	return vec4(ggx_eval(b.view, l, b.alpha, b.f0, b.f90) * b.boost, ggx_pdf(b.view, l, b.alpha));
+}
+
 // Of a direction in the frame: BSDF × cosine (xyz) and density (w), 1/sr, without folding.
 vec4 lobes(bsdf b, vec3 l)
 {
@@ -106,13 +124,8 @@ vec4 lobes(bsdf b, vec3 l)
 	float cosine = l.z * (1.0 / PI);
 	if (!EFFECT_GLOSSY)
 		return vec4(b.diffuse * cosine, cosine);
-	vec3 inward = 1.0 - specular_albedo(b, ggx_albedo(l.z, b.roughness));
-	vec4 r = vec4(b.diffuse * b.outward * inward * cosine, (1.0 - b.share) * cosine);
-	if (!b.mirror && b.share > 0.0) {
-		r.xyz += ggx_eval(b.view, l, b.alpha, b.f0, b.f90) * b.boost;
-		r.w += b.share * ggx_pdf(b.view, l, b.alpha);
-	}
-	return r;
+	vec4 facets = facet_lobe(b, l);
+	return vec4(diffuse_lobe(b, l) + facets.xyz, (1.0 - b.share) * cosine + b.share * facets.w);
 }
 
 vec3 into_frame(bsdf b, vec3 w)

@@ -25,7 +25,15 @@ float power_weight(float r)
 	return 1.0 / (1.0 + r * r);
 }
 
-bool sample_emitter(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
+// A point of an emissive triangle as a receiver sees it.
+struct emitter_view {
+	vec3 segment;   // from the receiver to it, ended so that the lamp itself is not in the way at t = 1
+	vec3 radiance;  // towards the receiver
+	float inverse;  // one over the density with which it was chosen, by solid angle
+};
+
+// The point that `pick` and u choose, by power. False: it shows the receiver its dark side or its edge.
+bool view_emitter(vec3 origin, uvec2 pick, vec2 u, float share, out emitter_view v)
 {
 	uint row = alias_row(pick.x, job.emitter_count);
 	emitter e = emitters[row];
@@ -42,21 +50,35 @@ bool sample_emitter(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
 	// The target is off the light's plane, on our side, for the reason that the origin is.
 	q += (away < 0.0 ? -n : n) * segment_offset(k, origin);
 
-	l.segment = q - origin;
-	l.t_max = 1.0;
-	float d2 = dot(l.segment, l.segment);
+	v.segment = q - origin;
+	float d2 = dot(v.segment, v.segment);
 	float d = sqrt(d2);
-	vec3 w = l.segment / d;
-	vec4 f = bsdf_eval(b, w);
+	vec3 w = v.segment / d;
 	float cos_light = abs(dot(n, w));
-	float pdf_area = m.power_density * job.emitter_power_inv * job.emitter_share;
-	if (!lit || !(d2 > 0.0) || f.w == 0.0 || cos_light == 0.0)
+	float pdf_area = m.power_density * job.emitter_power_inv * share;
+	v.radiance = vec3(0.0);
+	v.inverse = 0.0;
+	if (!lit || !(d2 > 0.0) || cos_light == 0.0)
 		return false;
-	// g: one over our density, by solid angle; f.w · g: the BSDF's density over ours. However near the light is, f · g · weight
-	// stays finite.
-	float g = min(cos_light / (d2 * pdf_area), 1e18);
+	v.inverse = min(cos_light / (d2 * pdf_area), 1e18);
 	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, vec3(1.0 - uv.x - uv.y, uv)) : vec4(0.0);
-	l.contribution = f.xyz * emission_at(m, at) * (g * power_weight(min(f.w * g, 1e18)));
+	v.radiance = emission_at(m, at);
+	return true;
+}
+
+bool sample_emitter(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
+{
+	emitter_view v;
+	bool lit = view_emitter(origin, pick, u, job.emitter_share, v);
+	l.segment = v.segment;
+	l.t_max = 1.0;
+	if (!lit)
+		return false;
+	vec4 f = bsdf_eval(b, v.segment / length(v.segment));
+	if (f.w == 0.0)
+		return false;
+	// f.w · inverse: the BSDF's density over ours. However near the light is, f · inverse · weight stays finite.
+	l.contribution = f.xyz * v.radiance * (v.inverse * power_weight(min(f.w * v.inverse, 1e18)));
 	return true;
 }
 
@@ -68,26 +90,41 @@ float spot_attenuation(punctual_light light, vec3 w)
 	return ramp * ramp;
 }
 
-bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, out light_sample l)
+// What a punctual light sends to a place: the irradiance of a plane there that faces it. w points at the light, unit; the
+// segment to it ends at t_max.
+vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3 segment, out float t_max)
 {
-	uint row = alias_row(pick.x, job.light_count);
-	punctual_light light = lights[row];
-	bool keep = float(pick.y >> 8) * UNIT_24 < light.keep;
-	if (!keep)
-		light = lights[light.alias];
 	vec3 to_light = to_vec3(light.position) - origin;
 	float d2 = dot(to_light, to_light);
 	bool directional = light.kind == LIGHT_DIRECTIONAL;
-	vec3 w = directional ? -to_vec3(light.direction) : to_light / sqrt(d2);
-	l.segment = directional ? w : to_light;
-	l.t_max = directional ? INFINITY : 1.0;
-	vec3 irradiance = to_vec3(light.intensity);   // on a plane facing the light
+	w = directional ? -to_vec3(light.direction) : to_light / sqrt(d2);
+	segment = directional ? w : to_light;
+	t_max = directional ? INFINITY : 1.0;
+	vec3 irradiance = to_vec3(light.intensity);
 	if (!directional)
 		irradiance /= d2;
 	if (light.kind == LIGHT_SPOT)
 		irradiance *= spot_attenuation(light, w);
+	return directional || d2 > 0.0 ? irradiance : vec3(0.0);
+}
+
+// The light that `pick` chooses, by power.
+punctual_light pick_punctual(uvec2 pick)
+{
+	punctual_light light = lights[alias_row(pick.x, job.light_count)];
+	bool keep = float(pick.y >> 8) * UNIT_24 < light.keep;
+	if (!keep)
+		light = lights[light.alias];
+	return light;
+}
+
+bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, out light_sample l)
+{
+	punctual_light light = pick_punctual(pick);
+	vec3 w;
+	vec3 irradiance = punctual_irradiance(light, origin, w, l.segment, l.t_max);
 	vec4 f = bsdf_eval(b, w);
-	if (!(directional || d2 > 0.0) || f.w == 0.0)
+	if (irradiance == vec3(0.0) || f.w == 0.0)
 		return false;
 	l.contribution = f.xyz * irradiance / (light.pmf * (1.0 - job.emitter_share));
 	return true;

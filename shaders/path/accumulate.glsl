@@ -5,7 +5,13 @@
 
 #include "shared/bindings.h"
 
-layout(std430, set = 0, binding = BIND_ACCUMULATOR) buffer Accumulator {
+#ifdef VULKAN
+#define ACCUMULATOR_BUFFER layout(std430, set = 0, binding = BIND_ACCUMULATOR)
+#else
+#define ACCUMULATOR_BUFFER layout(std430, binding = BIND_ACCUMULATOR)
+#endif
+
+ACCUMULATOR_BUFFER buffer Accumulator {
 	vec2 accumulator[];   // per pixel: half A R G B, half B R G B
 };
 

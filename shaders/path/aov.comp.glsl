@@ -6,6 +6,7 @@
 
 #include "common/camera.glsl"
 #include "common/surface.glsl"
+#include "common/tile.glsl"
 #include "trace/traverse.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
@@ -19,7 +20,7 @@ layout(std430, set = 0, binding = BIND_AOV) writeonly buffer Aov {
 
 void main()
 {
-	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x);
+	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x, job.tiles_x);
 	bool mine = pixel.x < job.width && pixel.y < job.height;
 	vec3 origin, direction;
 	camera_ray(vec2(pixel) + 0.5, origin, direction);

@@ -10,7 +10,9 @@
 #extension GL_KHR_shader_subgroup_vote : require
 
 #include "common/camera.glsl"
+#include "common/finite.glsl"
 #include "common/light.glsl"
+#include "common/tile.glsl"
 #include "path/accumulate.glsl"
 #include "trace/traverse.glsl"
 
@@ -111,13 +113,6 @@ struct tally {
 	uint non_finite;
 	uint rounds;
 };
-
-bool finite(vec3 c)
-{
-	// By exponent bits: a compiler may take isnan() for always false.
-	uvec3 e = floatBitsToUint(c) & 0x7f800000u;
-	return all(notEqual(e, uvec3(0x7f800000u)));
-}
 
 uint half_of(uint taken)
 {
@@ -227,7 +222,7 @@ void give_account(tally account)
 
 void main()
 {
-	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x);
+	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x, job.tiles_x);
 	bool mine = gl_WorkGroupID.x < push.tile_count && pixel.x < job.width && pixel.y < job.height;
 	uint slot = gl_WorkGroupID.x * TILE_PIXELS + gl_LocalInvocationIndex;
 	uint index = pixel.y * job.width + pixel.x;

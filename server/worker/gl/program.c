@@ -93,7 +93,7 @@ static enum status build(struct gl_program *p, struct error *err)
 }
 
 enum status gl_program_get(struct gl_device *d, const struct gl_source *source, const struct gl_defines *defines,
-			   const struct gl_program **program, struct error *err)
+			   struct gl_program **program, struct error *err)
 {
 	for (struct gl_program *p = d->programs; p; p = p->next)
 		if (p->source == source && !strcmp(p->defines, defines->text)) {

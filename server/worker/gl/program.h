@@ -21,6 +21,7 @@ struct gl_program {
 	const struct gl_source *source;
 	char defines[GL_DEFINES_BYTES];
 	unsigned name;
+	bool warm; // its user has run it once, so that the driver has compiled it
 };
 
 // The lines that come before a source.
@@ -36,7 +37,7 @@ void gl_define_effects(struct gl_defines *defines, uint32_t effects);
 
 // The program, compiled and linked at its first use. Owned by the device. STATUS_INTERNAL with the compiler's first words.
 enum status gl_program_get(struct gl_device *device, const struct gl_source *source, const struct gl_defines *defines,
-			   const struct gl_program **program, struct error *err);
+			   struct gl_program **program, struct error *err);
 void gl_program_destroy_all(struct gl_device *device);
 
 #endif

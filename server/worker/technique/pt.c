@@ -178,20 +178,6 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 
 // ---- read ---------------------------------------------------------------------------------------------------------------
 
-static void copy_aov(const uint32_t *words, uint64_t first, uint64_t count, struct frame *f)
-{
-	for (uint64_t i = first; i < first + count; i++, words += AOV_WORDS) {
-		if (f->depth)
-			memcpy(&f->depth[i], words, sizeof(float));
-		if (f->normal)
-			memcpy(&f->normal[3 * i], words + 1, 3 * sizeof(float));
-		if (f->albedo)
-			memcpy(&f->albedo[3 * i], words + 4, 3 * sizeof(float));
-		if (f->id)
-			f->id[i] = words[7];
-	}
-}
-
 static enum status read_band(struct technique_job *j, const struct pt_band *b, struct pt_resolver *resolver, struct frame *f,
 			     struct error *err)
 {
@@ -206,7 +192,7 @@ static enum status read_band(struct technique_job *j, const struct pt_band *b, s
 		// Smaller than the sums, which are no longer needed.
 		s = buffer_read(&b->aov, j->device, 0, b->aov.bytes, host, err);
 		if (s == STATUS_OK)
-			copy_aov(host, (uint64_t)b->first_row * f->width, (uint64_t)b->rows * f->width, f);
+			pt_resolve_aov(host, b->first_row, b->rows, f);
 	}
 	free(host);
 	return s;

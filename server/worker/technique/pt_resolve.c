@@ -1,5 +1,7 @@
 #include "server/worker/technique/pt_resolve.h"
 
+#include <string.h>
+
 #include "shaders/shared/bindings.h"
 
 // Even samples belong to half A, odd ones to half B.
@@ -47,6 +49,21 @@ void pt_resolve(struct pt_resolver *r, const float *sums, uint32_t first_row, ui
 				      frame->radiance + 3 * ((uint64_t)y * frame->width + x));
 			sums += ACCUMULATOR_FLOATS;
 		}
+}
+
+void pt_resolve_aov(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *f)
+{
+	const uint64_t first = (uint64_t)first_row * f->width, count = (uint64_t)rows * f->width;
+	for (uint64_t i = first; i < first + count; i++, words += AOV_WORDS) {
+		if (f->depth)
+			memcpy(&f->depth[i], words, sizeof(float));
+		if (f->normal)
+			memcpy(&f->normal[3 * i], words + 1, 3 * sizeof(float));
+		if (f->albedo)
+			memcpy(&f->albedo[3 * i], words + 4, 3 * sizeof(float));
+		if (f->id)
+			f->id[i] = words[7];
+	}
 }
 
 double pt_resolver_error(const struct pt_resolver *r)

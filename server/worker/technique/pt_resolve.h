@@ -21,6 +21,9 @@ void pt_resolver_init(struct pt_resolver *resolver, uint32_t first_sample, uint3
 // (shaders/path/accumulate.glsl).
 void pt_resolve(struct pt_resolver *resolver, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame);
 
+// Fill the same rows of the AOVs that the frame has, from AOV_WORDS words a pixel.
+void pt_resolve_aov(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *frame);
+
 // The estimated relMSE of what was resolved: with a and b the means of the two independent halves, ((a − b) / 2)² is an
 // unbiased estimate of the variance of (a + b) / 2; relMSE is its mean over r² + 0.01, r being the pixel's own value.
 // Negative where a half has no sample.

@@ -1,0 +1,181 @@
+// The cursor: sample by sample, band by band, pass by pass, unit by unit, as many units at once as should fit the rest of
+// the slice by the speed measured so far. Where a slice ends changes no bit: no unit knows about another of its pass.
+#include "server/worker/technique/deferred.h"
+
+#include <stdlib.h>
+
+#include "server/base/clock.h"
+#include "server/worker/technique/deferred_job.h"
+#include "server/worker/technique/pt_resolve.h"
+
+#define FIRST_TILES 64u
+#define FIRST_TRIANGLES 20000u
+
+static bool finished(const struct deferred *d)
+{
+	return d->sample == d->plan.samples;
+}
+
+static void advance(struct deferred *d, uint32_t units)
+{
+	const uint32_t works = d->aov_done ? d->work_count : 2;
+	d->unit += units;
+	if (d->unit < deferred_units(d, deferred_current(d)))
+		return;
+	d->unit = 0;
+	if (++d->work < works)
+		return;
+	d->work = 0;
+	if (++d->band < d->band_count)
+		return;
+	d->band = 0;
+	if (d->aov_done)
+		d->sample++;
+	d->aov_done = true;
+}
+
+// Units that should take `us`, at least one.
+static uint32_t affordable(const struct deferred *d, const struct deferred_work *w, double us)
+{
+	const uint32_t left = deferred_units(d, w) - d->unit;
+	double n = w->kind == DEFERRED_DRAW ? FIRST_TRIANGLES : FIRST_TILES;
+	if (w->unit_us > 0)
+		n = us / w->unit_us;
+	return n < 1 ? 1 : n < left ? (uint32_t)n : left;
+}
+
+static enum status take_counters(struct deferred *d, struct error *err)
+{
+	struct pt_counters now;
+	enum status s = gl_buffer_read(&d->counters, d->device, 0, sizeof now, &now, err);
+	if (s != STATUS_OK)
+		return s;
+	d->rays += now.rays - d->seen.rays; // modulo 2^32, which no piece reaches
+	d->non_finite += now.non_finite - d->seen.non_finite;
+	d->seen = now;
+	if (now.cut)
+		return error_set(err, STATUS_TRAVERSAL_CUT,
+				 "one pixel's rays visit more of this scene than the driver lets a loop run: ask for fewer "
+				 "points on its lamps, or use a GPU or a newer driver");
+	return STATUS_OK;
+}
+
+static enum status run_piece(struct deferred *d, double us, struct error *err)
+{
+	struct deferred_work *w = deferred_current(d);
+	const uint32_t units = affordable(d, w, us);
+	const uint64_t start = clock_us();
+	deferred_record(d, units);
+	enum status s = gl_wait(d->device, w->stage, err);
+	if (s == STATUS_OK && w->kind == DEFERRED_SUM)
+		s = take_counters(d, err);
+	const double measured = (double)(clock_us() - start) / units;
+	w->unit_us = w->unit_us > 0 ? 0.5 * (w->unit_us + measured) : measured;
+	advance(d, units);
+	return s;
+}
+
+static double fraction(struct deferred *d)
+{
+	if (finished(d))
+		return 1;
+	const double works = d->aov_done ? d->work_count : 2;
+	const double unit = d->work < works ? (double)d->unit / deferred_units(d, deferred_current(d)) : 0;
+	return (d->sample + (d->band + (d->work + unit) / works) / d->band_count) / d->plan.samples;
+}
+
+enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_result *result, struct error *err)
+{
+	const uint64_t start = clock_us();
+	uint64_t spent = 0;
+	while (!finished(d)) {
+		enum status s = run_piece(d, (double)(budget_us - spent), err);
+		if (s != STATUS_OK)
+			return s;
+		spent = clock_us() - start;
+		// What is left would not do another unit.
+		if (spent >= budget_us || (!finished(d) && (double)(budget_us - spent) < deferred_current(d)->unit_us))
+			break;
+	}
+	result->samples_done = d->sample;
+	result->finished = finished(d);
+	result->fraction = fraction(d);
+	return STATUS_OK;
+}
+
+// ---- read ---------------------------------------------------------------------------------------------------------------
+
+static enum status read_band(struct deferred *d, uint32_t index, struct frame *f, struct pt_resolver *r, struct error *err)
+{
+	const struct deferred_band *b = &d->bands[index];
+	void *host = malloc((size_t)b->sums.bytes);
+	if (!host)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	enum status s = gl_buffer_read(&b->sums, d->device, 0, b->sums.bytes, host, err);
+	if (s == STATUS_OK)
+		pt_resolve(r, host, b->first_row, b->rows, f);
+	if (s == STATUS_OK && b->aov.bytes > 0) {
+		// Smaller than the sums, which are no longer needed.
+		s = gl_buffer_read(&b->aov, d->device, 0, b->aov.bytes, host, err);
+		if (s == STATUS_OK)
+			pt_resolve_aov(host, b->first_row, b->rows, f);
+	}
+	free(host);
+	return s;
+}
+
+// Tiles whose sums have one sample more than d->sample: whole bands, and of the cursor's what the last pass has done.
+static uint32_t tiles_ahead(const struct deferred *d)
+{
+	if (finished(d) || !d->aov_done)
+		return 0;
+	const struct deferred_band *b = &d->bands[d->band];
+	return b->first_tile + (d->work == d->work_count - 1 ? d->unit : 0);
+}
+
+static void account(struct deferred *d, struct frame *f, uint64_t resolve_us)
+{
+	f->samples = d->sample;
+	f->non_finite_samples = d->non_finite;
+	f->rays = d->rays;
+	if (d->upload_us)
+		frame_add_stage(f, "upload", d->upload_us);
+	if (d->compile_us)
+		frame_add_stage(f, "compile", d->compile_us);
+	gl_timer_collect(&d->timer);
+	for (uint32_t i = 0; i < d->timer.stage_count; i++)
+		frame_add_stage(f, d->timer.stages[i].name, d->timer.stages[i].us);
+	frame_add_stage(f, "resolve", resolve_us);
+}
+
+enum status deferred_read(struct deferred *d, struct frame **frame, struct error *err)
+{
+	struct frame *f;
+	const uint64_t start = clock_us();
+	enum status s = frame_create(d->plan.width, d->plan.height, d->plan.aovs, &f, err);
+	if (s != STATUS_OK)
+		return s;
+	struct pt_resolver resolver;
+	pt_resolver_init(&resolver, d->plan.first_sample, d->sample, tiles_ahead(d));
+	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++)
+		s = read_band(d, i, f, &resolver, err);
+	if (s != STATUS_OK) {
+		frame_destroy(f);
+		return s;
+	}
+	f->estimated_relmse = pt_resolver_error(&resolver);
+	account(d, f, clock_us() - start);
+	*frame = f;
+	return STATUS_OK;
+}
+
+struct gl_timer *deferred_timer(struct deferred *d)
+{
+	return &d->timer;
+}
+
+void deferred_add_setup(struct deferred *d, uint64_t upload_us, uint64_t compile_us)
+{
+	d->upload_us += upload_us;
+	d->compile_us += compile_us;
+}

@@ -1,0 +1,17 @@
+// The work of a compute shader's group: a tile of the image.
+#ifndef COMMON_TILE_GLSL
+#define COMMON_TILE_GLSL
+
+#include "shared/bindings.h"
+
+// The pixel of this invocation in a tile, in an image of so many columns of tiles. Eight neighbours in number are a block of 4 × 2, so that the rays of a subgroup
+// begin close together.
+uvec2 tile_pixel(uint tile, uint columns)
+{
+	uint i = gl_LocalInvocationIndex;
+	uint block = i / 8u;
+	uvec2 inside = uvec2(block % 2u * 4u + i % 4u, block / 2u * 2u + i / 4u % 2u);
+	return uvec2(tile % columns, tile / columns) * TILE_SIDE + inside;
+}
+
+#endif

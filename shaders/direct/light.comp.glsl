@@ -1,0 +1,30 @@
+// What the camera sees of the lamps, the background and unlit surfaces, and the light that comes to every other surface
+// straight from its source.
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+
+#include "direct/lighting.glsl"
+#include "direct/pixel.glsl"
+
+layout(local_size_x = TILE_PIXELS) in;
+
+void main()
+{
+	uvec2 pixel;
+	visible_point v;
+	if (!pixel_mine(pixel))
+		return;
+	if (!pixel_visible(pixel, v)) {
+		if (EFFECT_ENVIRONMENT)
+			pixel_add(pixel, to_vec3(job.background));
+		return;
+	}
+	surface s = pixel_surface(v);
+	if (EFFECT_UNLIT && s.unlit) {
+		pixel_add(pixel, s.emission + s.base);
+		return;
+	}
+	bsdf b = bsdf_make(s, v.direction);
+	vec3 radiance = direct_light(s, b, s.position + s.offset * s.geometric, pixel);
+	pixel_add_traced(pixel, s.emission + radiance, direct_rays, trace_cut);
+}

@@ -1,0 +1,252 @@
+// Light that comes to a surface straight from its sources.
+//
+// Point, spot and directional lights are exact: one shadow ray each, up to DIRECT_LIGHTS of them. Of more, so many are taken
+// at even steps of their summed power.
+//
+// Emissive triangles, diffuse part. Where they are few and evenly bright, what they would send without shadows is known in
+// closed form (lamps.glsl); DIRECT_POINTS points on them, evenly over their power, tell how much of it arrives, as the ratio
+// of what the points' visible light adds up to, to what all of it does (Heitz, Hill and McGuire 2018, "Combining analytic
+// direct illumination and stochastic shadows"). Neither unshadowed nor fully shadowed places show any noise then. Else the
+// points alone estimate the light.
+// The points of 4 × 4 pixels are one set together, so the mean over any such block has 16 times as many.
+//
+// Microfacets: the same points, and one ray in a direction that the facets reflect, weighted by the power heuristic (Veach
+// 1997, 9.2.4); a perfect mirror's is the one there is.
+#ifndef DIRECT_LIGHTING_GLSL
+#define DIRECT_LIGHTING_GLSL
+
+#include "direct/area.glsl"
+#include "direct/lamps.glsl"
+#include "trace/single.glsl"
+
+// Options, macros of the program.
+#ifndef DIRECT_POINTS
+#define DIRECT_POINTS 4u        // on emissive triangles, 1…16
+#define DIRECT_CLOSED false     // few emissive triangles, none textured
+#define DIRECT_SHADOWS true
+#endif
+#define DIRECT_LIGHTS 64u
+#define DIRECT_BLOCK 16u        // pixels whose points are one set
+
+// Rays traced by this invocation.
+uint direct_rays = 0u;
+
+// What the emissive triangles send to a surface's diffuse part. Reflected radiance is scale × arrived / expected, channel by
+// channel, 0 where nothing is expected: sums over neighbouring pixels may stand for the two.
+struct lamp_light {
+	vec3 scale;
+	vec3 arrived;
+	vec3 expected;
+};
+
+vec3 lamp_radiance(lamp_light l)
+{
+	vec3 ratio = min(l.arrived / max(l.expected, 1e-30), 2.0);
+	return l.scale * vec3(l.expected.r > 0.0 ? ratio.r : 0.0, l.expected.g > 0.0 ? ratio.g : 0.0,
+			      l.expected.b > 0.0 ? ratio.b : 0.0);
+}
+
+// A pixel's number in its 4 × 4 block, neighbours far apart; another arrangement for every sample.
+uint direct_pattern(uvec2 pixel)
+{
+	uvec2 p = pixel & 3u;
+	uint odd = (p.x ^ p.y) & 1u;
+	uint far = (p.x ^ p.y) >> 1;
+	return (odd << 3 | (p.y & 1u) << 2 | far << 1 | p.y >> 1) ^ (hash(turn.y * 2u + turn.x) & 15u);
+}
+
+// Point k of a pattern's: which light (x, y: 32 bits each, as alias tables want) and where on it (z, w: 0…1).
+void direct_point(uint pattern, uint k, out uvec2 pick, out vec2 where)
+{
+	const uint count = DIRECT_POINTS * DIRECT_BLOCK;
+	uint i = k * DIRECT_BLOCK + pattern;
+	uint h = hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.y * 2u + turn.x);
+	// The first by even steps, the other two by Sobol's: Hammersley's set in three dimensions, shifted as a whole.
+	uint row, low;
+	uint at = uint((float(i) + float(hash(h) >> 8) * UNIT_24) / float(count) * 16777216.0) << 8;
+	umulExtended(at, job.emitter_count, row, low);
+	pick = uvec2(at, low);
+	uvec2 bits = bitfieldReverse(uvec2(i, sobol1_reversed(i))) ^ uvec2(hash(h + 1u), hash(h + 2u));
+	where = vec2(bits >> 8) * UNIT_24;
+}
+
+// A light's number and the reciprocal of its chance, for the i-th of so many shadow rays.
+punctual_light direct_punctual(uint i, out float weight)
+{
+	weight = 1.0;
+	if (job.light_count <= DIRECT_LIGHTS)
+		return lights[i];
+	uint h = hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.y * 2u + turn.x + 0x80000000u);
+	uint at = uint((float(i) + float(hash(h) >> 8) * UNIT_24) / float(DIRECT_LIGHTS) * 16777216.0) << 8;
+	uint row, low;
+	umulExtended(at, job.light_count, row, low);
+	punctual_light light = pick_punctual(uvec2(at, low));
+	weight = 1.0 / (float(DIRECT_LIGHTS) * light.pmf);
+	return light;
+}
+
+vec3 folded_below(bsdf b, vec3 w, float above)
+{
+	return into_frame(b, w - 2.0 * above * b.geometric);
+}
+
+// BSDF × cosine of the diffuse part and of the microfacets with their density, folded as bsdf_eval folds them.
+void direct_eval(bsdf b, vec3 w, out vec3 diffuse, out vec4 facets)
+{
+	float above = dot(b.geometric, w);
+	vec3 l = into_frame(b, w);
+	vec3 f = folded_below(b, w, above);
+	bool lit = above > 0.0;
+	diffuse = lit ? diffuse_lobe(b, l) + diffuse_lobe(b, f) : vec3(0.0);
+	facets = lit ? facet_lobe(b, l) + facet_lobe(b, f) : vec4(0.0);
+}
+
+// What one ray may bring.
+struct direct_ray {
+	vec3 segment;
+	float t_max;        // -1: none
+	vec3 diffuse;       // radiance by the diffuse part, if nothing is in the way
+	vec3 facets;        // by the microfacets
+	vec3 expected;      // lamps: what the closed form knows
+};
+
+void ray_to_light(bsdf b, vec3 origin, uint i, inout direct_ray r)
+{
+	float weight;
+	vec3 w;
+	punctual_light light = direct_punctual(i, weight);
+	vec3 irradiance = punctual_irradiance(light, origin, w, r.segment, r.t_max) * weight;
+	vec4 facets;
+	direct_eval(b, w, r.diffuse, facets);
+	r.diffuse *= irradiance;
+	r.facets = facets.xyz * irradiance;
+	if (max(r.diffuse + r.facets, vec3(0.0)) == vec3(0.0))
+		r.t_max = -1.0;
+}
+
+void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
+{
+	uvec2 pick;
+	vec2 where;
+	emitter_view v;
+	direct_point(pattern, k, pick, where);
+	if (!view_emitter(origin, pick, where, 1.0, v))
+		return;
+	vec3 w = normalize(v.segment);
+	vec4 facets;
+	vec3 diffuse;
+	direct_eval(b, w, diffuse, facets);
+	vec3 light = v.radiance * (v.inverse / float(DIRECT_POINTS));
+	r.segment = v.segment;
+	r.t_max = 1.0;
+	r.diffuse = diffuse * light;
+	if (EFFECT_GLOSSY)
+		r.facets = facets.xyz * light * power_weight(min(facets.w * v.inverse / float(DIRECT_POINTS), 1e18));
+	r.expected = light * (max(dot(w, b.normal), 0.0) * (1.0 / PI));
+	if (max(r.diffuse + r.facets, vec3(0.0)) == vec3(0.0))
+		r.t_max = -1.0;
+}
+
+// A direction of the microfacets, its BSDF × cosine over its density in `facets`. Returns the density.
+float ray_off_facets(bsdf b, uint pattern, inout direct_ray r)
+{
+	uvec2 pick;
+	vec2 u;
+	direct_point(pattern, 0u, pick, u);
+	vec3 h = b.mirror ? vec3(0.0, 0.0, 1.0) : ggx_sample_half(b.view, b.alpha, u);
+	vec3 l = 2.0 * dot(b.view, h) * h - b.view;
+	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
+	float above = dot(b.geometric, w);
+	w = above < 0.0 ? w - 2.0 * above * b.geometric : w;
+	vec3 diffuse;
+	vec4 facets;
+	direct_eval(b, w, diffuse, facets);
+	r.segment = w;
+	r.facets = b.mirror ? schlick(b.f0, b.f90, b.view.z) : l.z > 0.0 && facets.w > 0.0 ? facets.xyz / facets.w : vec3(0.0);
+	r.t_max = b.share > 0.0 && max(r.facets, vec3(0.0)) != vec3(0.0) ? INFINITY : -1.0;
+	return b.mirror ? PDF_MIRROR : facets.w;
+}
+
+// What a ray off the facets met: emitted radiance, as far as the lamps' own points do not stand for it.
+vec3 lamp_met(ray_hit hit, vec3 w, float pdf)
+{
+	triangle tri = triangles[hit.id];
+	material m = materials[hit.material];
+	corners k = corners_of(tri);
+	float c = dot(k.normal, w);
+	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, vec3(1.0 - hit.uv.x - hit.uv.y, hit.uv)) : vec4(0.0);
+	bool emits = c < 0.0 || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
+	float pdf_area = m.power_density * job.emitter_power_inv * float(DIRECT_POINTS);
+	float r = pdf_area * hit.t * hit.t / max(abs(c) * pdf, 1e-37);
+	return emits ? emission_at(m, at) * power_weight(min(r, 1e18)) : vec3(0.0);
+}
+
+// Radiance that a surface sends back along the camera's ray, but for the emissive triangles' light on its diffuse part, which
+// is in `lamps`. `origin`: where its rays begin. `pattern`: direct_pattern of its pixel.
+vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_light lamps)
+{
+	const bool has_lamps = EFFECT_EMITTERS && job.emitter_count > 0u;
+	const uint light_count = EFFECT_LIGHTS ? min(job.light_count, DIRECT_LIGHTS) : 0u;
+	const uint lamp_end = light_count + (has_lamps ? DIRECT_POINTS : 0u);
+	const uint end = lamp_end + (has_lamps && EFFECT_GLOSSY ? 1u : 0u);
+	vec3 radiance = vec3(0.0);
+	lamps = lamp_light(vec3(1.0), vec3(0.0), vec3(0.0));
+	for (uint i = 0u; i < end; i++) {
+		direct_ray r = direct_ray(vec3(0.0, 0.0, 1.0), -1.0, vec3(0.0), vec3(0.0), vec3(0.0));
+		float pdf = 0.0;
+		bool off_facets = EFFECT_GLOSSY && has_lamps && i >= lamp_end;
+		bool to_lamp = EFFECT_EMITTERS && i >= light_count;
+		if (EFFECT_LIGHTS && !to_lamp)
+			ray_to_light(b, origin, i, r);
+		if (EFFECT_EMITTERS && to_lamp && !off_facets)
+			ray_to_lamp(b, origin, pattern, i - light_count, r);
+		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
+			pdf = ray_off_facets(b, pattern, r);
+		bool sent = r.t_max > 0.0;
+		direct_rays += sent ? 1u : 0u;
+		ray_hit hit;
+		bool met = false;
+		if (DIRECT_SHADOWS || (EFFECT_EMITTERS && EFFECT_GLOSSY))
+			met = walk_single(origin, r.segment, DIRECT_SHADOWS || off_facets ? r.t_max : -1.0, !off_facets, hit);
+		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
+			radiance += met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);
+		else if (sent && !met)
+			radiance += r.facets + (to_lamp ? vec3(0.0) : r.diffuse);
+		if (EFFECT_EMITTERS && to_lamp) {
+			lamps.arrived += sent && !met ? r.diffuse : vec3(0.0);
+			lamps.expected += r.expected;
+		}
+	}
+	if (EFFECT_EMITTERS && DIRECT_CLOSED)
+		lamps.scale = lamps_irradiance(s.position, b.normal) * (1.0 / PI);
+	else
+		lamps.expected = vec3(1.0);
+	return radiance;
+}
+
+vec3 direct_light(surface s, bsdf b, vec3 origin, uvec2 pixel)
+{
+	lamp_light lamps;
+	vec3 radiance = direct_light_parts(s, b, origin, direct_pattern(pixel), lamps);
+	return radiance + lamp_radiance(lamps);
+}
+
+// Irradiance of a plane in space, W/m², for what is no pixel: a voxel. `offset`: rays begin so far off it along the normal.
+// `pattern`: any number; neighbours should differ in it.
+vec3 direct_irradiance(vec3 position, vec3 normal, float offset, uint pattern)
+{
+	surface s;
+	s.position = position;
+	s.geometric = normal;
+	s.shading = normal;
+	s.albedo = vec3(1.0);
+	s.f0 = vec3(0.0);
+	s.f90 = vec3(0.0);
+	s.roughness = 1.0;
+	bsdf b = bsdf_make(s, -normal);
+	lamp_light lamps;
+	vec3 radiance = direct_light_parts(s, b, position + offset * normal, pattern & (DIRECT_BLOCK - 1u), lamps);
+	return PI * (radiance + lamp_radiance(lamps));
+}
+
+#endif
