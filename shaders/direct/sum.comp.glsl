@@ -29,5 +29,7 @@ void main()
 		atomicAdd(counters.non_finite, 1u);
 		value.rgb = vec3(0.0);
 	}
-	accumulate(uint(texel.y) * turn.w + uint(texel.x), turn.x, value.rgb);
+	uint at = (uint(texel.y) * turn.w + uint(texel.x)) * (ACCUMULATOR_FLOATS / 2) + turn.x * 3u;
+	for (uint i = 0u; i < 3u; i++)
+		accumulator[at + i] = add_compensated(accumulator[at + i], value[i]);
 }

@@ -156,7 +156,7 @@ enum status deferred_read(struct deferred *d, struct frame **frame, struct error
 	if (s != STATUS_OK)
 		return s;
 	struct pt_resolver resolver;
-	pt_resolver_init(&resolver, d->plan.first_sample, d->sample, tiles_ahead(d));
+	pt_resolver_init(&resolver, d->plan.first_sample, d->sample, tiles_ahead(d), 1);
 	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++)
 		s = read_band(d, i, f, &resolver, err);
 	if (s != STATUS_OK) {
