@@ -11,6 +11,7 @@
 
 #include "server/loader/mtl_surface.h"
 #include "server/loader/obj_files.h"
+#include "server/loader/obj_vertices.h"
 
 // assimp forgets some of its memory where it gives a file up. This process ends soon after; the leak checker need not know.
 #ifdef __SANITIZE_ADDRESS__
@@ -182,34 +183,6 @@ static void warn_undefined(struct obj_files *files, const struct aiScene *scene)
 	}
 }
 
-static void place(const struct import *im, const struct aiVector3D *v, double scale, double out[3])
-{
-	out[0] = v->x * scale;
-	out[1] = (im->z_up ? v->z : v->y) * scale;
-	out[2] = (im->z_up ? -(double)v->y : v->z) * scale;
-}
-
-static enum status add_vertices(struct import *im, const struct aiMesh *mesh, struct error *err)
-{
-	for (unsigned i = 0; i < mesh->mNumVertices; i++) {
-		struct import_vertex v = {0};
-		double normal[3];
-		place(im, &mesh->mVertices[i], im->unit, v.position);
-		if (mesh->mNormals) {
-			place(im, &mesh->mNormals[i], 1.0, normal);
-			for (int c = 0; c < 3; c++)
-				v.normal[c] = (float)normal[c];
-		}
-		if (mesh->mTextureCoords[0]) {
-			v.uv[0] = mesh->mTextureCoords[0][i].x;
-			v.uv[1] = 1.0f - mesh->mTextureCoords[0][i].y; // our row 0 is the top
-		}
-		if (import_add_vertex(im, &v, err) != STATUS_OK)
-			return err->code;
-	}
-	return STATUS_OK;
-}
-
 static void note_bounds(struct import *im, const struct aiMesh *mesh)
 {
 	double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -223,12 +196,8 @@ static void note_bounds(struct import *im, const struct aiMesh *mesh)
 	import_note_source(im, min, max);
 }
 
-static enum status add_mesh(struct import *im, const struct aiMesh *mesh, struct error *err)
+static enum status add_faces(struct import *im, const struct aiMesh *mesh, const uint32_t *number, struct error *err)
 {
-	const size_t first = im->vertex_count;
-	note_bounds(im, mesh);
-	if (add_vertices(im, mesh, err) != STATUS_OK)
-		return err->code;
 	for (unsigned i = 0; i < mesh->mNumFaces; i++) {
 		const struct aiFace *face = &mesh->mFaces[i];
 		if (face->mNumIndices != 3) {
@@ -239,7 +208,7 @@ static enum status add_mesh(struct import *im, const struct aiMesh *mesh, struct
 		bool inside = true;
 		for (int k = 0; k < 3; k++) {
 			inside = inside && face->mIndices[k] < mesh->mNumVertices;
-			t.vertex[k] = (uint32_t)first + face->mIndices[k];
+			t.vertex[k] = inside ? number[face->mIndices[k]] : 0;
 		}
 		if (!inside)
 			im->info->dropped_out_of_range++;
@@ -247,6 +216,17 @@ static enum status add_mesh(struct import *im, const struct aiMesh *mesh, struct
 			return err->code;
 	}
 	return STATUS_OK;
+}
+
+static enum status add_mesh(struct import *im, const struct aiMesh *mesh, struct error *err)
+{
+	uint32_t *number;
+	note_bounds(im, mesh);
+	enum status status = obj_add_vertices(im, mesh, &number, err);
+	if (status == STATUS_OK)
+		status = add_faces(im, mesh, number, err);
+	free(number);
+	return status;
 }
 
 static enum status add_group(struct import *im, const struct aiScene *scene, const struct aiNode *group, struct error *err)

@@ -224,6 +224,18 @@ class Load(unittest.TestCase):
         for e in blob.emitters:
             self.assertLess(blob.normal(e[0])[1], 0)  # the lamp looks down
 
+    def test_obj_corners_that_are_the_same_are_one_vertex(self):
+        # Four quads around a middle: nine places, of which the middle has two pairs of texture coordinates.
+        lines = [f"v {x} {y} 0" for y in range(3) for x in range(3)] + ["vt 0 0", "vt 1 1"]
+        for at, corners in ((1, (1, 2, 5, 4)), (1, (2, 3, 6, 5)), (1, (4, 5, 8, 7)), (2, (5, 6, 9, 8))):
+            lines.append("f " + " ".join(f"{c}/{at if c == 5 else 1}" for c in corners))
+        path = os.path.join(self.folder, "grid.obj")
+        with open(path, "w", encoding="ascii") as file:
+            file.write("\n".join(lines) + "\n")
+        info, blob = self.load(path)
+        self.assertEqual((info["triangles"], len(blob.vertices), len(set(blob.vertices))), (8, 10, 10))
+        self.assertEqual({blob.normal(i) > [0, 0, 0] for i in range(8)}, {True})
+
     def test_obj_axes_and_units(self):
         o = Obj()
         o.material("m", (.5, .5, .5))
