@@ -34,13 +34,18 @@ layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #endif
 
+// Some OpenGL drivers count every block that is declared, used or not, against the sixteen that a stage may have: a program
+// that needs others in their stead defines SCENE_WITHOUT_TRACE, _LAMPS, _TANGENTS or _GGX.
 
+
+#ifndef SCENE_WITHOUT_TRACE
 SCENE_BUFFER(BIND_NODES) readonly buffer Nodes {
 	vec4 nodes[];   // struct bvh_node, four words at a time
 };
 SCENE_BUFFER(BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
 	vec4 leaf_triangles[];   // struct leaf_triangle, likewise
 };
+#endif
 SCENE_BUFFER(BIND_TRIANGLES) readonly buffer Triangles {
 	triangle triangles[];
 };
@@ -56,12 +61,14 @@ SCENE_BUFFER(BIND_TEXTURES) readonly buffer Textures {
 SCENE_BUFFER(BIND_TEXELS) readonly buffer Texels {
 	uint texels[];
 };
+#ifndef SCENE_WITHOUT_LAMPS
 SCENE_BUFFER(BIND_EMITTERS) readonly buffer Emitters {
 	emitter emitters[];
 };
 SCENE_BUFFER(BIND_LIGHTS) readonly buffer Lights {
 	punctual_light lights[];
 };
+#endif
 SCENE_BUFFER(BIND_SRGB_TABLE) readonly buffer SrgbTable {
 	float srgb_table[];
 };
@@ -71,12 +78,16 @@ SCENE_BUFFER(BIND_UV1) readonly buffer Uv1 {
 SCENE_BUFFER(BIND_COLORS) readonly buffer Colors {
 	vertex_color colors[];
 };
+#ifndef SCENE_WITHOUT_TANGENTS
 SCENE_BUFFER(BIND_TANGENTS) readonly buffer Tangents {
 	vertex_tangent tangents[];
 };
+#endif
+#ifndef SCENE_WITHOUT_GGX
 SCENE_BUFFER(BIND_GGX_TABLE) readonly buffer GgxTable {
 	vec2 ggx_table[];
 };
+#endif
 SCENE_BUFFER(BIND_JOB) readonly buffer Job {
 	pt_job job;
 };

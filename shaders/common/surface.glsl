@@ -117,6 +117,7 @@ void set_reflectance(inout surface s, material m, vec4 uv)
 }
 
 // The normal that a tangent-space map gives, on the side of `n`.
+#ifndef SCENE_WITHOUT_TANGENTS
 vec3 mapped_normal(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
 {
 	vec4 t = vec4(0.0);
@@ -134,6 +135,12 @@ vec3 mapped_normal(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
 	map.xy *= m.normal_scale;
 	return normalize(map.x * along + map.y * across + max(map.z, 1e-3) * n);
 }
+#else
+vec3 mapped_normal(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
+{
+	return n;
+}
+#endif
 
 surface surface_at(uint id, vec2 uv, vec3 direction)
 {

@@ -1,0 +1,333 @@
+#include "server/worker/technique/voxel_build.h"
+
+#include <epoxy/gl.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/worker/technique/scene_job.h"
+#include "shaders/gl/voxel_count_comp.h"
+#include "shaders/gl/voxel_finish_comp.h"
+#include "shaders/gl/voxel_mark_comp.h"
+#include "shaders/gl/voxel_prefix_comp.h"
+#include "shaders/gl/voxel_sum_comp.h"
+
+#define FIRST_ITEMS 4096u // of a build, before its speed is known
+#define LEAST_ITEMS 256u
+#define FIRST_WORDS 65536u
+#define RETRY_BITS 6u // less, where sums were full
+
+static const struct gl_source sources[] = {{.name = "voxel_mark", .compute = source_voxel_mark_comp},
+					   {.name = "voxel_count", .compute = source_voxel_count_comp},
+					   {.name = "voxel_prefix", .compute = source_voxel_prefix_comp},
+					   {.name = "voxel_sum", .compute = source_voxel_sum_comp},
+					   {.name = "voxel_finish", .compute = source_voxel_finish_comp}};
+
+static enum status get_programs(const struct voxels *v, struct error *err)
+{
+	struct voxel_programs *p = &v->build->programs;
+	struct gl_program **const programs[] = {&p->mark, &p->count, &p->prefix, &p->sum, &p->finish};
+	struct gl_defines with_effects = {0};
+	const struct gl_defines none = {0};
+	gl_define_effects(&with_effects, v->effects);
+	enum status r = STATUS_OK;
+	for (unsigned i = 0; r == STATUS_OK && i < sizeof sources / sizeof *sources; i++)
+		r = gl_program_get(v->device, &sources[i], i == 3 ? &with_effects : &none, programs[i], err);
+	return r;
+}
+
+static enum status refuse(const struct voxels *v, const struct blob_view *scene, uint64_t entries, struct error *err)
+{
+	const struct gl_device *d = v->device;
+	const uint64_t held = *d->bytes - voxels_bytes(v), left = *d->budget > held ? *d->budget - held : 0;
+	const uint64_t most = d->storage_bytes_max / 16 * 64;
+	const uint32_t fits = voxel_resolution_that_fits(scene, &v->options, entries, left < most ? left : most);
+	const uint64_t guess = entries ? entries : voxel_entries_guess(scene, &v->grid);
+	const unsigned long long mib = (voxel_grid_bytes(&v->grid, guess) + (1u << 20) - 1) >> 20;
+	if (fits == 0)
+		return error_set(err, STATUS_MEMORY,
+				 "voxels at resolution %u take %llu MiB, and none fit the %llu MiB left of the "
+				 "memory budget: give the daemon more",
+				 v->options.resolution, mib, (unsigned long long)(left >> 20));
+	return error_set(err, STATUS_MEMORY,
+			 "voxels at resolution %u take %llu MiB, the memory budget leaves %llu MiB: resolution %u would fit",
+			 v->options.resolution, mib, (unsigned long long)(left >> 20), fits);
+}
+
+static double emission_max(const struct blob_view *scene)
+{
+	const struct material *m = scene->sections[BLOB_MATERIALS];
+	float most = 0;
+	for (uint32_t i = 0; i < scene->counts[BLOB_MATERIALS]; i++)
+		for (int c = 0; c < 3; c++)
+			most = fmaxf(most, m[i].emission[c]);
+	return (double)most;
+}
+
+// The words, and what the passes need beside them.
+static enum status make_buffers(struct voxels *v, const struct plan *plan, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	struct pt_job job;
+	const uint64_t words = voxel_grid_words(&v->grid);
+	scene_job_fill(plan, &b->scene->view, &job);
+	enum status r = gl_buffer_init(&v->grid_block, v->device, sizeof v->grid, &v->grid, err);
+	if (r == STATUS_OK)
+		r = gl_buffer_init(&v->words, v->device, 8 * (words + 1), NULL, err);
+	if (r == STATUS_OK)
+		r = gl_buffer_init(&b->job, v->device, sizeof job, &job, err);
+	if (r == STATUS_OK)
+		r = gl_buffer_init(&b->items, v->device, (b->chunk + 1) * sizeof(struct voxel_item), b->host_items, err);
+	return r;
+}
+
+// The next chunk of items, on the host.
+static void fill_chunk(struct voxel_build *b)
+{
+	const bool first = b->stream.triangle == 0 && b->stream.row == 0 && b->stream.tile == 0;
+	b->chunk = voxel_items_next(&b->stream, b->host_items, VOXEL_ITEMS_CHUNK);
+	b->chunk_at = 0;
+	b->chunk_is_all = first && b->stream.triangle == b->stream.count;
+}
+
+static uint32_t scene_bindings(const struct plan *plan)
+{
+	return scene_bindings_shade(plan) &
+	       ~(1u << BIND_EMITTERS | 1u << BIND_LIGHTS | 1u << BIND_TANGENTS | 1u << BIND_GGX_TABLE);
+}
+
+enum status voxel_build_create(struct voxels *v, struct resident_scene *scene, const struct plan *plan, struct error *err)
+{
+	struct voxel_build *b = v->build = calloc(1, sizeof *b);
+	if (b)
+		b->host_items = calloc(VOXEL_ITEMS_CHUNK + 1, sizeof *b->host_items);
+	if (!b || !b->host_items)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	b->scene = scene;
+	b->area_bits = VOXEL_AREA_BITS;
+	b->emission_bits = VOXEL_EMISSION_BITS;
+	b->emission_max = emission_max(&scene->view);
+	const uint64_t items = VOXEL_ITEMS_CHUNK * sizeof *b->host_items;
+	if (gl_reserve(v->device, voxel_grid_bytes(&v->grid, 0) + items, NULL) != STATUS_OK)
+		return refuse(v, &scene->view, 0, err);
+	if (scene_count(scene, BLOB_TRIANGLES) == 0)
+		b->phase = VOXEL_COUNT;
+	voxel_items_init(&b->stream, &scene->view, &v->grid);
+	fill_chunk(b);
+	enum status r = get_programs(v, err);
+	if (r == STATUS_OK)
+		r = gl_scene_get(scene, v->device, scene_bindings(plan), &b->gl, err);
+	if (r == STATUS_OK)
+		r = make_buffers(v, plan, err);
+	return r;
+}
+
+void voxel_build_destroy(struct voxel_build *b, struct gl_device *device)
+{
+	if (!b)
+		return;
+	gl_buffer_finish(&b->job, device);
+	gl_buffer_finish(&b->items, device);
+	free(b->host_items);
+	free(b);
+}
+
+static void use(const struct voxels *v, const struct gl_program *program)
+{
+	gl_scene_bind(v->build->gl);
+	gl_buffer_bind(&v->build->job, BIND_JOB);
+	gl_buffer_bind(&v->build->items, BIND_VOXEL_ITEMS);
+	voxels_bind(v);
+	glUseProgram(program->name);
+}
+
+static void run(uint32_t invocations, uint32_t group)
+{
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+	glDispatchCompute((invocations + group - 1) / group, 1, 1);
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+// How much of `left` to do now, by the speed measured so far.
+static uint32_t portion(double speed, uint32_t budget_us, uint32_t first, uint32_t least, uint32_t left)
+{
+	const double n = speed > 0 ? speed * budget_us : first;
+	const uint32_t want = n > left ? left : n < least ? least : (uint32_t)n;
+	return want < left ? want : left;
+}
+
+// Items of the chunk through the program. False: the stream is at its end.
+static enum status items_piece(struct voxels *v, const struct gl_program *program, uint32_t budget_us, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	const uint32_t n = portion(b->items_a_us, budget_us, FIRST_ITEMS, LEAST_ITEMS, b->chunk - b->chunk_at);
+	const uint64_t start = clock_us();
+	use(v, program);
+	glProgramUniform2ui(program->name, 0, b->chunk_at, n);
+	if (b->phase == VOXEL_SUM) {
+		const double units = ldexp(1, (int)b->area_bits);
+		const double emission = ldexp(1, (int)b->emission_bits) / fmax(b->emission_max, 1e-20);
+		glProgramUniform2f(program->name, 1, (float)units, (float)emission);
+		glProgramUniform1ui(program->name, 2, voxel_grid_words(&v->grid));
+	}
+	run(n, VOXEL_GROUP);
+	const enum status r = gl_wait(v->device, "voxelising", err);
+	b->items_a_us = (double)n / (double)(clock_us() - start + 1);
+	b->chunk_at += n;
+	return r;
+}
+
+// Begin the stream again, for the next pass over it.
+static void rewind_items(struct voxel_build *b)
+{
+	b->chunk_at = 0;
+	b->items_a_us = 0;
+	if (b->chunk_is_all)
+		return;
+	b->stream.triangle = b->stream.row = b->stream.tile = 0;
+	b->chunk = 0;
+}
+
+static enum status stream_piece(struct voxels *v, const struct gl_program *program, uint32_t budget_us, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	if (b->chunk_at < b->chunk)
+		return items_piece(v, program, budget_us, err);
+	if (b->stream.triangle < b->stream.count) {
+		fill_chunk(b);
+		gl_buffer_write(&b->items, 0, b->chunk * sizeof(struct voxel_item), b->host_items);
+		return STATUS_OK;
+	}
+	b->phase++;
+	if (b->phase == VOXEL_COUNT)
+		rewind_items(b);
+	return STATUS_OK;
+}
+
+// Room for the entries, cleared. What is certain is refused before anything is taken.
+static enum status make_parts(struct voxels *v, struct error *err)
+{
+	const uint64_t entries = v->grid.entries, each = 16 * entries;
+	if (entries == 0)
+		return STATUS_OK;
+	if (each > v->device->storage_bytes_max || gl_reserve(v->device, VOXEL_PARTS * each, NULL) != STATUS_OK)
+		return refuse(v, &v->build->scene->view, entries, err);
+	enum status r = STATUS_OK;
+	for (unsigned i = 0; r == STATUS_OK && i < VOXEL_PARTS; i++)
+		r = gl_buffer_init(&v->parts[i], v->device, each, NULL, err);
+	return r;
+}
+
+// From counts of blocks to entries before them. STATUS_MEMORY if there are more than 2³².
+static enum status sum_blocks(struct voxels *v, uint32_t *blocks, uint32_t count, struct error *err)
+{
+	uint64_t total = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const uint32_t n = blocks[i];
+		blocks[i] = (uint32_t)total;
+		total += n;
+	}
+	v->grid.entries = (uint32_t)total; // at most 2 · 512³
+	gl_buffer_write(&v->grid_block, 0, sizeof v->grid, &v->grid);
+	return make_parts(v, err);
+}
+
+static enum status count_piece(struct voxels *v, struct error *err)
+{
+	const struct voxel_build *b = v->build;
+	const uint32_t words = voxel_grid_words(&v->grid), count = (words + VOXEL_BLOCK_WORDS - 1) / VOXEL_BLOCK_WORDS;
+	struct gl_buffer blocks = {0};
+	uint32_t *host = malloc(count * sizeof *host);
+	enum status r = host ? STATUS_OK : error_set(err, STATUS_MEMORY, "out of memory");
+	if (r == STATUS_OK)
+		r = gl_buffer_init(&blocks, v->device, count * sizeof *host, NULL, err);
+	if (r != STATUS_OK)
+		goto out;
+	use(v, b->programs.count);
+	gl_buffer_bind(&blocks, BIND_VOXEL_BLOCKS);
+	glProgramUniform1ui(b->programs.count->name, 0, words);
+	run(count, VOXEL_WORD_GROUP);
+	r = gl_buffer_read(&blocks, v->device, 0, count * sizeof *host, host, err);
+	if (r == STATUS_OK)
+		r = sum_blocks(v, host, count, err);
+	if (r != STATUS_OK)
+		goto out;
+	gl_buffer_write(&blocks, 0, count * sizeof *host, host);
+	use(v, b->programs.prefix);
+	gl_buffer_bind(&blocks, BIND_VOXEL_BLOCKS);
+	glProgramUniform1ui(b->programs.prefix->name, 0, words);
+	run(count, VOXEL_WORD_GROUP);
+	v->build->phase = v->grid.entries > 0 ? VOXEL_SUM : VOXEL_DONE;
+out:
+	gl_buffer_finish(&blocks, v->device);
+	free(host);
+	return r;
+}
+
+// Whether sums were full; then they are made again, coarser.
+static enum status check_piece(struct voxels *v, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	const uint64_t at = 8ull * voxel_grid_words(&v->grid);
+	uint32_t full = 0;
+	const enum status r = gl_buffer_read(&v->words, v->device, at, sizeof full, &full, err);
+	if (r != STATUS_OK)
+		return r;
+	if (!full) {
+		b->phase = VOXEL_FINISH;
+		return STATUS_OK;
+	}
+	if (full & VOXEL_FULL_AREA)
+		b->area_bits -= b->area_bits > RETRY_BITS ? RETRY_BITS : b->area_bits;
+	b->emission_bits -= b->emission_bits > RETRY_BITS ? RETRY_BITS : b->emission_bits;
+	log_line(LOG_INFO, "voxels hold much surface: summing again with %u bits of area, %u of emission", b->area_bits,
+		 b->emission_bits);
+	full = 0;
+	gl_buffer_write(&v->words, at, sizeof full, &full);
+	for (unsigned i = 0; i < VOXEL_PARTS; i++)
+		gl_buffer_clear(&v->parts[i]);
+	rewind_items(b);
+	b->phase = VOXEL_SUM;
+	return STATUS_OK;
+}
+
+static enum status finish_piece(struct voxels *v, uint32_t budget_us, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	const struct gl_program *p = b->programs.finish;
+	const uint32_t words = voxel_grid_words(&v->grid);
+	const uint32_t n = portion(b->words_a_us, budget_us, FIRST_WORDS, VOXEL_WORD_GROUP, words - b->finish_word);
+	const uint64_t start = clock_us();
+	use(v, p);
+	glProgramUniform1ui(p->name, 0, b->finish_word + n);
+	glProgramUniform2f(p->name, 1, (float)ldexp(1, -(int)b->area_bits),
+			   (float)(b->emission_max * ldexp(1, -(int)b->emission_bits)));
+	glProgramUniform1ui(p->name, 2, b->finish_word);
+	run(n, VOXEL_WORD_GROUP);
+	const enum status r = gl_wait(v->device, "voxelising", err);
+	b->words_a_us = (double)n / (double)(clock_us() - start + 1);
+	b->finish_word += n;
+	if (b->finish_word == words)
+		b->phase = VOXEL_DONE;
+	return r;
+}
+
+enum status voxel_build_piece(struct voxels *v, uint32_t budget_us, struct error *err)
+{
+	switch (v->build->phase) {
+	case VOXEL_MARK:
+		return stream_piece(v, v->build->programs.mark, budget_us, err);
+	case VOXEL_COUNT:
+		return count_piece(v, err);
+	case VOXEL_SUM:
+		return stream_piece(v, v->build->programs.sum, budget_us, err);
+	case VOXEL_CHECK:
+		return check_piece(v, err);
+	case VOXEL_FINISH:
+		return finish_piece(v, budget_us, err);
+	case VOXEL_DONE:
+		break;
+	}
+	return STATUS_OK;
+}

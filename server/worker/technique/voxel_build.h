@@ -1,0 +1,46 @@
+// Inside voxels.c: voxels on their way. The passes, and a cursor over them.
+#ifndef CANDIL_WORKER_TECHNIQUE_VOXEL_BUILD_H
+#define CANDIL_WORKER_TECHNIQUE_VOXEL_BUILD_H
+
+#include "server/worker/gl/program.h"
+#include "server/worker/gl/scene.h"
+#include "server/worker/technique/voxel_items.h"
+#include "server/worker/technique/voxels.h"
+
+#define VOXEL_ITEMS_CHUNK (512u * 1024u) // items that are on the device at once
+#define VOXEL_AREA_BITS 22u // a voxel side's square has so many bits at first: room for 1024 of them in a layer of a voxel
+#define VOXEL_EMISSION_BITS 28u // of the brightest emission: room for 16 side² of it
+
+enum voxel_phase { VOXEL_MARK, VOXEL_COUNT, VOXEL_SUM, VOXEL_CHECK, VOXEL_FINISH, VOXEL_DONE };
+
+struct voxel_programs {
+	struct gl_program *mark, *count, *prefix, *sum, *finish;
+};
+
+struct voxel_build {
+	struct resident_scene *scene;
+	struct gl_scene *gl;
+	struct gl_buffer job; // struct pt_job, for the scene's shaders
+	struct gl_buffer items; // up to VOXEL_ITEMS_CHUNK
+	struct voxel_item *host_items;
+	struct voxel_programs programs;
+	struct voxel_items stream;
+	uint32_t chunk; // items on the device
+	uint32_t chunk_at; // next of them
+	bool chunk_is_all; // the chunk is the whole stream: it needs no second making
+	enum voxel_phase phase;
+	uint32_t area_bits, emission_bits;
+	double emission_max; // W/(m² sr), largest component of the scene's
+	uint32_t finish_word; // next
+	double items_a_us, words_a_us; // measured; 0: not yet
+};
+
+// For voxels whose grid and options are set. On failure nothing is left in them.
+enum status voxel_build_create(struct voxels *voxels, struct resident_scene *scene, const struct plan *plan,
+			       struct error *err);
+void voxel_build_destroy(struct voxel_build *build, struct gl_device *device);
+
+// One indivisible piece that should take about budget_us.
+enum status voxel_build_piece(struct voxels *voxels, uint32_t budget_us, struct error *err);
+
+#endif
