@@ -1,6 +1,7 @@
 // What the ray through a pixel's middle meets: depth, normal, albedo, id. Run once, and only if the request names one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 

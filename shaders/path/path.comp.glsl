@@ -5,6 +5,7 @@
 // BIND_PATHS and goes on in the next dispatch, bit for bit as if it had not been interrupted: some drivers end long loops.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require

@@ -29,12 +29,13 @@
 #define BIND_ACCUMULATOR 16 // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
 #endif
 #define BIND_PATHS 17 // path: struct path_state, one an invocation, for paths longer than a dispatch
-#define BIND_PATH_COUNT 18
 #define BIND_AOV 16 // aov: 8 words a pixel: depth, normal, albedo, id
-#define BIND_AOV_COUNT 17
 #define BIND_RAYS 15 // cast: struct cast_ray in; struct cast_hit out at BIND_HITS
 #define BIND_HITS 16
-#define BIND_CAST_COUNT 17
+// Whatever traces: the words of BIND_NODES and BIND_LEAF_TRIANGLES again, as texel buffers, four a texel.
+#define BIND_NODE_TEXELS 18
+#define BIND_LEAF_TEXELS 19
+#define BIND_TRACE_COUNT 20
 
 // Specialization constants, one for each effect of the plan.
 #define SPEC_TEXTURES 0

@@ -1,6 +1,7 @@
 // Rays from a buffer, hits into another: the traversal by itself, for tests and measurements.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 

@@ -16,35 +16,26 @@
 // Lanes of a subgroup: 4, 8 or 16.
 layout(constant_id = SPEC_WIDTH) const uint WIDTH = 8u;
 
-// The words of BIND_NODES and BIND_LEAF_TRIANGLES, one by one.
-layout(std430, set = 0, binding = BIND_NODES) readonly buffer NodeWords {
-	uint node_words[];
-};
-layout(std430, set = 0, binding = BIND_LEAF_TRIANGLES) readonly buffer LeafWords {
-	uint leaf_words[];
-};
+// Through texel buffers: a driver that runs storage buffer loads lane by lane, for the sake of lanes that are off, fetches
+// texels for all of them at once.
+layout(set = 0, binding = BIND_NODE_TEXELS) uniform utextureBuffer node_texels;
+layout(set = 0, binding = BIND_LEAF_TEXELS) uniform utextureBuffer leaf_texels;
 
 #define PACKET_STACK_WORDS 12   // × 4 lanes: TRAVERSE_STACK entries at the least width
 
-// Word k of a fetch of up to sixteen, of which w[i] holds words i × WIDTH + lane.
-#define WORD(w, k) subgroupShuffle(w[(k) / WIDTH], (k) % WIDTH)
+// Word k of a fetch, in all lanes: lane i has words 4i … 4i + 3.
+#define WORD(w, k) subgroupShuffle(w[(k) % 4u], (k) / 4u)
 #define WORD_VEC3(w, k) uintBitsToFloat(uvec3(WORD(w, (k)), WORD(w, (k) + 1u), WORD(w, (k) + 2u)))
 
-void fetch_node(uint index, uint lane, out uint w[4])
+uvec4 fetch_node(uint index, uint lane)
 {
-	w[0] = node_words[index * 16u + lane];
-	w[1] = WIDTH <= 8u ? node_words[index * 16u + WIDTH + lane] : 0u;
-	w[2] = WIDTH <= 4u ? node_words[index * 16u + 8u + lane] : 0u;
-	w[3] = WIDTH <= 4u ? node_words[index * 16u + 12u + lane] : 0u;
+	return texelFetch(node_texels, int(index * 4u + (lane & 3u)));
 }
 
-// Twelve words; lanes past the twelfth read the last again, so as not to leave the buffer.
-void fetch_triangle(uint index, uint lane, out uint w[4])
+// Three texels; the fourth lane's are the last again, so as not to leave the buffer.
+uvec4 fetch_triangle(uint index, uint lane)
 {
-	w[0] = leaf_words[index * 12u + min(lane, 11u)];
-	w[1] = WIDTH <= 8u ? leaf_words[index * 12u + min(WIDTH + lane, 11u)] : 0u;
-	w[2] = WIDTH <= 4u ? leaf_words[index * 12u + 8u + lane] : 0u;
-	w[3] = 0u;
+	return texelFetch(leaf_texels, int(index * 3u + min(lane & 3u, 2u)));
 }
 
 // The sum of a value over the lanes, in all of them.
@@ -89,8 +80,7 @@ uint stack_pop(inout packet_stack s)
 // One step down from an inner node: to the child that more lanes meet first, the other one kept for later.
 uint step_packet(uint node, uint lane, vec3 origin, vec3 inverse, float t_max, inout packet_stack stack)
 {
-	uint w[4];
-	fetch_node(node, lane, w);
+	uvec4 w = fetch_node(node, lane);
 	float d0 = hit_box(WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), origin, inverse, t_max);
 	float d1 = hit_box(WORD_VEC3(w, 8u), WORD_VEC3(w, 12u), origin, inverse, t_max);
 	uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
@@ -111,8 +101,7 @@ uint step_packet(uint node, uint lane, vec3 origin, vec3 inverse, float t_max, i
 
 void test_packet(uint index, uint lane, sheared_ray ray, inout ray_hit hit)
 {
-	uint w[4];
-	fetch_triangle(index, lane, w);
+	uvec4 w = fetch_triangle(index, lane);
 	uint id = WORD(w, 3u);
 	uint material = WORD(w, 7u);
 	float t;

@@ -11,7 +11,8 @@
 static const struct shader cast_shader = {.name = "cast",
 					  .code = shader_cast_comp,
 					  .bytes = sizeof shader_cast_comp,
-					  .bindings = BIND_CAST_COUNT,
+					  .bindings = BIND_TRACE_COUNT,
+					  .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS,
 					  .push_bytes = 12};
 
 enum status cast_init(struct cast *c, struct device *d, struct resident_scene *scene, const struct cast_ray *rays,
@@ -34,6 +35,8 @@ enum status cast_init(struct cast *c, struct device *d, struct resident_scene *s
 		const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
 		for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
 			buffers[i] = &scene->buffers[i];
+		buffers[BIND_NODE_TEXELS] = buffers[BIND_NODES];
+		buffers[BIND_LEAF_TEXELS] = buffers[BIND_LEAF_TRIANGLES];
 		buffers[BIND_RAYS] = &c->rays;
 		buffers[BIND_HITS] = &c->hits;
 		s = binding_set_init(&c->bindings, d, c->pipeline, buffers, &c->rays, err);

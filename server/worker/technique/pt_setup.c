@@ -39,12 +39,14 @@ _Static_assert((int)SPEC_EFFECTS == (int)_candil_Effect_ARRAYSIZE, "no effect wi
 static const struct shader path_shader = {.name = "path",
 					  .code = shader_path_comp,
 					  .bytes = sizeof shader_path_comp,
-					  .bindings = BIND_PATH_COUNT,
+					  .bindings = BIND_TRACE_COUNT,
+					  .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS,
 					  .push_bytes = sizeof(struct path_push)};
 static const struct shader aov_shader = {.name = "aov",
 					 .code = shader_aov_comp,
 					 .bytes = sizeof shader_aov_comp,
-					 .bindings = BIND_AOV_COUNT,
+					 .bindings = BIND_TRACE_COUNT,
+					 .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS,
 					 .push_bytes = sizeof(struct path_push)};
 
 static uint32_t tile_columns(const struct plan *plan)
@@ -181,11 +183,14 @@ static enum status make_buffers(struct technique_job *j, struct error *err)
 // ---- pipelines ----------------------------------------------------------------------------------------------------------
 
 // Packets pay where a lane is a part of a CPU's vector; a GPU's lanes each fetch for themselves as quickly.
-static bool walks_in_packets(const struct device *device, const struct plan *plan)
+static bool walks_in_packets(const struct technique_job *j)
 {
+	const struct device_info *info = &j->device->info;
 	const bool wanted =
-	    plan->traversal == TRAVERSAL_PACKET || (plan->traversal == TRAVERSAL_AUTO && device->info.software);
-	return wanted && device->info.packets;
+	    j->plan.traversal == TRAVERSAL_PACKET || (j->plan.traversal == TRAVERSAL_AUTO && info->software);
+	const uint64_t most = (uint64_t)j->device->limits.maxTexelBufferElements * PIPELINE_TEXEL_BYTES;
+	return wanted && info->packets && resident_buffer(j->scene, BIND_NODES)->bytes <= most &&
+	       resident_buffer(j->scene, BIND_LEAF_TRIANGLES)->bytes <= most;
 }
 
 static enum status bind_band(struct technique_job *j, const struct pipeline *pipeline, const struct pt_band *band,
@@ -194,6 +199,8 @@ static enum status bind_band(struct technique_job *j, const struct pipeline *pip
 	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
 	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
 		buffers[i] = resident_buffer(j->scene, i);
+	buffers[BIND_NODE_TEXELS] = buffers[BIND_NODES];
+	buffers[BIND_LEAF_TEXELS] = buffers[BIND_LEAF_TRIANGLES];
 	buffers[BIND_JOB] = &j->job;
 	buffers[BIND_COUNTERS] = &j->counters;
 	if (pipeline->shader == &aov_shader) {
@@ -233,7 +240,7 @@ static enum status make_pipeline(struct technique_job *j, const struct shader *s
 	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
 		constants[i] = plan_has(&j->plan, (candil_Effect)i);
 	constants[SPEC_RESUMED] = j->segments > 1;
-	constants[SPEC_PACKET] = walks_in_packets(j->device, &j->plan);
+	constants[SPEC_PACKET] = walks_in_packets(j);
 	constants[SPEC_WIDTH] = j->device->info.subgroup;
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
 }

@@ -3,12 +3,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+static VkDescriptorType type_of(const struct shader *shader, uint32_t binding)
+{
+	return shader->texels >> binding & 1u ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
 static enum status make_layout(struct device *d, struct pipeline *p, struct error *err)
 {
 	VkDescriptorSetLayoutBinding bindings[PIPELINE_BINDINGS_MAX];
 	for (uint32_t i = 0; i < p->shader->bindings; i++)
 		bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
-							     .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+							     .descriptorType = type_of(p->shader, i),
 							     .descriptorCount = 1,
 							     .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
 	const VkDescriptorSetLayoutCreateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
@@ -100,14 +105,17 @@ void pipeline_destroy_all(struct device *d)
 	}
 }
 
-enum status binding_set_init(struct binding_set *set, struct device *d, const struct pipeline *p,
-			     const struct buffer *const *buffers, const struct buffer *filler, struct error *err)
+static enum status make_pool(struct binding_set *set, struct device *d, const struct pipeline *p, struct error *err)
 {
-	const uint32_t count = p->shader->bindings;
-	const VkDescriptorPoolSize size = {.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .descriptorCount = count};
-	const VkDescriptorPoolCreateInfo pool = {
-	    .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};
-	memset(set, 0, sizeof *set);
+	uint32_t texels = 0;
+	for (uint32_t i = 0; i < p->shader->bindings; i++)
+		texels += p->shader->texels >> i & 1u;
+	const VkDescriptorPoolSize sizes[2] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, p->shader->bindings - texels},
+					       {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, texels}};
+	const VkDescriptorPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+						 .maxSets = 1,
+						 .poolSizeCount = texels ? 2 : 1,
+						 .pPoolSizes = sizes};
 	VkResult r = vkCreateDescriptorPool(d->handle, &pool, NULL, &set->pool);
 	if (r != VK_SUCCESS)
 		return device_error(r, "making a descriptor pool", err);
@@ -116,21 +124,46 @@ enum status binding_set_init(struct binding_set *set, struct device *d, const st
 						  .descriptorSetCount = 1,
 						  .pSetLayouts = &p->set_layout};
 	r = vkAllocateDescriptorSets(d->handle, &info, &set->set);
-	if (r != VK_SUCCESS) {
-		binding_set_finish(set, d);
-		return device_error(r, "making a descriptor set", err);
-	}
+	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "making a descriptor set", err);
+}
+
+static enum status make_view(VkBufferView *view, struct device *d, const struct buffer *b, struct error *err)
+{
+	const uint64_t most = (uint64_t)d->limits.maxTexelBufferElements * PIPELINE_TEXEL_BYTES;
+	const uint64_t whole = b->bytes / PIPELINE_TEXEL_BYTES * PIPELINE_TEXEL_BYTES;
+	const VkBufferViewCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+					     .buffer = b->handle,
+					     .format = VK_FORMAT_R32G32B32A32_UINT,
+					     .range = whole < most ? whole : most};
+	VkResult r = vkCreateBufferView(d->handle, &info, NULL, view);
+	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "making a view of a buffer", err);
+}
+
+enum status binding_set_init(struct binding_set *set, struct device *d, const struct pipeline *p,
+			     const struct buffer *const *buffers, const struct buffer *filler, struct error *err)
+{
+	const uint32_t count = p->shader->bindings;
 	VkDescriptorBufferInfo ranges[PIPELINE_BINDINGS_MAX];
 	VkWriteDescriptorSet writes[PIPELINE_BINDINGS_MAX];
-	for (uint32_t i = 0; i < count; i++) {
+	uint32_t views = 0;
+	memset(set, 0, sizeof *set);
+	enum status s = make_pool(set, d, p, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < count; i++) {
 		const struct buffer *b = buffers[i] && buffers[i]->handle ? buffers[i] : filler;
 		ranges[i] = (VkDescriptorBufferInfo){.buffer = b->handle, .range = VK_WHOLE_SIZE};
 		writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
 						   .dstSet = set->set,
 						   .dstBinding = i,
 						   .descriptorCount = 1,
-						   .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-						   .pBufferInfo = &ranges[i]};
+						   .descriptorType = type_of(p->shader, i),
+						   .pBufferInfo = &ranges[i],
+						   .pTexelBufferView = &set->views[views]};
+		if (p->shader->texels >> i & 1u)
+			s = make_view(&set->views[views++], d, b, err);
+	}
+	if (s != STATUS_OK) {
+		binding_set_finish(set, d);
+		return s;
 	}
 	vkUpdateDescriptorSets(d->handle, count, writes, 0, NULL);
 	return STATUS_OK;
@@ -138,6 +171,9 @@ enum status binding_set_init(struct binding_set *set, struct device *d, const st
 
 void binding_set_finish(struct binding_set *set, struct device *d)
 {
+	for (uint32_t i = 0; i < PIPELINE_TEXELS_MAX; i++)
+		if (set->views[i])
+			vkDestroyBufferView(d->handle, set->views[i], NULL);
 	if (set->pool)
 		vkDestroyDescriptorPool(d->handle, set->pool, NULL);
 	memset(set, 0, sizeof *set);

@@ -8,6 +8,8 @@
 #include "server/worker/vk/device.h"
 
 #define PIPELINE_BINDINGS_MAX 20u
+#define PIPELINE_TEXELS_MAX 2u
+#define PIPELINE_TEXEL_BYTES 16u
 #define PIPELINE_CONSTANTS_MAX 16u
 
 struct shader {
@@ -15,6 +17,7 @@ struct shader {
 	const uint32_t *code; // SPIR-V
 	size_t bytes;
 	uint32_t bindings; // storage buffers 0 … bindings - 1 of set 0
+	uint32_t texels; // bits 1 << binding: those that are uniform texel buffers instead, four 32-bit words a texel
 	uint32_t push_bytes; // of push constants
 };
 
@@ -39,6 +42,7 @@ void pipeline_destroy_all(struct device *device);
 struct binding_set {
 	VkDescriptorPool pool;
 	VkDescriptorSet set;
+	VkBufferView views[PIPELINE_TEXELS_MAX]; // of the texel buffers
 };
 enum status binding_set_init(struct binding_set *set, struct device *device, const struct pipeline *pipeline,
 			     const struct buffer *const *buffers, const struct buffer *filler, struct error *err);
