@@ -77,12 +77,19 @@ uint stack_pop(inout packet_stack s)
 	return subgroupShuffle(v, s.top % WIDTH);
 }
 
+// The coordinates of three planes, by the texel that each axis' is in. The handing round chooses by the ray's own signs.
+vec3 planes(uvec4 w, uvec3 texel)
+{
+	return uintBitsToFloat(
+	    uvec3(subgroupShuffle(w.x, texel.x), subgroupShuffle(w.y, texel.y), subgroupShuffle(w.z, texel.z)));
+}
+
 // One step down from an inner node: to the child that more lanes meet first, the other one kept for later.
-uint step_packet(uint node, uint lane, vec3 origin, vec3 inverse, float t_max, inout packet_stack stack)
+uint step_packet(uint node, uint lane, slab_ray ray, uvec3 first, float t_max, inout packet_stack stack)
 {
 	uvec4 w = fetch_node(node, lane);
-	float d0 = hit_box(WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), origin, inverse, t_max);
-	float d1 = hit_box(WORD_VEC3(w, 8u), WORD_VEC3(w, 12u), origin, inverse, t_max);
+	float d0 = hit_slabs(planes(w, first), planes(w, first ^ 1u), ray, t_max);
+	float d1 = hit_slabs(planes(w, first + 2u), planes(w, (first + 2u) ^ 1u), ray, t_max);
 	uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
 	uint c1 = WORD(w, 11u) | WORD(w, 15u) << LEAF_COUNT_SHIFT;
 	// A byte each: lanes that hit the first, the second; that are nearer to the second.
@@ -123,7 +130,8 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	stack.top = 0u;
 	for (uint i = 0u; i < PACKET_STACK_WORDS; i++)
 		stack.words[i] = 0u;
-	vec3 inverse = safe_inverse(direction);
+	slab_ray slabs = slab_make(origin, direction);
+	uvec3 first = uvec3(lessThan(slabs.inverse, vec3(0.0)));   // 1 where the upper plane is the nearer
 	sheared_ray ray = shear_ray(origin, direction);
 	hit.t = t_max;
 	hit.id = NONE;
@@ -135,7 +143,7 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	uint current = 0u;
 	do {
 		do {
-			current = step_packet(current, lane, origin, inverse, hit.t, stack);
+			current = step_packet(current, lane, slabs, first, hit.t, stack);
 			trace_rounds++;
 		} while (current <= LEAF_INDEX_MASK);
 		trace_cut = trace_cut || current <= LEAF_INDEX_MASK;

@@ -11,7 +11,8 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	uint stack[TRAVERSE_STACK];
 	uint top = 0u;
 	uint current = 0u;
-	vec3 inverse = safe_inverse(direction);
+	slab_ray slabs = slab_make(origin, direction);
+	bvec3 upper = lessThan(slabs.inverse, vec3(0.0));
 	sheared_ray ray = shear_ray(origin, direction);
 	hit.t = t_max;
 	hit.id = NONE;
@@ -25,8 +26,8 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 			vec4 n1 = nodes[current * 4u + 1u];
 			vec4 n2 = nodes[current * 4u + 2u];
 			vec4 n3 = nodes[current * 4u + 3u];
-			float d0 = hit_box(n0.xyz, n1.xyz, origin, inverse, hit.t);
-			float d1 = hit_box(n2.xyz, n3.xyz, origin, inverse, hit.t);
+			float d0 = hit_slabs(mix(n0.xyz, n1.xyz, upper), mix(n1.xyz, n0.xyz, upper), slabs, hit.t);
+			float d1 = hit_slabs(mix(n2.xyz, n3.xyz, upper), mix(n3.xyz, n2.xyz, upper), slabs, hit.t);
 			uint c0 = floatBitsToUint(n0.w) | floatBitsToUint(n1.w) << LEAF_COUNT_SHIFT;
 			uint c1 = floatBitsToUint(n2.w) | floatBitsToUint(n3.w) << LEAF_COUNT_SHIFT;
 			bool hit0 = d0 < INFINITY;

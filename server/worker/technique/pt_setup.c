@@ -186,8 +186,7 @@ static enum status make_buffers(struct technique_job *j, struct error *err)
 static bool walks_in_packets(const struct technique_job *j)
 {
 	const struct device_info *info = &j->device->info;
-	const bool wanted =
-	    j->plan.traversal == TRAVERSAL_PACKET || (j->plan.traversal == TRAVERSAL_AUTO && info->software);
+	const bool wanted = j->plan.traversal == TRAVERSAL_PACKET || (j->plan.traversal == TRAVERSAL_AUTO && info->software);
 	const uint64_t most = (uint64_t)j->device->limits.maxTexelBufferElements * PIPELINE_TEXEL_BYTES;
 	return wanted && info->packets && resident_buffer(j->scene, BIND_NODES)->bytes <= most &&
 	       resident_buffer(j->scene, BIND_LEAF_TRIANGLES)->bytes <= most;

@@ -59,8 +59,8 @@ enum status buffer_init(struct buffer *b, struct device *d, uint64_t bytes, enum
 	const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
 					 .size = bytes,
 					 .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-						  VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-						  VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+						  VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+						  VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
 	VkResult r = vkCreateBuffer(d->handle, &info, NULL, &b->handle);
 	if (r != VK_SUCCESS)
 		return device_error(r, "creating a buffer", err);
