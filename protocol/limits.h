@@ -41,6 +41,8 @@
 #define LIMIT_SAMPLES_TIMES_PIXELS (1ull << 44)
 #define LIMIT_DEPTH 4096u // pt.depth
 #define LIMIT_DIRECT_SAMPLES 64u // direct.samples
+#define LIMIT_VCT_BOUNCES 8u // vct.bounces
+#define LIMIT_VCT_CONES 32u // vct.cones
 #define LIMIT_RADIANCE 1e12 // of a background component, W/(m² sr)
 #define LIMIT_COORDINATE 1e12 // of a camera's position, metres
 #define LIMIT_EXPOSURE_EV 64.0 // either way

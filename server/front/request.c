@@ -99,6 +99,12 @@ enum status request_stats(const uint8_t *body, size_t bytes, struct error *err)
 
 // ---- a render --------------------------------------------------------------------------------------------------------
 
+// Techniques whose further samples only smooth edges.
+static bool has_no_noise(candil_Technique technique)
+{
+	return technique == candil_Technique_TECHNIQUE_DIRECT || technique == candil_Technique_TECHNIQUE_VCT;
+}
+
 static enum status check_size(candil_Render *r, struct error *err)
 {
 	if (r->width == 0 || r->height == 0)
@@ -109,7 +115,7 @@ static enum status check_size(candil_Render *r, struct error *err)
 	if (pixels > LIMIT_PIXELS)
 		return error_set(err, STATUS_LIMIT, "an image has at most %u pixels: ask for a smaller one", LIMIT_PIXELS);
 	if (r->samples == 0)
-		r->samples = r->technique == candil_Technique_TECHNIQUE_DIRECT ? 1 : DEFAULT_SAMPLES;
+		r->samples = has_no_noise(r->technique) ? 1 : DEFAULT_SAMPLES;
 	if ((uint64_t)r->first_sample + r->samples > LIMIT_SAMPLES)
 		return error_set(err, STATUS_LIMIT, "first_sample + samples is at most %u", LIMIT_SAMPLES);
 	if (r->samples * pixels > LIMIT_SAMPLES_TIMES_PIXELS)
@@ -124,10 +130,10 @@ static enum status check_technique(const candil_Render *r, struct error *err)
 	case candil_Technique_TECHNIQUE_AUTO:
 	case candil_Technique_TECHNIQUE_PT:
 	case candil_Technique_TECHNIQUE_DIRECT:
-		return STATUS_OK;
 	case candil_Technique_TECHNIQUE_VCT:
+		return STATUS_OK;
 	case candil_Technique_TECHNIQUE_RADIOSITY:
-		return error_set(err, STATUS_UNSUPPORTED, "this daemon has no such technique: ask for pt, direct or auto");
+		return error_set(err, STATUS_UNSUPPORTED, "this daemon has no such technique: ask for pt, vct, direct or auto");
 	}
 	return error_set(err, STATUS_BAD_ARGUMENT, "technique %u is none of candil.proto", (unsigned)r->technique);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "protocol/limits.h"
+#include "server/worker/plan_options.h"
 
 #define PI 3.14159265358979323846
 
@@ -27,7 +28,8 @@ static const struct effect_rule rules[] = {
     {candil_Effect_EFFECT_ENVIRONMENT, "environment", "the background is not black", "the background is black",
      "whatever the background is, it is drawn black"},
     {candil_Effect_EFFECT_BOUNCES, "bounces", "light scatters more than once",
-     "light cannot scatter twice: pt.depth is below 2, nothing reflects or nothing shines", "direct light alone"},
+     "light cannot scatter twice: pt.depth or vct.bounces says so, nothing reflects or nothing shines",
+     "direct light alone"},
     {candil_Effect_EFFECT_GLOSSY, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic",
      "surfaces are diffuse with their base colour"},
     {candil_Effect_EFFECT_NORMAL_MAPS, "normal-maps", "materials have normal maps", "no material has a normal map",
@@ -93,7 +95,7 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 static const char *cannot(const struct plan *p, candil_Effect effect)
 {
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_BOUNCES)
-		return "direct shows light that comes straight from its source: pt follows it further";
+		return "direct shows light that comes straight from its source: pt and vct follow it further";
 	return NULL;
 }
 
@@ -128,68 +130,6 @@ static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
 		    report->state == candil_EffectState_EFFECT_STATE_FORCED)
 			p->effects |= 1u << report->effect;
 	}
-}
-
-// An option takes a number from least to most, or, where `words` are given, one of them: its place is the value.
-struct option_rule {
-	const char *name;
-	uint32_t least, most;
-	const char *const *words;
-	size_t offset; // of the uint32_t in struct plan
-};
-
-static const char *const shadows[] = {"rays", "none", NULL};
-static const char *const traversals[] = {"auto", "single", "packet", NULL};
-
-static const struct option_rule options[] = {
-    {"direct.samples", 1, LIMIT_DIRECT_SAMPLES, NULL, offsetof(struct plan, direct_points)},
-    {"direct.shadows", 0, 0, shadows, offsetof(struct plan, direct_shadows)},
-    {"pt.depth", 1, LIMIT_DEPTH, NULL, offsetof(struct plan, depth)},
-    {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, offsetof(struct plan, segment)},
-    {"pt.batch", 1, PLAN_BATCH_MOST, NULL, offsetof(struct plan, batch)},
-    {"pt.traversal", 0, 0, traversals, offsetof(struct plan, traversal)},
-};
-
-static enum status option_word(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
-{
-	for (uint32_t i = 0; rule->words[i]; i++)
-		if (!strcmp(rule->words[i], text)) {
-			*value = i;
-			return STATUS_OK;
-		}
-	char known[96] = "";
-	for (uint32_t i = 0; rule->words[i]; i++)
-		snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", rule->words[i]);
-	return error_set(err, STATUS_BAD_ARGUMENT, "option %s is one of %s, not '%s'", rule->name, known, text);
-}
-
-static enum status option_number(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
-{
-	char *end;
-	unsigned long v = strtoul(text, &end, 10);
-	if (text[0] < '0' || text[0] > '9' || *end || v < rule->least || v > rule->most)
-		return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a whole number from %u to %u, not '%s'",
-				 rule->name, rule->least, rule->most, text);
-	*value = (uint32_t)v;
-	return STATUS_OK;
-}
-
-static enum status plan_option(const candil_Option *o, struct plan *p, struct error *err)
-{
-	char known[128] = "";
-	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
-		const struct option_rule *rule = &options[i];
-		snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", rule->name);
-		if (strcmp(rule->name, o->name) != 0)
-			continue;
-		uint32_t value = 0;
-		enum status s =
-		    rule->words ? option_word(rule, o->value, &value, err) : option_number(rule, o->value, &value, err);
-		if (s == STATUS_OK)
-			memcpy((char *)p + rule->offset, &value, sizeof value);
-		return s;
-	}
-	return error_set(err, STATUS_BAD_ARGUMENT, "there is no option '%s': known are %s", o->name, known);
 }
 
 // ---- camera -----------------------------------------------------------------------------------------------------------
@@ -284,8 +224,7 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, str
 	p->samples = r->samples ? r->samples : PLAN_SAMPLES_DEFAULT;
 	p->first_sample = r->first_sample;
 	p->seed = r->seed;
-	p->depth = PLAN_DEPTH_DEFAULT;
-	p->direct_points = PLAN_POINTS_DEFAULT;
+	plan_options_default(p);
 	p->aovs = r->aovs;
 	p->format = r->format;
 	p->view = r->view;
@@ -302,6 +241,8 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, str
 	}
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT)
 		p->depth = 1;
+	if (p->technique == candil_Technique_TECHNIQUE_VCT)
+		p->depth = p->vct_bounces + 1;
 	enum status s = plan_camera(r, scene, p, err);
 	if (s != STATUS_OK)
 		return s;

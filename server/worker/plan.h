@@ -21,6 +21,8 @@ struct plan_camera {
 };
 
 enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
+enum plan_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
+enum plan_emitters { VCT_EMITTERS_AUTO, VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
 
 struct plan {
@@ -35,6 +37,15 @@ struct plan {
 	uint32_t traversal; // pt: enum plan_traversal
 	uint32_t direct_points; // direct: on lamps, for a pixel's sample
 	uint32_t direct_shadows; // direct: enum plan_shadows
+	uint32_t vct_voxels; // 0: textures, the one kind there is
+	uint32_t vct_resolution; // voxels along the scene's longest axis, a power of two
+	uint32_t vct_bounces; // of light between surfaces, 0…
+	uint32_t vct_cones; // diffuse cones at least; 0: by the resolution
+	uint32_t vct_grid; // enum plan_grid
+	uint32_t vct_emitters; // enum plan_emitters
+	float vct_step; // from sample to sample, of the cone's breadth
+	float vct_start; // from a surface to the first sample, cells of the pyramid's finest level
+	float vct_dither; // of the start
 	uint32_t effects; // bits 1 << candil_Effect: what runs
 	uint32_t aovs; // AOV_*
 	struct plan_camera camera;

@@ -24,6 +24,7 @@
 #define DIRECT_POINTS 4u        // on emissive triangles, 1…16
 #define DIRECT_CLOSED false     // few emissive triangles, none textured
 #define DIRECT_SHADOWS true
+#define DIRECT_LAMPS true         // else emissive triangles send no light here
 #endif
 #define DIRECT_LIGHTS 64u
 #define DIRECT_BLOCK 16u        // pixels whose points are one set
@@ -185,7 +186,7 @@ vec3 lamp_met(ray_hit hit, vec3 w, float pdf)
 // is in `lamps`. `origin`: where its rays begin. `pattern`: direct_pattern of its pixel.
 vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_light lamps)
 {
-	const bool has_lamps = EFFECT_EMITTERS && job.emitter_count > 0u;
+	const bool has_lamps = EFFECT_EMITTERS && DIRECT_LAMPS && job.emitter_count > 0u;
 	const uint light_count = EFFECT_LIGHTS ? min(job.light_count, DIRECT_LIGHTS) : 0u;
 	const uint lamp_end = light_count + (has_lamps ? DIRECT_POINTS : 0u);
 	const uint end = lamp_end + (has_lamps && EFFECT_GLOSSY ? 1u : 0u);
@@ -217,7 +218,7 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 			lamps.expected += r.expected;
 		}
 	}
-	if (EFFECT_EMITTERS && DIRECT_CLOSED)
+	if (EFFECT_EMITTERS && DIRECT_LAMPS && DIRECT_CLOSED)
 		lamps.scale = lamps_irradiance(s.position, b.normal) * (1.0 / PI);
 	else
 		lamps.expected = vec3(1.0);

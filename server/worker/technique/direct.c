@@ -29,10 +29,19 @@ static bool lamps_are_plain(const struct plan *plan, const struct resident_scene
 	return true;
 }
 
+bool direct_lamps_in_volume(const struct plan *plan, const struct resident_scene *scene)
+{
+	if (plan->technique != candil_Technique_TECHNIQUE_VCT || !plan_has(plan, candil_Effect_EFFECT_EMITTERS) ||
+	    scene_count(scene, BLOB_EMITTERS) == 0 || plan->vct_emitters == VCT_EMITTERS_POINTS)
+		return false;
+	return plan->vct_emitters == VCT_EMITTERS_CONES || !lamps_are_plain(plan, scene);
+}
+
 void direct_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene)
 {
 	gl_define(defines, "DIRECT_POINTS", "%uu", plan->direct_points);
 	gl_define(defines, "DIRECT_CLOSED", "%s", lamps_are_plain(plan, scene) ? "true" : "false");
+	gl_define(defines, "DIRECT_LAMPS", "%s", direct_lamps_in_volume(plan, scene) ? "false" : "true");
 	gl_define(defines, "DIRECT_SHADOWS", "%s", plan->direct_shadows == DIRECT_SHADOWS_NONE ? "false" : "true");
 }
 

@@ -2,6 +2,7 @@
 
 #include "server/worker/technique/direct.h"
 #include "server/worker/technique/pt.h"
+#include "server/worker/technique/vct.h"
 
 const struct technique *technique_find(candil_Technique technique)
 {
@@ -11,6 +12,8 @@ const struct technique *technique_find(candil_Technique technique)
 		return &technique_pt;
 	case candil_Technique_TECHNIQUE_DIRECT:
 		return &technique_direct;
+	case candil_Technique_TECHNIQUE_VCT:
+		return &technique_vct;
 	default:
 		return NULL;
 	}

@@ -1,0 +1,118 @@
+#include "server/worker/plan_options.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/limits.h"
+#include "shaders/shared/voxel.h"
+
+// An option is a whole number or a real one from least to most, or, where `words` are given, one of them: its place is the
+// value, or `numbers` at its place.
+struct option_rule {
+	const char *name;
+	double least, most;
+	const char *const *words;
+	const uint32_t *numbers;
+	bool real; // a float in struct plan, else a uint32_t
+	size_t offset; // in struct plan
+};
+
+static const char *const shadows[] = {"rays", "none", NULL};
+static const char *const traversals[] = {"auto", "single", "packet", NULL};
+static const char *const grids[] = {"fitted", "cube", NULL};
+static const char *const emitter_ways[] = {"auto", "points", "cones", NULL};
+static const char *const voxel_kinds[] = {"texture", NULL};
+static const char *const resolution_words[] = {"16", "32", "64", "128", "256", "512", NULL};
+static const uint32_t resolutions[] = {16, 32, 64, 128, 256, 512};
+
+#define FIELD(name) offsetof(struct plan, name)
+
+static const struct option_rule options[] = {
+    {"direct.samples", 1, LIMIT_DIRECT_SAMPLES, NULL, NULL, false, FIELD(direct_points)},
+    {"direct.shadows", 0, 0, shadows, NULL, false, FIELD(direct_shadows)},
+    {"pt.depth", 1, LIMIT_DEPTH, NULL, NULL, false, FIELD(depth)},
+    {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, NULL, false, FIELD(segment)},
+    {"pt.batch", 1, PLAN_BATCH_MOST, NULL, NULL, false, FIELD(batch)},
+    {"pt.traversal", 0, 0, traversals, NULL, false, FIELD(traversal)},
+    {"vct.voxels", 0, 0, voxel_kinds, NULL, false, FIELD(vct_voxels)},
+    {"vct.resolution", 0, 0, resolution_words, resolutions, false, FIELD(vct_resolution)},
+    {"vct.grid", 0, 0, grids, NULL, false, FIELD(vct_grid)},
+    {"vct.bounces", 0, LIMIT_VCT_BOUNCES, NULL, NULL, false, FIELD(vct_bounces)},
+    {"vct.cones", 0, LIMIT_VCT_CONES, NULL, NULL, false, FIELD(vct_cones)},
+    {"vct.emitters", 0, 0, emitter_ways, NULL, false, FIELD(vct_emitters)},
+    {"vct.step", 0.1, 4, NULL, NULL, true, FIELD(vct_step)},
+    {"vct.start", 0.25, 8, NULL, NULL, true, FIELD(vct_start)},
+    {"vct.dither", 0, 1, NULL, NULL, true, FIELD(vct_dither)},
+};
+
+void plan_options_default(struct plan *p)
+{
+	p->depth = PLAN_DEPTH_DEFAULT;
+	p->direct_points = PLAN_POINTS_DEFAULT;
+	p->vct_resolution = 128;
+	p->vct_bounces = 2;
+	p->vct_step = 0.5f;
+	p->vct_start = 1;
+	p->vct_dither = 0;
+}
+
+static enum status option_word(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
+{
+	char known[96] = "";
+	for (uint32_t i = 0; rule->words[i]; i++) {
+		if (!strcmp(rule->words[i], text)) {
+			*value = rule->numbers ? rule->numbers[i] : i;
+			return STATUS_OK;
+		}
+		snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", rule->words[i]);
+	}
+	return error_set(err, STATUS_BAD_ARGUMENT, "option %s is one of %s, not '%s'", rule->name, known, text);
+}
+
+static enum status option_whole(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
+{
+	char *end;
+	const unsigned long v = strtoul(text, &end, 10);
+	if (text[0] < '0' || text[0] > '9' || *end || (double)v < rule->least || (double)v > rule->most)
+		return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a whole number from %.0f to %.0f, not '%s'",
+				 rule->name, rule->least, rule->most, text);
+	*value = (uint32_t)v;
+	return STATUS_OK;
+}
+
+static enum status option_real(const struct option_rule *rule, const char *text, float *value, struct error *err)
+{
+	char *end;
+	const double v = strtod(text, &end);
+	if (text[0] == '\0' || *end || !(v >= rule->least && v <= rule->most))
+		return error_set(err, STATUS_BAD_ARGUMENT, "option %s takes a number from %g to %g, not '%s'", rule->name,
+				 rule->least, rule->most, text);
+	*value = (float)v;
+	return STATUS_OK;
+}
+
+static enum status take(const struct option_rule *rule, const char *text, struct plan *p, struct error *err)
+{
+	uint32_t whole = 0;
+	float real = 0;
+	enum status s = rule->real    ? option_real(rule, text, &real, err)
+			: rule->words ? option_word(rule, text, &whole, err)
+				      : option_whole(rule, text, &whole, err);
+	if (s == STATUS_OK)
+		memcpy((char *)p + rule->offset, rule->real ? (const void *)&real : &whole, sizeof whole);
+	return s;
+}
+
+enum status plan_option(const candil_Option *o, struct plan *p, struct error *err)
+{
+	char known[LIMIT_TEXT + 1] = "";
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+		if (!strcmp(options[i].name, o->name))
+			return take(&options[i], o->value, p, err);
+		const size_t used = strlen(known);
+		snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", options[i].name);
+	}
+	return error_set(err, STATUS_BAD_ARGUMENT, "there is no option '%s': known are %s", o->name, known);
+}

@@ -1,0 +1,12 @@
+// Options of a request by name: what they may be, and what they are when nobody says.
+#ifndef CANDIL_WORKER_PLAN_OPTIONS_H
+#define CANDIL_WORKER_PLAN_OPTIONS_H
+
+#include "server/worker/plan.h"
+
+void plan_options_default(struct plan *plan);
+
+// Take one option over into the plan. STATUS_BAD_ARGUMENT for a name or a value that does not exist, with those that do.
+enum status plan_option(const candil_Option *option, struct plan *plan, struct error *err);
+
+#endif

@@ -1,0 +1,305 @@
+#include "server/worker/technique/vct_build.h"
+
+#include <epoxy/gl.h>
+#include <math.h>
+#include <string.h>
+
+#include "server/base/clock.h"
+#include "server/worker/gl/scene.h"
+#include "server/worker/technique/vct_cones.h"
+#include "shaders/gl/vct_gather_comp.h"
+#include "shaders/gl/vct_inject_comp.h"
+#include "shaders/gl/vct_level_comp.h"
+#include "shaders/gl/vct_light_comp.h"
+
+#define FIRST_ITEMS 4096u
+#define DISPATCH_ITEMS (65535u * VCT_GROUP)
+#define COARSEST_CELLS 8u // along the longest axis, of the coarsest level that cones read: coarser ones blur whole rooms
+#define SCALED_MOST 512.0f // the pyramid's radiance where it is largest: half floats hold 128 times as much
+
+static const struct gl_source light_source = {.name = "vct_light", .compute = source_vct_light_comp};
+static const struct gl_source inject_source = {.name = "vct_inject", .compute = source_vct_inject_comp};
+static const struct gl_source level_source = {.name = "vct_level", .compute = source_vct_level_comp};
+static const struct gl_source gather_source = {.name = "vct_gather", .compute = source_vct_gather_comp};
+
+// ---- the pyramid's shape ------------------------------------------------------------------------------------------------
+
+static void pyramid_sides(const struct voxel_grid *grid, uint32_t sides[3], uint32_t *top)
+{
+	uint32_t least = UINT32_MAX, most = 0;
+	for (int i = 0; i < 3; i++) {
+		sides[i] = grid->sides[i] > 1 ? grid->sides[i] / 2 : 1;
+		least = sides[i] < least ? sides[i] : least;
+		most = sides[i] > most ? sides[i] : most;
+	}
+	*top = 0;
+	while (least >> (*top + 1) > 0 && most >> (*top + 1) >= COARSEST_CELLS && *top + 2 < VCT_LEVELS_MAX)
+		++*top;
+}
+
+static struct gl_texture_desc pyramid_desc(const struct voxel_grid *grid)
+{
+	uint32_t sides[3], top;
+	pyramid_sides(grid, sides, &top);
+	return (struct gl_texture_desc){.target = GL_TEXTURE_3D,
+					.format = GL_RGBA16F,
+					.width = 6 * sides[0],
+					.height = sides[1],
+					.depth = sides[2],
+					.levels = top + 1};
+}
+
+uint64_t vct_pyramid_bytes(const struct voxel_grid *grid)
+{
+	const struct gl_texture_desc desc = pyramid_desc(grid);
+	return gl_texture_bytes(&desc);
+}
+
+static void fill_params(struct vct_volume *v)
+{
+	const struct vct_options *o = &v->options;
+	const struct voxel_grid *grid = &v->voxels->grid;
+	struct vct_params *p = &v->params;
+	memset(p, 0, sizeof *p);
+	memcpy(p->low, grid->low, sizeof p->low);
+	memcpy(p->background, o->background, sizeof p->background);
+	pyramid_sides(grid, p->sides, &p->top);
+	p->cell = grid->side * (grid->sides[0] > 1 ? 2.0f : 1.0f);
+	p->scale = 1;
+	p->start = o->start;
+	p->step = o->step;
+	p->dither = o->dither;
+	p->cones = o->cones;
+	p->reach = o->reach > 0 ? o->reach : INFINITY;
+	p->emission = o->emission;
+	vct_cones_fill(o->cones, p->cone, p->tangent);
+}
+
+static void write_params(struct vct_volume *v)
+{
+	gl_buffer_write(&v->params_block, 0, sizeof v->params, &v->params);
+}
+
+enum status vct_build_begin(struct vct_volume *v, const struct plan *plan, struct error *err)
+{
+	(void)plan;
+	const struct gl_texture_desc desc = pyramid_desc(&v->voxels->grid);
+	fill_params(v);
+	enum status s = gl_buffer_init(&v->params_block, v->device, sizeof v->params, &v->params, err);
+	if (s == STATUS_OK)
+		s = gl_texture_init(&v->pyramid, v->device, &desc, err);
+	if (s == STATUS_OK)
+		gl_texture_linear(&v->pyramid, false);
+	v->stage = VCT_VOXELISE;
+	return s;
+}
+
+// ---- running a stage ----------------------------------------------------------------------------------------------------
+
+static enum status use(struct vct_volume *v, const struct gl_source *source, const struct gl_defines *defines,
+		       struct error *err)
+{
+	static const struct gl_defines none;
+	struct gl_program *program;
+	enum status s = gl_program_get(v->device, source, defines ? defines : &none, &program, err);
+	if (s == STATUS_OK)
+		glUseProgram(program->name);
+	return s;
+}
+
+// Items [next_item, + as many as should fit) of `items` through the program in use. *done: none are left.
+static enum status run_items(struct vct_volume *v, struct gl_timer *timer, const char *stage, uint64_t items,
+			     uint32_t budget_us, bool *done, struct error *err)
+{
+	const double us = v->item_us[v->stage];
+	const uint64_t left = items - v->next_item;
+	uint64_t count = us > 0 ? (uint64_t)(budget_us / us) : FIRST_ITEMS;
+	count = count < VCT_GROUP ? VCT_GROUP : count;
+	count = count > left ? left : count;
+	count = count > DISPATCH_ITEMS ? DISPATCH_ITEMS : count;
+	const uint64_t start = clock_us();
+	if (count > 0) {
+		if (timer)
+			gl_timer_begin(timer, stage);
+		glUniform2ui(VCT_RANGE, (GLuint)v->next_item, (GLuint)count);
+		glDispatchCompute((GLuint)((count + VCT_GROUP - 1) / VCT_GROUP), 1, 1);
+		glMemoryBarrier(GL_ALL_BARRIER_BITS);
+		if (timer)
+			gl_timer_end(timer);
+	}
+	enum status s = gl_wait(v->device, stage, err);
+	if (count > 0) {
+		const double measured = (double)(clock_us() - start) / (double)count;
+		v->item_us[v->stage] = us > 0 ? 0.5 * (us + measured) : measured;
+	}
+	v->next_item += count;
+	*done = v->next_item >= items;
+	return s;
+}
+
+static void enter(struct vct_volume *v, enum vct_stage stage)
+{
+	v->stage = stage;
+	v->next_item = 0;
+}
+
+static uint64_t cells_of_level(const struct vct_params *p, uint32_t level)
+{
+	uint64_t n = 1;
+	for (int i = 0; i < 3; i++)
+		n *= p->sides[i] >> level;
+	return n;
+}
+
+// ---- the stages ---------------------------------------------------------------------------------------------------------
+
+// Six floats an entry, and two words: the largest, and how many walks the driver cut short.
+static uint64_t irradiance_bytes(uint32_t entries)
+{
+	return ((uint64_t)entries * 6 + 2) * sizeof(float);
+}
+
+static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	enum status s = voxels_step(v->voxels, timer, budget_us, err);
+	if (s != STATUS_OK || !voxels_finished(v->voxels))
+		return s;
+	const uint64_t bytes = irradiance_bytes(v->voxels->grid.entries);
+	s = gl_buffer_init(&v->direct, v->device, bytes, NULL, err);
+	if (s == STATUS_OK)
+		s = gl_buffer_init(&v->total, v->device, bytes, NULL, err);
+	enter(v, v->voxels->grid.entries > 0 ? VCT_LIGHT : VCT_DONE);
+	return s;
+}
+
+// The largest radiance that a surface sends back is its irradiance / π at most.
+static enum status take_scale(struct vct_volume *v, struct error *err)
+{
+	struct {
+		float most;
+		uint32_t cut;
+	} tail;
+	const uint64_t bytes = irradiance_bytes(v->voxels->grid.entries);
+	enum status s = gl_buffer_read(&v->direct, v->device, bytes - sizeof tail, sizeof tail, &tail, err);
+	if (s != STATUS_OK)
+		return s;
+	if (tail.cut)
+		return error_set(err, STATUS_TRAVERSAL_CUT,
+				 "one voxel's rays visit more of this scene than the driver lets a loop run: use a GPU or a "
+				 "newer driver, or direct.shadows=none");
+	float most = tail.most * 0.31831f;
+	if (v->options.emission && v->emission_most > most)
+		most = v->emission_most;
+	for (int i = 0; i < 3; i++)
+		most = v->options.background[i] > most ? v->options.background[i] : most;
+	v->params.scale = most > 0 ? SCALED_MOST / most : 1;
+	write_params(v);
+	glCopyNamedBufferSubData(v->direct.name, v->total.name, 0, 0, (GLsizeiptr)bytes);
+	return STATUS_OK;
+}
+
+static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	struct gl_scene *scene;
+	bool done;
+	enum status s = gl_scene_get(v->scene, v->device, v->bindings, &scene, err);
+	if (s == STATUS_OK)
+		s = use(v, &light_source, &v->light_defines, err);
+	if (s != STATUS_OK)
+		return s;
+	gl_scene_bind(scene);
+	voxels_bind(v->voxels);
+	gl_buffer_bind(&v->job, BIND_JOB);
+	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
+	glUniform1f(VCT_LEVEL, v->voxels->grid.side);
+	s = run_items(v, timer, "voxel-light", v->voxels->grid.entries, budget_us, &done, err);
+	if (s != STATUS_OK || !done)
+		return s;
+	enter(v, VCT_INJECT);
+	return take_scale(v, err);
+}
+
+static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	bool done;
+	enum status s = use(v, &inject_source, NULL, err);
+	if (s != STATUS_OK)
+		return s;
+	voxels_bind(v->voxels);
+	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
+	gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, 0, GL_WRITE_ONLY);
+	s = run_items(v, timer, "pyramid", cells_of_level(&v->params, 0), budget_us, &done, err);
+	if (s == STATUS_OK && done) {
+		enter(v, VCT_LEVELS);
+		v->level = 1;
+	}
+	return s;
+}
+
+static void after_pyramid(struct vct_volume *v)
+{
+	enter(v, v->gathers < v->gathers_wanted ? VCT_GATHER : VCT_DONE);
+}
+
+static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	bool done;
+	if (v->level > v->params.top) {
+		after_pyramid(v);
+		return STATUS_OK;
+	}
+	enum status s = use(v, &level_source, NULL, err);
+	if (s != STATUS_OK)
+		return s;
+	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+	gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, v->level, GL_WRITE_ONLY);
+	glUniform1ui(VCT_LEVEL, v->level);
+	s = run_items(v, timer, "pyramid", 6 * cells_of_level(&v->params, v->level), budget_us, &done, err);
+	if (s == STATUS_OK && done) {
+		v->level++;
+		v->next_item = 0;
+		if (v->level > v->params.top)
+			after_pyramid(v);
+	}
+	return s;
+}
+
+static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	bool done;
+	enum status s = use(v, &gather_source, NULL, err);
+	if (s != STATUS_OK)
+		return s;
+	voxels_bind(v->voxels);
+	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
+	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
+	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+	s = run_items(v, timer, "voxel-gather", 2ull * v->voxels->grid.entries, budget_us, &done, err);
+	if (s == STATUS_OK && done) {
+		v->gathers++;
+		enter(v, VCT_INJECT);
+	}
+	return s;
+}
+
+enum status vct_build_piece(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	switch ((enum vct_stage)v->stage) {
+	case VCT_VOXELISE:
+		return voxelise(v, timer, budget_us, err);
+	case VCT_LIGHT:
+		return light(v, timer, budget_us, err);
+	case VCT_INJECT:
+		return inject(v, timer, budget_us, err);
+	case VCT_LEVELS:
+		return level(v, timer, budget_us, err);
+	case VCT_GATHER:
+		return gather(v, timer, budget_us, err);
+	case VCT_DONE:
+		break;
+	}
+	return STATUS_OK;
+}

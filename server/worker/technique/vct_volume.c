@@ -1,0 +1,211 @@
+#include "server/worker/technique/vct_volume.h"
+
+#include <epoxy/gl.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/base/clock.h"
+#include "server/worker/technique/direct.h"
+#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/vct_build.h"
+
+// A scene's volumes: those that jobs hold, and one more at most.
+struct shelf {
+	struct derived derived;
+	struct vct_volume *first;
+	uint64_t turn;
+};
+
+static const char kind; // its address names the shelf among the derived
+
+static void destroy(struct vct_volume *v)
+{
+	gl_buffer_finish(&v->params_block, v->device);
+	gl_buffer_finish(&v->direct, v->device);
+	gl_buffer_finish(&v->total, v->device);
+	gl_buffer_finish(&v->job, v->device);
+	gl_texture_finish(&v->pyramid, v->device);
+	voxels_release(v->scene, v->voxels);
+	free(v);
+}
+
+// Derived things go one after the other in no order that we know: voxels that are gone need no release.
+static void shelf_destroy(struct derived *derived)
+{
+	struct shelf *s = (struct shelf *)derived;
+	while (s->first) {
+		struct vct_volume *v = s->first;
+		s->first = v->next;
+		v->voxels = NULL;
+		destroy(v);
+	}
+	free(s);
+}
+
+static struct shelf *shelf_of(struct resident_scene *scene)
+{
+	struct shelf *s = (struct shelf *)resident_derived(scene, &kind);
+	if (s)
+		return s;
+	s = calloc(1, sizeof *s);
+	if (s) {
+		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy};
+		resident_derive(scene, &s->derived);
+	}
+	return s;
+}
+
+static void drop(struct shelf *s, struct vct_volume *v)
+{
+	struct vct_volume **at = &s->first;
+	while (*at != v)
+		at = &(*at)->next;
+	*at = v->next;
+	destroy(v);
+}
+
+// All that nobody uses, but the latest `kept`.
+static void drop_idle(struct shelf *s, uint32_t kept)
+{
+	for (;;) {
+		struct vct_volume *oldest = NULL;
+		uint32_t idle = 0;
+		for (struct vct_volume *v = s->first; v; v = v->next) {
+			if (v->users > 0)
+				continue;
+			idle++;
+			oldest = !oldest || v->used < oldest->used ? v : oldest;
+		}
+		if (idle <= kept)
+			return;
+		drop(s, oldest);
+	}
+}
+
+static float brightest(const struct resident_scene *scene)
+{
+	const struct material *m = scene_section(scene, BLOB_MATERIALS);
+	float most = 0;
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_MATERIALS); i++)
+		for (int c = 0; c < 3; c++)
+			most = m[i].emission[c] > most ? m[i].emission[c] : most;
+	return most;
+}
+
+static enum status prepare_light(struct vct_volume *v, const struct plan *plan, struct error *err)
+{
+	struct plan of_light = *plan;
+	struct pt_job job;
+	// Entries are diffuse, and have the geometry's own normals.
+	of_light.effects &= ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS);
+	if (v->options.emission)
+		of_light.effects &= ~(1u << candil_Effect_EFFECT_EMITTERS);
+	v->bindings = scene_bindings_shade(&of_light) | scene_bindings_trace();
+	v->emission_most = brightest(v->scene);
+	gl_define_effects(&v->light_defines, of_light.effects);
+	direct_define(&v->light_defines, &of_light, v->scene);
+	scene_job_fill(&of_light, &v->scene->view, &job);
+	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
+}
+
+static enum status create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
+			  const struct vct_options *options, struct vct_volume **out, struct error *err)
+{
+	struct vct_volume *v = calloc(1, sizeof *v);
+	if (!v)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	v->options = *options;
+	v->device = device;
+	v->scene = scene;
+	v->gathers_wanted = options->bounces > 0 ? options->bounces - 1 : 0;
+	// The background's light has no first bounce of its own: it comes by cones.
+	if (options->bounces > 0 && (options->background[0] > 0 || options->background[1] > 0 || options->background[2] > 0))
+		v->gathers_wanted++;
+	enum status s = voxels_acquire(scene, device, plan, &options->voxels, &v->voxels, err);
+	if (s == STATUS_OK)
+		s = vct_build_begin(v, plan, err);
+	if (s == STATUS_OK)
+		s = prepare_light(v, plan, err);
+	if (s == STATUS_OK)
+		*out = v;
+	else
+		destroy(v);
+	return s;
+}
+
+enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
+			       const struct vct_options *options, struct vct_volume **volume, struct error *err)
+{
+	struct shelf *shelf = shelf_of(scene);
+	enum status s = STATUS_OK;
+	if (!shelf)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	struct vct_volume *v = shelf->first;
+	while (v && memcmp(&v->options, options, sizeof *options) != 0)
+		v = v->next;
+	if (!v) {
+		drop_idle(shelf, 0);
+		s = create(scene, device, plan, options, &v, err);
+		if (s != STATUS_OK)
+			return s;
+		v->next = shelf->first;
+		shelf->first = v;
+	}
+	v->users++;
+	v->used = ++shelf->turn;
+	*volume = v;
+	return STATUS_OK;
+}
+
+void vct_volume_release(struct vct_volume *v)
+{
+	if (!v)
+		return;
+	struct shelf *s = shelf_of(v->scene);
+	if (--v->users == 0 && !vct_volume_finished(v))
+		drop(s, v);
+	drop_idle(s, 1);
+}
+
+enum status vct_volume_step(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	const uint64_t start = clock_us();
+	uint64_t spent = 0;
+	enum status s = STATUS_OK;
+	do {
+		s = vct_build_piece(v, timer, budget_us - (uint32_t)spent, err);
+		spent = clock_us() - start;
+	} while (s == STATUS_OK && !vct_volume_finished(v) && spent < budget_us);
+	return s;
+}
+
+bool vct_volume_finished(const struct vct_volume *v)
+{
+	return v->stage == VCT_DONE;
+}
+
+double vct_volume_fraction(const struct vct_volume *v)
+{
+	if (vct_volume_finished(v))
+		return 1;
+	if (v->stage == VCT_VOXELISE)
+		return 0.4 * voxels_fraction(v->voxels);
+	const double entries = v->voxels->grid.entries;
+	const double rounds = v->gathers_wanted + 1.0;
+	const double items = v->stage == VCT_LIGHT ? entries : v->stage == VCT_GATHER ? 2 * entries : 1e300;
+	return 0.4 + 0.6 * (v->gathers + (double)v->next_item / items) / rounds;
+}
+
+void vct_volume_bind(const struct vct_volume *v)
+{
+	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+}
+
+uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_options *options)
+{
+	struct voxel_grid grid;
+	voxel_grid_make(&scene->view, &options->voxels, &grid);
+	const uint64_t entries = voxel_entries_guess(&scene->view, &grid);
+	return voxels_bytes_guess(scene, &options->voxels) + vct_pyramid_bytes(&grid) + 2 * entries * 6 * sizeof(float);
+}

@@ -1,0 +1,74 @@
+// A scene's light in voxels: the irradiance of every entry of `voxels` and the directional pyramid over them, made in slices
+// and kept with the resident scene. A change of camera makes nothing again; a change of lights all but the voxels. Device's
+// thread only.
+//
+// Stages, in this order: voxelise, light (shadow rays from every entry), pyramid; then, for the background's light and every
+// bounce but the first, gather (cones from every entry) and pyramid again.
+//
+//   vct_volume_acquire (vct_volume_step)* vct_volume_bind* vct_volume_release
+#ifndef CANDIL_WORKER_TECHNIQUE_VCT_VOLUME_H
+#define CANDIL_WORKER_TECHNIQUE_VCT_VOLUME_H
+
+#include "server/worker/gl/program.h"
+#include "server/worker/gl/texture.h"
+#include "server/worker/technique/voxels.h"
+#include "shaders/shared/vct.h"
+
+// All that the volume's content depends on, beside the scene. Compared by bytes: zero what is not used.
+struct vct_options {
+	struct voxel_options voxels;
+	uint32_t effects; // of the plan
+	uint32_t bounces; // 0: lights alone, which the volume is not needed for
+	uint32_t cones; // diffuse: 6, 9, 16 or 32
+	uint32_t points; // direct.samples, for shadow rays to emissive triangles
+	uint32_t shadows; // direct.shadows
+	uint32_t emission; // 1: surfaces' emission is in the pyramid, and nobody aims at emissive triangles
+	float step, start, dither, reach; // as in struct vct_params; reach 0: no end
+	float background[3];
+};
+
+struct vct_volume {
+	struct vct_volume *next;
+	struct vct_options options;
+	uint32_t users; // jobs that hold it
+	uint64_t used; // when it was last acquired, in turns
+	struct gl_device *device;
+	struct resident_scene *scene;
+	struct voxels *voxels;
+	struct vct_params params;
+	struct gl_buffer params_block; // struct vct_params
+	struct gl_buffer direct, total; // BIND_VCT_DIRECT, BIND_VCT_TOTAL
+	struct gl_buffer job; // struct pt_job, for the lights
+	struct gl_texture pyramid;
+	struct gl_defines light_defines;
+	uint32_t bindings; // of the scene, that the lights' program reads
+	float emission_most; // radiance of the brightest surface, W/(m² sr)
+	// Where its making stands.
+	uint32_t stage; // enum in vct_volume.c
+	uint32_t level; // of the pyramid
+	uint32_t gathers; // done
+	uint32_t gathers_wanted;
+	uint64_t next_item; // of the stage
+	double item_us[8]; // measured, by stage; 0: not yet
+};
+
+// The volume of a scene by these options, a new one begun if there is none. Pair with vct_volume_release. STATUS_MEMORY if
+// it cannot fit, with the resolution that would.
+enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
+			       const struct vct_options *options, struct vct_volume **volume, struct error *err);
+
+// Work for about budget_us. Device time goes to stages of `timer`. On failure release it.
+enum status vct_volume_step(struct vct_volume *volume, struct gl_timer *timer, uint32_t budget_us, struct error *err);
+bool vct_volume_finished(const struct vct_volume *volume);
+double vct_volume_fraction(const struct vct_volume *volume); // 0…1
+
+// Bind parameters and pyramid for vct/cone.glsl.
+void vct_volume_bind(const struct vct_volume *volume);
+
+// NULL is allowed. Finished ones stay with the scene until another set of options takes their place.
+void vct_volume_release(struct vct_volume *volume);
+
+// About the device memory that it will take, voxels included.
+uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_options *options);
+
+#endif

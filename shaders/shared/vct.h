@@ -1,0 +1,48 @@
+// Voxel cone tracing, for C and GLSL: the directional pyramid, its parameters and bindings.
+//
+// The pyramid. Six values a cell, one for each way along an axis that light is looked for (+x, −x, +y, −y, +z, −z): the share of
+// the cell's face that surfaces cover when looked at that way, and that share × the radiance that they send back. Its finest
+// level has cells of two voxels; each next level's are twice as large. The six lie side by side along x in one texture.
+#ifndef CANDIL_SHARED_VCT_H
+#define CANDIL_SHARED_VCT_H
+
+#include "shared/layout.h"
+
+#define VCT_CONES_MAX 32
+#define VCT_LEVELS_MAX 9
+
+// A uniform block, std140: vectors of four.
+struct vct_params {
+	float low[3]; // the grid's low corner, metres relative to the blob's origin
+	float cell; // side of a cell of the finest level, metres
+	uint sides[3]; // cells of the finest level along each axis
+	uint top; // the coarsest level that cones read
+	float background[3]; // radiance, W/(m² sr), of what no surface hides
+	float scale; // radiance in the pyramid = radiance × scale: keeps it within half floats
+	float start; // cells of the finest level between a surface and the first sample
+	float step; // of the footprint's side, from sample to sample
+	float dither; // of a step, the first sample's shift from pixel to pixel; 0: none
+	uint cones; // diffuse cones
+	float reach; // metres at most along a cone
+	uint emission; // 1: surfaces' emission is in the pyramid
+	uint reserved[2];
+	float cone[VCT_CONES_MAX][4]; // direction in a frame whose z is the normal; its weight of the cosine's integral
+	float tangent[VCT_CONES_MAX][4]; // x: of the half aperture
+};
+LAYOUT_ASSERT(vct_params, 80 + 32 * VCT_CONES_MAX)
+#define UNIFORM_VCT_PARAMS 1 // uniform block binding
+
+// Storage blocks: floats, six an entry: irradiance of its front (counter-clockwise) side, then of its back, W/m².
+#define BIND_VCT_DIRECT 26 // from the lights; two uints more at the end: bits of the largest of all, walks that the driver cut short
+#define BIND_VCT_TOTAL 27 // and from other surfaces and the background
+
+#define VCT_PYRAMID_UNIT 4 // texture
+#define VCT_PYRAMID_IMAGE 2 // image: the level that is being made
+#define VCT_INDIRECT_UNIT 5 // texture: indirect light at a lower resolution
+#define VCT_INDIRECT_IMAGE 3 // image: the same, being made
+
+#define VCT_GROUP 64 // invocations
+#define VCT_RANGE 8 // uniform location, uvec2: first item of the dispatch, and how many
+#define VCT_LEVEL 9 // uniform location, uint: the level being made
+
+#endif

@@ -1,0 +1,128 @@
+// Marching a cone through the directional pyramid.
+//
+// Coverage adds up. A cell's coverage along an axis is the share of its face that surfaces hide. Through a medium of such cells
+// a ray of direction d crosses |d_i| · step / side faces of axis i in a step, so what it meets there is
+//     Σ_i |d_i| · (step / side) · coverage_i,
+// which for a flat wall sums to its coverage, whatever the angle, the level and where the samples fall (the weights of a
+// trilinear filter add up to one). Opacity is that sum, up to 1: what lies within one cone's breadth is taken to be one
+// surface, or several side by side, rather than many at random behind each other.
+//
+// A surface's own plane is in the cells that its cones start in, and on every level that they read. Its share there is known, and
+// is taken off: on a plane alone in the world a cone meets nothing.
+#ifndef VCT_CONE_GLSL
+#define VCT_CONE_GLSL
+
+#include "vct/params.glsl"
+
+layout(binding = VCT_PYRAMID_UNIT) uniform sampler3D vct_pyramid;
+
+// Where a cone starts, and the plane that it starts from.
+struct cone_origin {
+	vec3 position;   // cells of the finest level
+	vec3 normal;     // unit
+	vec3 facing;     // |normal|, 0 where the plane is too steep to be told along the axis
+	vec3 inverse;    // 1 / normal, likewise
+	vec3 spread;     // half breadth in cells of the plane's coverage along each axis
+	vec3 steep;      // 0: flat on the axis … 1: in between
+	float start;     // cells
+};
+
+cone_origin cone_from(vec3 position, vec3 normal, float shift)
+{
+	cone_origin o;
+	o.position = (position - vct_low_cell.xyz) / vct_low_cell.w;
+	o.normal = normal;
+	vec3 n = abs(normal);
+	bvec3 told = greaterThan(n, vec3(0.05));
+	o.facing = mix(vec3(0.0), n, told);
+	o.inverse = mix(vec3(0.0), 1.0 / normal, told);
+	vec3 slope = sqrt(max(1.0 - n * n, 0.0)) / max(n, vec3(0.05));
+	o.spread = 1.0 + 0.5 * slope;
+	o.steep = min(slope, vec3(1.0));
+	o.start = vct_start_step_dither.x * (1.0 + vct_start_step_dither.z * shift);
+	return o;
+}
+
+// Coverage and radiance one way along an axis, at `at` in cells of `level`, whose sides are `sides`.
+vec4 read_way(float way, vec3 at, vec3 sides, float level)
+{
+	float x = clamp(at.x, 0.5, sides.x - 0.5) / sides.x;
+	return textureLod(vct_pyramid, vec3((way + x) * (1.0 / 6.0), at.yz / sides.yz), level);
+}
+
+// The share of each axis' coverage at `at` that is the starting plane's, which lies `height` cells of this level below.
+vec3 own_cover(cone_origin o, vec3 at, float height)
+{
+	vec3 plane = at - height * o.inverse;
+	plane = mix(floor(plane) + 0.5, plane, o.steep);
+	vec3 tent = max(1.0 - abs(at - plane) / o.spread, 0.0) / o.spread;
+	return mix(vec3(0.0), tent, greaterThan(o.facing, vec3(0.0)));
+}
+
+// How far the cone runs until it has left the grid, its footprint included; cells of the finest level.
+float cone_end(cone_origin o, vec3 direction)
+{
+	vec3 margin = vec3(exp2(float(vct_sides_top.w)));
+	vec3 inverse = 1.0 / (direction + mix(vec3(-1e-9), vec3(1e-9), greaterThanEqual(direction, vec3(0.0))));
+	vec3 a = (-margin - o.position) * inverse;
+	vec3 b = (vec3(vct_sides_top.xyz) + margin - o.position) * inverse;
+	vec3 far = max(a, b);
+	return min(min(far.x, min(far.y, far.z)), uintBitsToFloat(vct_reach_emission.x) / vct_low_cell.w);
+}
+
+// Radiance (scaled) that comes in by a cone, and the share of it that surfaces hide. `tangent`: of its half aperture.
+vec4 cone_march(cone_origin o, vec3 direction, float tangent)
+{
+	vec3 way = vec3(0.0, 2.0, 4.0) + mix(vec3(0.0), vec3(1.0), lessThan(direction, vec3(0.0)));
+	vec3 along = abs(direction);
+	float end = cone_end(o, direction);
+	float top = float(vct_sides_top.w);
+	float rise = dot(direction, o.normal);
+	vec4 sum = vec4(0.0);
+	float t = o.start;
+	while (t < end && sum.a < 0.998) {
+		// The footprint is half the cone's breadth: a trilinear filter reaches as far again.
+		float foot = clamp(t * tangent, 1.0, exp2(top));
+		float level = min(floor(log2(foot) + 0.5), top);
+		float shrink = exp2(-level);
+		vec3 sides = max(vec3(vct_sides_top.xyz) * shrink, vec3(1.0));
+		vec3 at = (o.position + t * direction) * shrink;
+		float step = vct_start_step_dither.y * foot;
+		// Nothing beyond the edge: the texture's clamping would go on with its last cell.
+		vec3 inside = clamp(at + 0.5, 0.0, 1.0) * clamp(sides - at + 0.5, 0.0, 1.0);
+		vec3 weight = along * (step * shrink * inside.x * inside.y * inside.z);
+		vec3 own = own_cover(o, at, t * rise * shrink);
+		vec4 x = read_way(way.x, at, sides, level);
+		vec4 y = read_way(way.y, at, sides, level);
+		vec4 z = read_way(way.z, at, sides, level);
+		vec3 cover = max(vec3(x.a, y.a, z.a) - own, 0.0);
+		vec4 met = vec4(weight.x * x.rgb + weight.y * y.rgb + weight.z * z.rgb, dot(weight, cover));
+		float rest = 1.0 - sum.a;
+		sum += met * (met.a > rest ? rest / met.a : 1.0);
+		t += step;
+	}
+	return sum;
+}
+
+// The same with the background behind; W/(m² sr).
+vec3 cone_radiance(cone_origin o, vec3 direction, float tangent)
+{
+	vec4 c = cone_march(o, direction, tangent);
+	return c.rgb / vct_background_scale.w + max(1.0 - c.a, 0.0) * vct_background_scale.rgb;
+}
+
+// Irradiance / π by the diffuse cones about `shading`, kept above the true surface.
+vec3 cone_irradiance(cone_origin o, vec3 x, vec3 y, vec3 shading)
+{
+	vec3 sum = vec3(0.0);
+	for (uint i = 0u; i < vct_cones(); i++) {
+		vec4 c = vct_cone[i];
+		vec3 d = c.x * x + c.y * y + c.z * shading;
+		float above = dot(d, o.normal);
+		d = above < 0.0 ? d - 2.0 * above * o.normal : d;
+		sum += c.w * cone_radiance(o, d, vct_tangent[i].x);
+	}
+	return sum;
+}
+
+#endif

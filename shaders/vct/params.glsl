@@ -1,0 +1,28 @@
+// The parameters of voxel cone tracing: struct vct_params as a uniform block.
+#ifndef VCT_PARAMS_GLSL
+#define VCT_PARAMS_GLSL
+
+#include "shared/vct.h"
+
+layout(std140, binding = UNIFORM_VCT_PARAMS) uniform VctParams {
+	vec4 vct_low_cell;
+	uvec4 vct_sides_top;
+	vec4 vct_background_scale;
+	vec4 vct_start_step_dither;   // w: bits of the number of cones
+	uvec4 vct_reach_emission;     // x: bits of metres; y: emission
+	vec4 vct_cone[VCT_CONES_MAX];
+	vec4 vct_tangent[VCT_CONES_MAX];
+};
+
+uint vct_cones()
+{
+	return floatBitsToUint(vct_start_step_dither.w);
+}
+
+// Side of a cell of a level, metres.
+float vct_cell(float level)
+{
+	return vct_low_cell.w * exp2(level);
+}
+
+#endif

@@ -1,0 +1,50 @@
+// A level of the pyramid out of the one below: one invocation a cell and a way.
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+
+#include "vct/params.glsl"
+
+layout(local_size_x = VCT_GROUP) in;
+layout(location = VCT_RANGE) uniform uvec2 range;
+layout(location = VCT_LEVEL) uniform uint level;   // being made
+layout(binding = VCT_PYRAMID_UNIT) uniform sampler3D vct_pyramid;
+layout(binding = VCT_PYRAMID_IMAGE, rgba16f) uniform writeonly image3D level_image;
+
+vec4 below(uvec3 at, uint way, uint side)
+{
+	return texelFetch(vct_pyramid, ivec3(at.x + way * side, at.yz), int(level) - 1);
+}
+
+// As in vct_inject.comp.glsl.
+vec4 pair(vec4 near, vec4 far)
+{
+	float apart = min(far.a, 1.0 - near.a);
+	float alike = max(far.a - near.a, 0.0);
+	float rest = 0.5 * (apart + alike);
+	return near + (far.a > 0.0 ? far * (rest / far.a) : vec4(0.0));
+}
+
+void main()
+{
+	uint index = range.x + gl_GlobalInvocationID.x;
+	if (gl_GlobalInvocationID.x >= range.y)
+		return;
+	uvec3 sides = vct_sides_top.xyz >> level;
+	uint wide = 6u * sides.x;
+	uvec3 cell = uvec3(index % wide, index / wide % sides.y, index / wide / sides.y);
+	uint way = cell.x / sides.x;
+	uint axis = way / 2u;
+	uint side = sides.x * 2u;   // of the level below
+	uvec3 first = 2u * uvec3(cell.x % sides.x, cell.yz);
+	uvec3 along = uvec3(axis == 0u, axis == 1u, axis == 2u);
+	uvec3 across = along.zxy;
+	uvec3 up = along.yzx;
+	vec4 sum = vec4(0.0);
+	for (uint k = 0u; k < 4u; k++) {
+		uvec3 at = first + across * (k & 1u) + up * (k >> 1);
+		vec4 low = below(at, way, side);
+		vec4 high = below(at + along, way, side);
+		sum += 0.25 * ((way & 1u) == 0u ? pair(low, high) : pair(high, low));
+	}
+	imageStore(level_image, ivec3(cell), sum);
+}

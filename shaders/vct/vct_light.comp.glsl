@@ -1,0 +1,50 @@
+// Irradiance of both sides of every entry straight from the lights, with their shadows.
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+#define SCENE_WITHOUT_TANGENTS
+#define SCENE_WITHOUT_GGX
+
+#include "shared/bindings.h"
+
+// In the place of two storage blocks, which the voxels need: an entry has neither gloss nor normal maps, so neither is read.
+vertex_tangent tangents[1];
+vec2 ggx_table[1];
+
+#include "direct/lighting.glsl"
+#include "shared/vct.h"
+#include "shared/voxel.h"
+#include "voxel/octahedral.glsl"
+
+layout(local_size_x = VCT_GROUP) in;
+layout(location = VCT_RANGE) uniform uvec2 range;
+layout(location = VCT_LEVEL) uniform float voxel_size;   // metres
+
+layout(std430, binding = BIND_VOXEL_PLACE) readonly buffer VoxelPlace {
+	uvec4 voxel_place[];
+};
+layout(std430, binding = BIND_VCT_DIRECT) buffer VctDirect {
+	uint vct_direct[];
+};
+
+void main()
+{
+	uint entry = range.x + gl_GlobalInvocationID.x;
+	if (gl_GlobalInvocationID.x >= range.y)
+		return;
+	uvec4 place = voxel_place[entry];
+	vec3 position = uintBitsToFloat(place.xyz);
+	vec3 normal = octahedral_unpack(place.w);
+	vec3 most = vec3(0.0);
+	for (uint side = 0u; side < 2u; side++) {
+		// Off the surface by a part of the voxel: the mean place of a curved surface lies a little inside of it.
+		vec3 e = direct_irradiance(position, side == 0u ? normal : -normal, 0.25 * voxel_size, entry * 7u + side);
+		// A NaN fails every comparison.
+		e = vec3(e.r > 0.0 ? min(e.r, 1e30) : 0.0, e.g > 0.0 ? min(e.g, 1e30) : 0.0, e.b > 0.0 ? min(e.b, 1e30) : 0.0);
+		for (uint i = 0u; i < 3u; i++)
+			vct_direct[entry * 6u + side * 3u + i] = floatBitsToUint(e[i]);
+		most = max(most, e);
+	}
+	atomicMax(vct_direct[vct_direct.length() - 2], floatBitsToUint(max(most.r, max(most.g, most.b))));
+	if (trace_cut)
+		atomicAdd(vct_direct[vct_direct.length() - 1], 1u);
+}
