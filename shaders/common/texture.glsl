@@ -27,6 +27,11 @@ vec4 fetch_texel(texture_info info, int x, int y)
 	return c;
 }
 
+// A program that takes many points' mean does without filtering: it defines this as true.
+#ifndef TEXTURE_UNFILTERED
+#define TEXTURE_UNFILTERED false
+#endif
+
 // `uv`: both sets of coordinates, xy and zw.
 vec4 sample_texture(uint index, vec4 uv)
 {
@@ -36,7 +41,7 @@ vec4 sample_texture(uint index, vec4 uv)
 	vec2 size = vec2(info.width, info.height);
 	// Far coordinates lose their fraction anyway; held to a range that an int takes.
 	vec2 at = clamp(place * size, vec2(-1e9), vec2(1e9));
-	if ((info.flags & TEXTURE_NEAREST) != 0u) {
+	if (TEXTURE_UNFILTERED || (info.flags & TEXTURE_NEAREST) != 0u) {
 		ivec2 t = ivec2(floor(at));
 		return fetch_texel(info, t.x, t.y);
 	}

@@ -225,4 +225,14 @@ uint layer_of(tile t)
 	return largest < 0.0 ? 1u : 0u;
 }
 
+// 0 … 1, the same for the same triangle and cell.
+float dither(tile t, ivec3 cell)
+{
+	uvec3 v = floatBitsToUint(t.start) ^ floatBitsToUint(t.e1).yzx * 0x9E3779B1u ^ floatBitsToUint(t.e2).zxy * 0x85EBCA77u;
+	uint h = v.x * 0xC2B2AE3Du + v.y * 0x27D4EB2Fu + v.z * 0x165667B1u + uint(cell.x + cell.y * 513 + cell.z * 262657) * 0x9E3779B1u;
+	h = (h ^ h >> 15) * 0x2C1B3C6Du;
+	h = (h ^ h >> 12) * 0x297A2D39u;
+	return float(h >> 9) * (1.0 / 8388608.0);
+}
+
 #endif

@@ -2,6 +2,7 @@
 #ifndef VOXEL_SAMPLE_GLSL
 #define VOXEL_SAMPLE_GLSL
 
+#define TEXTURE_UNFILTERED true
 #include "voxel/grid.glsl"
 
 struct look {
@@ -10,8 +11,8 @@ struct look {
 	float there;       // share that alpha leaves
 };
 
-const uint LOOK_SIDE_MAX = 4u;
-const float LOOK_TEXELS = 4.0; // a point for so many texels along a side
+// Texels along the longer side of a part above which it has more points.
+const float LOOK_TEXELS = 12.0;
 
 // Barycentrics of a point over the columns, held to the triangle.
 vec3 barycentrics(tile t, vec2 p, out bool inside)
@@ -28,6 +29,7 @@ vec3 barycentrics(tile t, vec2 p, out bool inside)
 
 // Radiance that a surface gives away is diffuse here, so its specular part is too: Schlick's reflectance averaged over the
 // hemisphere, F̄ = F0 + (F90 − F0) / 21, goes back at once, and the diffuse part has what is left. No more than 1 with either.
+// What is metal is asked at one point for all, `uv`: it changes the sum of both parts by little.
 vec3 diffuse_albedo(material m, vec3 base, vec4 uv)
 {
 	surface s;
@@ -40,75 +42,100 @@ vec3 diffuse_albedo(material m, vec3 base, vec4 uv)
 	return clamp(s.albedo * (1.0 - specular) + specular, 0.0, 1.0);
 }
 
-// Add a point's colours, by weight.
-void add_point(inout look l, inout float points, material m, triangle tri, vec3 bary, float weight)
+// Add a point's base colour and emission, by weight.
+void add_point(inout look l, material m, triangle tri, vec3 bary, vec4 uv, float weight)
 {
-	vec4 uv = EFFECT_TEXTURES ? coordinates_at(tri, bary) : vec4(0.0);
 	vec4 base = base_color_at(m, tri, bary, uv);
 	bool cut = EFFECT_ALPHA_MASK && (m.flags & MATERIAL_ALPHA_MASK) != 0u && base.a < m.alpha_cutoff;
 	float w = cut ? 0.0 : weight;
-	points += weight;
 	l.there += w;
-	// Unlit surfaces neither reflect nor light anything.
-	if (EFFECT_UNLIT && (m.flags & MATERIAL_UNLIT) != 0u)
-		return;
-	l.albedo += w * diffuse_albedo(m, clamp(base.rgb, 0.0, 1.0), uv);
-	if (EFFECT_EMITTERS)
+	l.albedo += w * clamp(base.rgb, 0.0, 1.0);
+	bool emits = EFFECT_EMITTERS && (m.emission[0] > 0.0 || m.emission[1] > 0.0 || m.emission[2] > 0.0);
+	// A loop, for some drivers run what is behind an `if` in any case.
+	while (emits) {
 		l.emission += w * emission_at(m, uv);
+		emits = false;
+	}
 }
 
-// Texels of a material's largest texture along a voxel's side, the larger of both directions.
-float texels_a_voxel(material m, triangle tri, tile t)
+// Texture coordinates over a triangle: linear in the barycentrics of its second and third corner.
+struct chart {
+	vec4 at;
+	vec4 d1;
+	vec4 d2;
+};
+
+chart chart_of(triangle tri)
 {
-	uint chosen = m.albedo_texture != NONE ? m.albedo_texture : m.emission_texture != NONE ? m.emission_texture : m.surface_texture;
+	chart c;
+	c.at = coordinates_at(tri, vec3(1.0, 0.0, 0.0));
+	c.d1 = coordinates_at(tri, vec3(0.0, 1.0, 0.0)) - c.at;
+	c.d2 = coordinates_at(tri, vec3(0.0, 0.0, 1.0)) - c.at;
+	return c;
+}
+
+// Texels of a material's first texture along a voxel's side, the larger of both directions.
+float texels_a_voxel(material m, chart c, tile t)
+{
+	uint chosen = m.albedo_texture != NONE ? m.albedo_texture : m.emission_texture;
 	if (chosen == NONE)
 		return 0.0;
 	texture_info info = textures[chosen];
-	vec4 at0 = coordinates_at(tri, vec3(1.0, 0.0, 0.0));
-	vec4 d1 = coordinates_at(tri, vec3(0.0, 1.0, 0.0)) - at0;
-	vec4 d2 = coordinates_at(tri, vec3(0.0, 0.0, 1.0)) - at0;
 	bool second = (info.flags & TEXTURE_UV1) != 0u;
-	vec2 u1 = second ? d1.zw : d1.xy;
-	vec2 u2 = second ? d2.zw : d2.xy;
+	vec2 u1 = second ? c.d1.zw : c.d1.xy;
+	vec2 u2 = second ? c.d2.zw : c.d2.xy;
 	vec2 size = vec2(info.width, info.height);
-	vec2 along1 = vec2(dot(vec2(info.row_u[0], info.row_u[1]), u1), dot(vec2(info.row_v[0], info.row_v[1]), u1)) * size;
-	vec2 along2 = vec2(dot(vec2(info.row_u[0], info.row_u[1]), u2), dot(vec2(info.row_v[0], info.row_v[1]), u2)) * size;
+	vec2 row_u = vec2(info.row_u[0], info.row_u[1]);
+	vec2 row_v = vec2(info.row_v[0], info.row_v[1]);
+	vec2 along1 = vec2(dot(row_u, u1), dot(row_v, u1)) * size;
+	vec2 along2 = vec2(dot(row_u, u2), dot(row_v, u2)) * size;
 	return max(length(along1) / max(length(t.e1), 1e-6), length(along2) / max(length(t.e2), 1e-6));
 }
 
-// Points along a side of the pattern; 0: the middle alone.
-uint points_a_side(material m, triangle tri, tile t, float extent)
+// Points along a side of the pattern; 0: the centroid alone.
+uint points_a_side(float texels)
 {
-	if (!EFFECT_TEXTURES)
-		return 0u;
-	float texels = min(texels_a_voxel(m, tri, t) * extent, 1e4);
-	return texels <= 1.5 ? 0u : clamp(uint(ceil(texels / LOOK_TEXELS)), 2u, LOOK_SIDE_MAX);
+	return texels <= 1.5 ? 0u : texels <= LOOK_TEXELS ? 2u : 3u;
 }
 
-// Colours over the part of a triangle in a cell: a pattern of points over the part's box [low, high] (over the columns, from
-// the cell's low corner), of which those count that are inside, and the centroid, `middle`, which always is.
-look look_at(tile t, ivec3 cell, vec2 low, vec2 high, vec2 middle)
+// Colours over the part of a triangle in a cell: of points strewn evenly over the part's box [low, high] (over the columns, from
+// the cell's low corner) those that are inside, and the centroid, `middle`, which always is. `seed` (0 … 1) moves the points
+// about within their strata, lest they keep step with a texture that repeats (Roberts 2018's sequence R2).
+look look_at(tile t, ivec3 cell, vec2 low, vec2 high, vec2 middle, float seed)
 {
 	look l = look(vec3(0.0), vec3(0.0), 0.0);
 	triangle tri = triangles[t.id];
 	material m = materials[tri.material];
 	float points = 0.0;
-	uint side = points_a_side(m, tri, t, max(high.x - low.x, high.y - low.y));
-	bool inside;
-	// The first round is the centroid.
-	for (uint i = 0u; i < 1u + side * side; i++) {
-		vec2 at = middle;
-		if (i > 0u)
-			at = low + (high - low) * (vec2((i - 1u) % side, (i - 1u) / side) + 0.5) / float(side);
+	chart c = chart(vec4(0.0), vec4(0.0), vec4(0.0));
+	uint side = 0u;
+	if (EFFECT_TEXTURES) {
+		c = chart_of(tri);
+		side = points_a_side(texels_a_voxel(m, c, t) * max(high.x - low.x, high.y - low.y));
+	}
+	vec4 uv = vec4(0.0);
+	// The last round is the centroid.
+	for (uint i = 0u; i <= side * side; i++) {
+		bool last = i == side * side;
+		vec2 within = fract(seed + float(i) * vec2(0.75487767, 0.56984029));
+		vec2 at = last ? middle : low + (high - low) * (vec2(i % side, i / side) + within) / float(side);
+		bool inside;
 		vec3 bary = barycentrics(t, at + vec2(cell.xy), inside);
 		float h = t.start.z + bary.y * t.e1.z + bary.z * t.e2.z - float(cell.z);
-		float weight = i == 0u ? 1.0 : inside && h >= 0.0 && h <= 1.0 ? 1.0 : 0.0;
-		add_point(l, points, m, tri, bary, weight);
+		float weight = last || (inside && h >= 0.0 && h <= 1.0) ? 1.0 : 0.0;
+		uv = c.at + bary.y * c.d1 + bary.z * c.d2;
+		points += weight;
+		add_point(l, m, tri, bary, uv, weight);
 	}
 	float there = max(l.there, 1e-6);
-	l.albedo /= there;
+	l.albedo = diffuse_albedo(m, l.albedo / there, uv);
 	l.emission /= there;
 	l.there /= points;
+	// Unlit surfaces neither reflect nor light anything.
+	if (EFFECT_UNLIT && (m.flags & MATERIAL_UNLIT) != 0u) {
+		l.albedo = vec3(0.0);
+		l.emission = vec3(0.0);
+	}
 	return l;
 }
 

@@ -95,16 +95,6 @@ part part_of(tile t, ivec3 cell)
 	return p;
 }
 
-// 0 … 1, the same for the same triangle and cell.
-float dither(tile t, ivec3 cell)
-{
-	uvec3 v = floatBitsToUint(t.start) ^ floatBitsToUint(t.e1).yzx * 0x9E3779B1u ^ floatBitsToUint(t.e2).zxy * 0x85EBCA77u;
-	uint h = v.x * 0xC2B2AE3Du + v.y * 0x27D4EB2Fu + v.z * 0x165667B1u + uint(cell.x + cell.y * 513 + cell.z * 262657) * 0x9E3779B1u;
-	h = (h ^ h >> 15) * 0x2C1B3C6Du;
-	h = (h ^ h >> 12) * 0x297A2D39u;
-	return float(h >> 9) * (1.0 / 8388608.0);
-}
-
 void add_area(uint entry, uint v)
 {
 	uint before = atomicAdd(place_sums[4u * entry], v);
@@ -147,10 +137,10 @@ void add_projections(uint entry, vec3 projected, float round_up)
 void add_part(tile t, ivec3 cell, uint entry)
 {
 	part p = part_of(t, cell);
-	look l = look_at(t, cell, p.low, p.high, p.middle.xy);
+	float r = dither(t, cell);
+	look l = look_at(t, cell, p.low, p.high, p.middle.xy, r);
 	vec3 projected = t.normal * (0.5 * p.share * l.there);
 	float area = length(projected);
-	float r = dither(t, cell);
 	uint weight = uint(area * units.x + r);
 	weight = l.there > 0.0 ? max(weight, 1u) : weight;
 	add_area(entry, weight);
