@@ -182,7 +182,9 @@ const struct command render_command = {
 	    "  --seed N              another seed, another noise\n"
 	    "  --camera NAME         of the scene; default: its first, else its bounds are framed\n"
 	    "  --camera ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV\n"
-	    "                        eye, target, up in metres; vertical angle in degrees\n"
+	    "                        eye, target, up in metres; vertical angle in degrees\n" EDIT_OPTIONS_HELP
+	    "  --animation NAME      the scene as this animation of the file has it, --time S seconds after its start; "
+	    "default 0\n"
 	    "  --background r,g,b    radiance, W/(m² sr), that rays meet which leave the scene; default black\n"
 	    "  --effects LIST        auto, all or none, then +NAME or -NAME for textures, emitters, lights, environment,\n"
 	    "                        bounces, glossy, normal-maps, alpha-mask, vertex-colors, unlit:\n"

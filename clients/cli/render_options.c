@@ -31,6 +31,9 @@ enum {
 	OPTION_CAMERAS,
 	OPTION_SHARD,
 	OPTION_FORCE,
+	OPTION_KEYS,
+	OPTION_FRAMES,
+	OPTION_FPS,
 };
 
 // One option a line: formatted, the list could not be read.
@@ -38,6 +41,7 @@ enum {
 #define SHARED_OPTIONS \
 	CLI_COMMON_OPTIONS, \
 	SCENE_OPTIONS, \
+	EDIT_OPTIONS, \
 	{"output", required_argument, NULL, OPTION_OUTPUT}, \
 	{"format", required_argument, NULL, OPTION_FORMAT}, \
 	{"technique", required_argument, NULL, OPTION_TECHNIQUE}, \
@@ -53,12 +57,13 @@ enum {
 	{"half", no_argument, NULL, OPTION_HALF}, \
 	{"float", no_argument, NULL, OPTION_FLOAT}, \
 	{"set", required_argument, NULL, OPTION_SET}, \
+	{"camera", required_argument, NULL, OPTION_CAMERA}, \
 	{"quiet", no_argument, NULL, OPTION_QUIET}
 // clang-format on
 
 static const struct option render_table[] = {
     SHARED_OPTIONS,
-    {"camera", required_argument, NULL, OPTION_CAMERA},
+    {"time", required_argument, NULL, OPTION_TIME},
     {"progressive", no_argument, NULL, OPTION_PROGRESSIVE},
     {NULL, 0, NULL, 0},
 };
@@ -68,6 +73,9 @@ static const struct option sweep_table[] = {
     {"orbit", required_argument, NULL, OPTION_ORBIT},
     {"cameras", required_argument, NULL, OPTION_CAMERAS},
     {"shard", required_argument, NULL, OPTION_SHARD},
+    {"keys", required_argument, NULL, OPTION_KEYS},
+    {"frames", required_argument, NULL, OPTION_FRAMES},
+    {"fps", required_argument, NULL, OPTION_FPS},
     {"force", no_argument, NULL, OPTION_FORCE},
     {NULL, 0, NULL, 0},
 };
@@ -117,7 +125,7 @@ static const char *form_of(int option)
 	case OPTION_UNIT:
 		return "a length in metres above 0";
 	default:
-		return "something else";
+		return edit_option_form(option);
 	}
 }
 
@@ -292,7 +300,7 @@ static bool take_option(int option, char *value, struct render_options *options,
 	case OPTION_UNIT:
 		return scene_option(option, value, &options->load);
 	default:
-		return false;
+		return edit_is_option(option) && edit_option(option, value, &options->edits);
 	}
 }
 
@@ -325,6 +333,15 @@ static bool take_sweep_option(int option, const char *value, struct sweep_texts 
 		return true;
 	case OPTION_CAMERAS:
 		texts->cameras = value;
+		return true;
+	case OPTION_KEYS:
+		texts->keys = value;
+		return true;
+	case OPTION_FRAMES:
+		texts->frames = value;
+		return true;
+	case OPTION_FPS:
+		texts->fps = value;
 		return true;
 	case OPTION_SHARD:
 		texts->shard = value;
@@ -377,6 +394,7 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 	memset(options, 0, sizeof(*options));
 	candil_render_request_init(&options->request);
 	options->request.options = options->settings;
+	edit_options_init(&options->edits);
 	while ((option = getopt_long(argc, argv, "ho:", long_options, &index)) != -1) {
 		char whole[256];
 		snprintf(whole, sizeof(whole), "%s", optarg ? optarg : "");
@@ -394,6 +412,8 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 			return false;
 		}
 	}
+	if (options->edits.given)
+		options->request.edits = &options->edits.edits;
 	const char *wrong = NULL;
 	if (argc - optind != 1)
 		wrong = "one scene is needed";

@@ -3,6 +3,7 @@
 #define CANDIL_CLI_RENDER_OPTIONS_H
 
 #include "clients/cli/cli.h"
+#include "clients/cli/edit_options.h"
 
 struct render_options {
 	const char *scene;
@@ -11,11 +12,12 @@ struct render_options {
 	struct candil_render_request request; // all but `scene`; strings point into argv
 	struct candil_load_request load; // up and metres_per_unit
 	struct candil_option settings[16]; // what request.options points at
+	struct edit_options edits; // what request.edits points at
 };
 
 // What `candil sweep` takes besides, and as text: sweep.c knows what it means. NULL: not given.
 struct sweep_texts {
-	const char *orbit, *cameras, *shard;
+	const char *orbit, *cameras, *keys, *frames, *fps, *shard;
 	bool force;
 };
 

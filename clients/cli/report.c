@@ -90,6 +90,8 @@ void report_print(const struct report *r, FILE *stream)
 			request->eye.x, request->eye.y, request->eye.z, request->target.x, request->target.y,
 			request->target.z, request->vfov_degrees);
 	print_unlit(&r->accepted, stream);
+	for (uint32_t i = 0; i < r->accepted.note_count; i++)
+		fprintf(stream, "note       %s\n", r->accepted.notes[i]);
 	if (r->scene->warning_count == 1 && r->scene->warnings_more == 0)
 		fputs("warning    1 about the scene; see candil describe\n", stream);
 	else if (r->scene->warning_count > 0)
@@ -116,6 +118,9 @@ static void put_scene_camera(json_t *object, const struct report *r)
 	if (!camera)
 		return;
 	json_object_set_new(object, "name", cli_json_text(camera->name));
+	const struct candil_edits *edits = r->options->request.edits;
+	if (edits && (edits->node_count > 0 || edits->animation))
+		return; // it may stand elsewhere
 	json_object_set_new(object, "eye", cli_json_vec3(&camera->eye));
 	json_object_set_new(object, "target", cli_json_vec3(&camera->target));
 	json_object_set_new(object, "up", cli_json_vec3(&camera->up));
@@ -190,6 +195,10 @@ json_t *report_json(const struct report *r)
 	put_text(o, "device", done->device[0] ? done->device : r->accepted.device);
 	put_number(o, "job_bytes", r->accepted.job_bytes);
 	json_object_set_new(o, "effects", effects_json(&r->accepted));
+	json_t *notes = json_array();
+	for (uint32_t i = 0; i < r->accepted.note_count; i++)
+		json_array_append_new(notes, cli_json_text(r->accepted.notes[i]));
+	json_object_set_new(o, "notes", notes);
 	json_object_set_new(o, "stages", stages_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);
 	json_object_set_new(o, "estimated_relmse",

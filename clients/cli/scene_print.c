@@ -18,6 +18,35 @@ static void print_cameras(const struct candil_scene_info *s)
 		       cli_s(s->camera_count - s->camera_list_count));
 }
 
+// Names in lines of some 100 columns, and how many more there are.
+static void print_names(const char *label, const char (*names)[64], uint32_t listed, uint32_t count)
+{
+	int column = 0;
+	for (uint32_t i = 0; i < listed; i++) {
+		if (column > 88) {
+			fputs(",\n", stdout);
+			column = 0;
+		}
+		if (column == 0)
+			column = printf("%-12s%s", i == 0 ? label : "", names[i]);
+		else
+			column += printf(", %s", names[i]);
+	}
+	if (listed > 0 && count > listed)
+		printf(" and %" PRIu32 " more", count - listed);
+	if (listed > 0)
+		putchar('\n');
+}
+
+static void print_animations(const struct candil_scene_info *s)
+{
+	for (uint32_t i = 0; i < s->animation_list_count; i++)
+		printf("animation   %s: %g s\n", s->animations[i].name, s->animations[i].duration_s);
+	if (s->animation_count > s->animation_list_count)
+		printf("            and %" PRIu32 " animation%s more\n", s->animation_count - s->animation_list_count,
+		       cli_s(s->animation_count - s->animation_list_count));
+}
+
 static void print_mended(const struct candil_scene_info *s)
 {
 	const struct {
@@ -66,6 +95,9 @@ void scene_print(const struct candil_scene_info *s)
 	for (uint32_t i = 0; i < s->fact_count; i++)
 		printf("%s%s", s->facts[i], i + 1 < s->fact_count ? ", " : "\n");
 	print_cameras(s);
+	print_names("nodes", s->nodes, s->node_list_count, s->node_count);
+	print_names("materials", s->material_names, s->material_list_count, s->materials);
+	print_animations(s);
 	print_mended(s);
 	printf("hash        %s\n", s->hash);
 }
@@ -79,6 +111,15 @@ static json_t *cameras_json(const struct candil_scene_info *s)
 						      cli_json_vec3(&c->eye), "target", cli_json_vec3(&c->target), "up",
 						      cli_json_vec3(&c->up), "vfov_degrees", c->vfov_degrees));
 	}
+	return list;
+}
+
+static json_t *animations_json(const struct candil_scene_info *s)
+{
+	json_t *list = json_array();
+	for (uint32_t i = 0; i < s->animation_list_count; i++)
+		json_array_append_new(list, json_pack("{s:o,s:f}", "name", cli_json_text(s->animations[i].name),
+						      "duration_s", s->animations[i].duration_s));
 	return list;
 }
 
@@ -119,6 +160,11 @@ json_t *scene_json(const struct candil_scene_info *s)
 	NUMBER(warnings_more);
 	LIST("ignored", ignored, ignored_count);
 	LIST("facts", facts, fact_count);
+	NUMBER(node_count);
+	LIST("nodes", nodes, node_list_count);
+	LIST("material_names", material_names, material_list_count);
+	NUMBER(animation_count);
+	json_object_set_new(object, "animations", animations_json(s));
 	NUMBER(load_us);
 	TEXT(light_units);
 #undef TEXT

@@ -1,4 +1,4 @@
-// sweep: pictures of one scene from many cameras, each in a file of its own.
+// sweep: pictures of one scene from many cameras, or at many times of an animation, each in a file of its own.
 //
 // A run that was cut short is simply started again: what it finished is on disk under its final name, whole (output.h), is
 // recognised as such (verify.h) and left alone.
@@ -11,6 +11,7 @@
 #include "clients/cli/progress.h"
 #include "clients/cli/render_options.h"
 #include "clients/cli/sweep_cameras.h"
+#include "clients/cli/sweep_keys.h"
 #include "clients/cli/target.h"
 #include "clients/cli/verify.h"
 #include "clients/cli/view.h"
@@ -28,9 +29,11 @@ struct sweep {
 	struct sweep_texts texts;
 	struct target target;
 	struct progress progress;
-	struct candil_camera *cameras; // all; with --orbit not before the scene is known
-	uint32_t count;
+	struct candil_camera *cameras; // all; with --orbit and --animation not before the scene is known
+	uint32_t count; // 0: of an animation by --fps, before the scene is known
 	double elevation, radius;
+	const char *animation; // NULL: none
+	double fps;
 	uint32_t shard, shards; // this one, from 1
 	struct picture *pictures; // of this shard
 	uint32_t picture_count, written, skipped;
@@ -56,17 +59,41 @@ static enum exit_code fail_output(struct sweep *sweep, const char *name)
 
 // ---- before the scene ------------------------------------------------------------------------------------------------
 
+// What says how many frames there are, and from where.
+static const char *settle_source(struct sweep *sweep)
+{
+	const struct sweep_texts *t = &sweep->texts;
+	const int sources = (t->orbit != NULL) + (t->cameras != NULL) + (t->keys != NULL);
+	if (sources > 1 || (sources == 0 && !sweep->animation))
+		return "one of --orbit, --cameras and --keys is needed, or --animation alone or with one of them";
+	const struct candil_render_request *r = &sweep->options.request;
+	if (sources > 0 && (r->has_camera || r->camera_name))
+		return "--camera is for --animation alone: the cameras are said";
+	if (t->frames && sources > 0 && !t->keys)
+		return "--frames is for --keys and --animation: --orbit and --cameras say how many there are";
+	if (t->keys && !t->frames)
+		return "--keys needs --frames N";
+	return t->fps && (sources > 0 || t->frames) ? "--fps is for --animation alone, without --frames" : NULL;
+}
+
 // The sentence that says what does not fit together, or NULL.
 static const char *settle_texts(struct sweep *sweep)
 {
 	const struct sweep_texts *t = &sweep->texts;
 	sweep->shard = sweep->shards = 1;
-	if (!t->orbit == !t->cameras)
-		return "--orbit or --cameras is needed, and not both";
+	sweep->animation = sweep->options.edits.edits.animation;
+	sweep->fps = SWEEP_FPS_DEFAULT;
+	const char *wrong = settle_source(sweep);
+	if (wrong)
+		return wrong;
 	if (!strstr(sweep->options.output, "{index}"))
 		return "the output's name must have {index} in it: each image is a file of its own";
 	if (t->orbit && !sweep_orbit_parse(t->orbit, &sweep->count, &sweep->elevation, &sweep->radius))
 		return "--orbit is N[,DEGREES[,METRES]]: 1 to 1000000 cameras, within 89 degrees, above 0 metres";
+	if (t->frames && (!cli_parse_u32(t->frames, &sweep->count) || sweep->count < 1 || sweep->count > SWEEP_CAMERAS_MAX))
+		return "--frames is a whole number from 1 to 1000000";
+	if (t->fps && (!cli_parse_double(t->fps, &sweep->fps) || !(sweep->fps > 0) || sweep->fps > 1e6))
+		return "--fps is a number above 0";
 	if (t->shard && !sweep_shard_parse(t->shard, &sweep->shard, &sweep->shards))
 		return "--shard is I/N, I from 1 to N";
 	return NULL;
@@ -109,13 +136,68 @@ static enum exit_code probe_output(struct sweep *sweep)
 
 // ---- rendering -------------------------------------------------------------------------------------------------------
 
-static bool make_orbit(struct sweep *sweep)
+static enum exit_code open_scene(struct sweep *sweep)
 {
-	sweep->cameras = calloc(sweep->count, sizeof(*sweep->cameras));
-	for (uint32_t i = 0; sweep->cameras && i < sweep->count; i++)
-		view_orbit(&sweep->target.info, &sweep->options.request, i, sweep->count, sweep->elevation, sweep->radius,
-			   &sweep->cameras[i]);
-	return sweep->cameras != NULL;
+	struct candil_error error;
+	if (sweep->target.client)
+		return EXIT_DONE;
+	progress_say(&sweep->progress, "loading the scene");
+	candil_status status =
+	    target_open(&sweep->target, sweep->cli->address, sweep->options.scene, &sweep->options.load, &error);
+	sweep->options.request.scene = sweep->target.scene;
+	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(sweep, &error);
+}
+
+static enum exit_code length_of(struct sweep *sweep, double *seconds)
+{
+	struct candil_error error = {.code = CANDIL_STATUS_BAD_ARGUMENT};
+	enum exit_code code = open_scene(sweep);
+	if (code != EXIT_DONE || sweep_animation_length(&sweep->target.info, sweep->animation, seconds))
+		return code;
+	snprintf(error.text, sizeof(error.text), "the scene has no animation '%.100s': candil describe lists them",
+		 sweep->animation);
+	return fail(sweep, &error);
+}
+
+// The one camera of an animation's frames: as render chooses it.
+static struct candil_camera one_camera(struct sweep *sweep)
+{
+	struct candil_render_request *r = &sweep->options.request;
+	if (!r->has_camera && !r->camera_name && sweep->target.info.camera_count == 0)
+		view_frame_bounds(&sweep->target.info, r);
+	struct candil_camera camera = {.name = r->camera_name};
+	if (r->has_camera)
+		camera =
+		    (struct candil_camera){.eye = r->eye, .target = r->target, .up = r->up, .vfov_degrees = r->vfov_degrees};
+	return camera;
+}
+
+// The cameras that were not known before the scene, and the times of all.
+static enum exit_code make_cameras(struct sweep *sweep)
+{
+	const bool known = sweep->cameras != NULL;
+	double seconds = 0;
+	enum exit_code code = sweep->animation ? length_of(sweep, &seconds) : EXIT_DONE;
+	if (code != EXIT_DONE)
+		return code;
+	if (!known)
+		sweep->cameras = calloc(sweep->count, sizeof(*sweep->cameras));
+	if (!sweep->cameras) {
+		errno = ENOMEM;
+		return cli_fail_errno(sweep->cli, "the cameras", stdout);
+	}
+	const bool by_fps = sweep->animation && !sweep->texts.frames && !sweep->texts.orbit && !known;
+	const struct candil_camera one = sweep->animation && !sweep->texts.orbit ? one_camera(sweep) : sweep->cameras[0];
+	for (uint32_t i = 0; i < sweep->count; i++) {
+		struct candil_camera *c = &sweep->cameras[i];
+		if (sweep->texts.orbit)
+			view_orbit(&sweep->target.info, &sweep->options.request, i, sweep->count, sweep->elevation,
+				   sweep->radius, c);
+		else if (!known)
+			*c = one;
+		c->time_s = by_fps ? i / sweep->fps : sweep->count > 1 ? seconds * i / (sweep->count - 1) : 0;
+	}
+	return EXIT_DONE;
 }
 
 static void draw_progress(struct sweep *sweep, double fraction)
@@ -228,16 +310,9 @@ static enum exit_code render_pictures(struct sweep *sweep)
 	struct candil_error error;
 	uint32_t at = 0;
 	enum exit_code code = EXIT_DONE;
-	progress_say(&sweep->progress, "loading the scene");
-	candil_status status =
-	    target_open(&sweep->target, sweep->cli->address, sweep->options.scene, &sweep->options.load, &error);
-	if (status != CANDIL_STATUS_OK)
-		return fail(sweep, &error);
-	sweep->options.request.scene = sweep->target.scene;
-	if (sweep->texts.orbit && !make_orbit(sweep)) {
-		errno = ENOMEM;
-		return cli_fail_errno(sweep->cli, "the orbit", stdout);
-	}
+	code = open_scene(sweep);
+	if (code == EXIT_DONE)
+		code = make_cameras(sweep);
 	draw_progress(sweep, 0);
 	while (code == EXIT_DONE && next_batch(sweep, &at, cameras)) {
 		code = see_through(sweep, cameras);
@@ -252,16 +327,23 @@ static enum exit_code render_pictures(struct sweep *sweep)
 
 // ---- the summary -----------------------------------------------------------------------------------------------------
 
+static json_t *camera_json(const struct candil_camera *c)
+{
+	if (c->name)
+		return json_pack("{s:o}", "name", cli_json_text(c->name));
+	return json_pack("{s:o,s:o,s:o,s:f}", "eye", cli_json_vec3(&c->eye), "target", cli_json_vec3(&c->target), "up",
+			 cli_json_vec3(&c->up), "vfov_degrees", c->vfov_degrees);
+}
+
 static json_t *picture_json(const struct sweep *sweep, const struct picture *p)
 {
 	json_t *o = json_pack("{s:o,s:o,s:s}", "index", cli_json_u64(p->index), "image", cli_json_text(p->name), "state",
 			      p->written ? "written" : "skipped");
 	const struct candil_camera *c = sweep->cameras ? &sweep->cameras[p->index] : NULL;
-	if (o && c)
-		json_object_set_new(o, "camera",
-				    json_pack("{s:o,s:o,s:o,s:f}", "eye", cli_json_vec3(&c->eye), "target",
-					      cli_json_vec3(&c->target), "up", cli_json_vec3(&c->up), "vfov_degrees",
-					      c->vfov_degrees));
+	if (o && c && (c->name || c->vfov_degrees > 0))
+		json_object_set_new(o, "camera", camera_json(c));
+	if (o && c && sweep->animation)
+		json_object_set_new(o, "time_s", json_real(c->time_s));
 	return o;
 }
 
@@ -300,16 +382,47 @@ static enum exit_code say_summary(struct sweep *sweep)
 
 // ---- the command -----------------------------------------------------------------------------------------------------
 
+// --cameras and --keys, and how many frames there are.
+static enum exit_code read_cameras(struct sweep *sweep)
+{
+	const char *path = sweep->texts.cameras ? sweep->texts.cameras : sweep->texts.keys;
+	struct candil_error error = {.code = CANDIL_STATUS_LIMIT};
+	struct candil_camera *cameras;
+	uint32_t count;
+	if (path && !sweep_cameras_read(path, &cameras, &count, &error))
+		return fail(sweep, &error);
+	if (sweep->texts.keys) {
+		sweep->cameras = sweep_keys_spread(cameras, count, sweep->count);
+		free(cameras);
+		errno = ENOMEM;
+		return sweep->cameras ? EXIT_DONE : cli_fail_errno(sweep->cli, "the frames", stdout);
+	}
+	if (path) {
+		sweep->cameras = cameras;
+		sweep->count = count;
+	}
+	double seconds;
+	if (sweep->count > 0)
+		return EXIT_DONE;
+	enum exit_code code = length_of(sweep, &seconds);
+	if (code != EXIT_DONE)
+		return code;
+	sweep->count = sweep_frames_of(seconds, sweep->fps);
+	snprintf(error.text, sizeof(error.text), "the animation has more than %u frames: set --frames or a smaller --fps",
+		 SWEEP_CAMERAS_MAX);
+	return sweep->count > 0 ? EXIT_DONE : fail(sweep, &error);
+}
+
 static enum exit_code do_sweep(struct sweep *sweep)
 {
-	struct candil_error error = {0};
-	if (sweep->texts.cameras && !sweep_cameras_read(sweep->texts.cameras, &sweep->cameras, &sweep->count, &error))
-		return fail(sweep, &error);
+	enum exit_code code = read_cameras(sweep);
+	if (code != EXIT_DONE)
+		return code;
 	if (!list_pictures(sweep)) {
 		errno = ENOMEM;
 		return cli_fail_errno(sweep->cli, "the list of images", stdout);
 	}
-	enum exit_code code = probe_output(sweep);
+	code = probe_output(sweep);
 	// With nothing left to do, neither a daemon nor the scene is asked for.
 	if (code == EXIT_DONE && sweep->skipped < sweep->picture_count)
 		code = render_pictures(sweep);
@@ -342,11 +455,12 @@ static enum exit_code run_sweep(struct cli *cli, const struct command *self, int
 
 const struct command sweep_command = {
     .name = "sweep",
-    .summary = "make pictures of a scene from many cameras",
+    .summary = "make pictures of a scene from many cameras, or of its animation",
     .help =
-	"Usage: candil sweep SCENE -o 'OUT.{index}.exr' (--orbit N[,DEGREES[,METRES]] | --cameras FILE) [options]\n\n"
-	"One image a camera. {index} in the output's name is the camera's number, from 0, with zeros before it to the\n"
-	"width of the number of cameras.\n\n"
+	"Usage: candil sweep SCENE -o 'OUT.{index}.exr' (--orbit N[,DEGREES[,METRES]] | --cameras FILE |\n"
+	"                    --keys FILE --frames N | --animation NAME [--frames N | --fps F]) [options]\n\n"
+	"One image a camera or frame. {index} in the output's name is its number, from 0, with zeros before it to the\n"
+	"width of how many there are.\n\n"
 	"  --orbit N[,DEGREES[,METRES]]\n"
 	"                        N cameras on a circle about the middle of the scene's bounds, +Y up, the first in front\n"
 	"                        (+Z); DEGREES above the horizon, default 20; METRES from the middle, default: so far\n"
@@ -354,9 +468,15 @@ const struct command sweep_command = {
 	"  --cameras FILE        a JSON array of cameras, or one after the other (JSON lines); each an array of ten\n"
 	"                        numbers as in render's --camera, or {\"eye\": [x,y,z], \"target\": [x,y,z],\n"
 	"                        \"up\": [x,y,z], \"vfov\": degrees}, where up may be left out (+Y)\n"
+	"  --keys FILE           such cameras as keys: --frames N frames run smoothly through them (Catmull-Rom), the\n"
+	"                        first and the last key being the first and the last frame\n"
+	"  --animation NAME      the scene as that animation of the file has it, from its start to its end, both included:\n"
+	"                        in --frames N, or --fps F a second (default 24); the camera is --camera, else the\n"
+	"                        scene's first, and follows its node. With --orbit, --cameras or --keys its time runs\n"
+	"                        evenly over those\n" EDIT_OPTIONS_HELP
 	"  --shard I/N           of N calls that share the work this is number I, from 1: cameras I-1, I-1+N, …\n"
 	"  --force               render images that are there already\n\n"
-	"and the options of candil render but --camera and --progressive. Animations of a file are not read.\n\n"
+	"and the options of candil render but --time and --progressive.\n\n"
 	"An image appears under its name whole or not at all. One that is there, whole and of the size asked for, is\n"
 	"left alone: start a sweep that was cut short again, and it goes on. Whole is a PNG whose chunks lead to IEND at\n"
 	"its end, and an EXR whose offset table is filled and whose blocks end where the file ends. What the image\n"
@@ -364,7 +484,9 @@ const struct command sweep_command = {
 	"--json: {\"output\", \"scene\", \"format\", \"width\", \"height\", \"samples\", \"cameras\", \"shard\", "
 	"\"shards\",\n"
 	"\"written\", \"skipped\", \"elapsed_us\", \"rays\", \"retries\", \"images\": [{\"index\", \"image\",\n"
-	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: an orbit of which nothing was rendered)}]}\n"
+	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: the scene's first, or nothing was rendered), \"time_s\" "
+	"(of an\n"
+	"animation)}]}\n"
 	"Exit codes: 0 every image of the call is there; others as in candil --help. Images already written stay.\n",
     .run = run_sweep,
 };

@@ -150,6 +150,11 @@ struct candil_camera_info {
 	double vfov_degrees; // 0: orthographic
 };
 
+struct candil_animation_info {
+	char name[64];
+	double duration_s;
+};
+
 struct candil_scene_info {
 	char name[64];
 	char file[256];
@@ -171,6 +176,13 @@ struct candil_scene_info {
 	char facts[16][32]; // what the plan goes by: "textures", "emitters"…
 	uint64_t load_us;
 	char light_units[128];
+	// What edits may name. The counts are the scene's and may exceed those of the lists.
+	uint32_t node_count, node_list_count;
+	char nodes[64][64];
+	uint32_t material_list_count; // of `materials`
+	char material_names[64][64];
+	uint32_t animation_count, animation_list_count;
+	struct candil_animation_info animations[32];
 };
 
 struct candil_scene_entry {
@@ -242,6 +254,49 @@ struct candil_option {
 	const char *value;
 };
 
+// Edits change the scene for one request; nothing is loaded again, and others see the scene as it is. A name is one that
+// candil_describe lists, or "#" and its number there. PROTOCOL.md says more.
+enum candil_light_kind { CANDIL_LIGHT_POINT = 0, CANDIL_LIGHT_SPOT = 1, CANDIL_LIGHT_DIRECTIONAL = 2 };
+
+struct candil_light {
+	enum candil_light_kind kind;
+	struct candil_vec3 position; // metres, world space; not of a directional one
+	struct candil_vec3 direction; // the way the light travels, any length above 0; not of a point light
+	struct candil_vec3 intensity; // W/sr; of a directional one W/m²
+	double inner_degrees, outer_degrees; // of a spot: 0 ≤ inner < outer ≤ 90
+};
+
+// What has no `has_` set stays as the scene has it. Textures go on multiplying.
+struct candil_material_edit {
+	const char *name; // all materials of this name
+	bool has_base_color, has_emission, has_specular, has_specular_weight, has_metallic, has_roughness;
+	struct candil_vec3 base_color; // 0…1
+	struct candil_vec3 emission; // W/(m² sr)
+	struct candil_vec3 specular; // reflectance at normal incidence of what is no metal, 0…1
+	double specular_weight, metallic, roughness; // 0…1
+};
+
+// Relative to the node's parent, as glTF has it. What is beneath the node goes along.
+struct candil_node_edit {
+	const char *name;
+	bool has_translation, has_rotation, has_scale;
+	struct candil_vec3 translation; // metres
+	double rotation[4]; // quaternion x, y, z, w of any length above 0
+	struct candil_vec3 scale; // no component 0
+};
+
+struct candil_edits {
+	const struct candil_light *lights;
+	size_t light_count; // 0…32
+	bool replace_lights; // they take the place of the scene's point, spot and directional lights
+	const struct candil_material_edit *materials;
+	size_t material_count; // 0…32
+	const struct candil_node_edit *nodes;
+	size_t node_count; // 0…32; on top of the animation
+	const char *animation; // NULL: none
+	double time_s; // of the animation; a sweep's cameras say it instead
+};
+
 struct candil_render_request {
 	const char *scene; // name of a loaded scene
 	enum candil_technique technique;
@@ -265,16 +320,19 @@ struct candil_render_request {
 	bool has_background;
 	struct candil_vec3 background; // W/(m² sr), what rays meet that leave the scene; absent: black
 	uint32_t progress_ms; // least time between two progress events; 0: 100
+	const struct candil_edits *edits; // NULL: none
 };
 
 // 512x512, 64 samples, float EXR, technique and effects automatic, the scene's first camera. `scene` is left NULL.
 CANDIL_API void candil_render_request_init(struct candil_render_request *request);
 
-// One camera of a sweep: one of the scene's by name, or (name NULL) the four fields below, in metres and world space.
+// One image of a sweep. Its camera is one of the scene's by name, or (name NULL) the four fields below, in metres and world
+// space, or (vfov_degrees 0 too) the scene's first.
 struct candil_camera {
 	const char *name;
 	struct candil_vec3 eye, target, up;
 	double vfov_degrees; // above 0, below 180
+	double time_s; // of the animation that the request's edits name; else not read
 };
 
 // Cameras that one sweep takes at most. Cameras × samples × pixels is bound too, by max_samples_times_pixels.
@@ -294,6 +352,8 @@ struct candil_accepted {
 	char device[128];
 	uint64_t job_bytes; // device memory the job takes
 	uint32_t samples, depth;
+	uint32_t note_count;
+	char notes[4][192]; // sentences on what may surprise
 };
 
 struct candil_progress {
@@ -392,10 +452,10 @@ struct candil_sweep_result {
 	struct candil_done done; // sums over all images, but for samples (of each) and estimated_relmse (the mean)
 };
 
-// The same picture from `count` cameras, 1 to CANDIL_SWEEP_CAMERAS. The request's own camera is not used. Each image comes
-// through callbacks->image as soon as it is finished, in the order of the cameras, image->index saying which; if that takes
-// long, the daemon goes on with one more image and then waits. A failure ends the whole sweep; images that have come are
-// good.
+// The same picture from `count` cameras, 1 to CANDIL_SWEEP_CAMERAS, or at as many times of an animation. The request's own
+// camera is not used. Each image comes through callbacks->image as soon as it is finished, in the order of the cameras,
+// image->index saying which; if that takes long, the daemon goes on with one more image and then waits. A failure ends the
+// whole sweep; images that have come are good.
 CANDIL_API candil_status candil_sweep(candil_client *client, const struct candil_render_request *request,
 				      const struct candil_camera *cameras, size_t count,
 				      const struct candil_callbacks *callbacks, struct candil_sweep_result *result,

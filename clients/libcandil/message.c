@@ -77,11 +77,75 @@ static candil_status write_options(const struct candil_render_request *request, 
 	return status;
 }
 
+static candil_status write_light(const struct candil_light *from, candil_Light *to)
+{
+	*to = (candil_Light){.kind = (candil_LightKind)from->kind,
+			     .has_position = true,
+			     .has_direction = true,
+			     .has_intensity = true,
+			     .inner_degrees = from->inner_degrees,
+			     .outer_degrees = from->outer_degrees};
+	to->position = vec3_write(&from->position);
+	to->direction = vec3_write(&from->direction);
+	to->intensity = vec3_write(&from->intensity);
+	return CANDIL_STATUS_OK;
+}
+
+static candil_status write_material(const struct candil_material_edit *from, candil_MaterialEdit *to,
+				    struct candil_error *error)
+{
+	*to = (candil_MaterialEdit){.has_base_color = from->has_base_color,
+				    .has_emission = from->has_emission,
+				    .has_specular = from->has_specular,
+				    .has_specular_weight = from->has_specular_weight,
+				    .specular_weight = from->specular_weight,
+				    .has_metallic = from->has_metallic,
+				    .metallic = from->metallic,
+				    .has_roughness = from->has_roughness,
+				    .roughness = from->roughness};
+	to->base_color = vec3_write(&from->base_color);
+	to->emission = vec3_write(&from->emission);
+	to->specular = vec3_write(&from->specular);
+	return take_string("a material's name", from->name, to->name, sizeof(to->name), error);
+}
+
+static candil_status write_node(const struct candil_node_edit *from, candil_NodeEdit *to, struct candil_error *error)
+{
+	*to = (candil_NodeEdit){
+	    .has_translation = from->has_translation, .has_rotation = from->has_rotation, .has_scale = from->has_scale};
+	to->translation = vec3_write(&from->translation);
+	to->rotation = (candil_Quaternion){from->rotation[0], from->rotation[1], from->rotation[2], from->rotation[3]};
+	to->scale = vec3_write(&from->scale);
+	return take_string("a node's name", from->name, to->name, sizeof(to->name), error);
+}
+
+static candil_status write_edits(const struct candil_edits *from, candil_Edits *to, struct candil_error *error)
+{
+	candil_status status = CANDIL_STATUS_OK;
+	if (from->light_count > COUNT(to->lights) || from->material_count > COUNT(to->materials) ||
+	    from->node_count > COUNT(to->nodes))
+		return client_fail(error, CANDIL_STATUS_LIMIT,
+				   "a request edits at most %zu lights, materials and nodes each", COUNT(to->lights));
+	to->replace_lights = from->replace_lights;
+	to->time_s = from->time_s;
+	for (size_t i = 0; i < from->light_count; i++)
+		status = write_light(&from->lights[i], &to->lights[to->lights_count++]);
+	for (size_t i = 0; i < from->material_count && status == CANDIL_STATUS_OK; i++)
+		status = write_material(&from->materials[i], &to->materials[to->materials_count++], error);
+	for (size_t i = 0; i < from->node_count && status == CANDIL_STATUS_OK; i++)
+		status = write_node(&from->nodes[i], &to->nodes[to->nodes_count++], error);
+	if (status == CANDIL_STATUS_OK && from->animation)
+		status = take_string("the animation's name", from->animation, to->animation, sizeof(to->animation), error);
+	return status;
+}
+
 static candil_status write_sweep_camera(const struct candil_camera *from, candil_Camera *to, struct candil_error *error)
 {
 	*to = (candil_Camera)candil_Camera_init_zero;
 	if (from->name)
 		return take_string("a camera's name", from->name, to->name, sizeof(to->name), error);
+	if (!(from->vfov_degrees < 0) && !(from->vfov_degrees > 0)) // the scene's first
+		return CANDIL_STATUS_OK;
 	to->has_eye = to->has_target = to->has_up = true;
 	to->eye = vec3_write(&from->eye);
 	to->target = vec3_write(&from->target);
@@ -101,6 +165,8 @@ candil_status message_write_sweep(const struct candil_render_request *request, c
 	sweep->render.has_camera = false;
 	for (size_t i = 0; i < count && status == CANDIL_STATUS_OK; i++)
 		status = write_sweep_camera(&cameras[i], &sweep->cameras[sweep->cameras_count++], error);
+	for (size_t i = 0; i < count && request->edits && request->edits->animation; i++)
+		sweep->times[sweep->times_count++] = cameras[i].time_s;
 	return status;
 }
 
@@ -129,6 +195,9 @@ candil_status message_write_render(const struct candil_render_request *request, 
 		status = write_camera(request, render, error);
 	if (status == CANDIL_STATUS_OK)
 		status = write_options(request, render, error);
+	render->has_edits = request->edits != NULL;
+	if (status == CANDIL_STATUS_OK && request->edits)
+		status = write_edits(request->edits, &render->edits, error);
 	return status;
 }
 
@@ -169,12 +238,33 @@ static void read_scene_lists(const candil_SceneInfo *from, struct candil_scene_i
 		TEXT(to->facts[i], from->facts[i]);
 }
 
+static void read_scene_names(const candil_SceneInfo *from, struct candil_scene_info *to)
+{
+	_Static_assert(COUNT(to->nodes) == COUNT(from->nodes) && COUNT(to->material_names) == COUNT(from->material_names) &&
+			   COUNT(to->animations) == COUNT(from->animations),
+		       "candil.h and candil.options differ");
+	to->node_count = from->node_count;
+	to->node_list_count = from->nodes_count;
+	for (size_t i = 0; i < from->nodes_count; i++)
+		TEXT(to->nodes[i], from->nodes[i]);
+	to->material_list_count = from->material_names_count;
+	for (size_t i = 0; i < from->material_names_count; i++)
+		TEXT(to->material_names[i], from->material_names[i]);
+	to->animation_count = from->animation_count;
+	to->animation_list_count = from->animations_count;
+	for (size_t i = 0; i < from->animations_count; i++) {
+		TEXT(to->animations[i].name, from->animations[i].name);
+		to->animations[i].duration_s = isfinite(from->animations[i].duration_s) ? from->animations[i].duration_s : 0;
+	}
+}
+
 static void read_scene(const candil_SceneInfo *from, struct candil_scene_info *to)
 {
 	TEXT(to->name, from->name);
 	TEXT(to->file, from->file);
 	TEXT(to->hash, from->hash);
 	TEXT(to->light_units, from->light_units);
+	read_scene_names(from, to);
 	to->blob_bytes = from->blob_bytes;
 	to->triangles = from->triangles;
 	to->materials = from->materials;
@@ -221,6 +311,10 @@ static void read_accepted(const candil_Accepted *from, struct candil_accepted *t
 	to->job_bytes = from->job_bytes;
 	to->samples = from->samples;
 	to->depth = from->depth;
+	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil.h and candil.options differ");
+	to->note_count = from->notes_count;
+	for (size_t i = 0; i < from->notes_count; i++)
+		TEXT(to->notes[i], from->notes[i]);
 }
 
 static void read_progress(const candil_Progress *from, struct candil_progress *to)

@@ -260,6 +260,42 @@ def plates(folder, name="plates.gltf"):
     return g.save(folder, name)
 
 
+def turned(axis, degrees):
+    """The quaternion of a turn."""
+    x, y, z = (c * math.sin(math.radians(degrees) / 2) for c in axis)
+    return [x, y, z, math.cos(math.radians(degrees) / 2)]
+
+
+def stage(folder, arm=None, block=None, lamp=None, bulb=None, rig=None, name="stage.gltf"):
+    """Things that move: a block on an arm, a lamp that is a surface, a bulb that is a point light, a camera on a rig, each a
+    named node whose translation, rotation and scale the arguments replace. Animation "play", 2 s: the arm turns by 90 degrees
+    about +Y, the block grows to twice its size in steps of a second, the lamp sinks from 3 to 2 along a cubic that leaves and
+    arrives level, the rig moves 1 to the right."""
+    g = Gltf()
+
+    def part(own, other):
+        return {**own, **(other or {})}
+
+    g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("floor", (.5,) * 3), name="floor")
+    positions, triangles = box((0, 0, 0), (1, .6, .3))
+    block = g.place(positions, triangles, g.material("block", (.2, .4, .7)), root=False, name="block",
+                    **part({"translation": [.3, 0, 0]}, block))
+    arm = g.node(name="arm", children=[block], **part({"translation": [0, .5, 0]}, arm))
+    lamp = g.place(*quad((-.5, 0, -.5), (.5, 0, -.5), (.5, 0, .5), (-.5, 0, .5)), g.material("lamp", (0, 0, 0), (4,) * 3),
+                   name="lamp", **part({"translation": [0, 3, 0]}, lamp))
+    g.light("point", 2.0)
+    del g.json["nodes"][-1]["matrix"]
+    g.json["nodes"][-1].update(name="bulb", **part({"translation": [-1, 2, 1]}, bulb))
+    camera = g.camera((0, 2, 5), (0, .7, 0), 40)
+    g.json["scenes"][0]["nodes"].remove(camera)
+    rig = g.node(name="rig", children=[camera], **(rig or {}))
+    g.animation("play", (arm, "rotation", [0, 2], [turned((0, 1, 0), 0), turned((0, 1, 0), 90)]),
+                (block, "scale", [0, 1], [[1, 1, 1], [2, 2, 2]], "STEP"),
+                (lamp, "translation", [0, 2], [[0] * 3, [0, 3, 0], [0] * 3, [0] * 3, [0, 2, 0], [0] * 3], "CUBICSPLINE"),
+                (rig, "translation", [0, 2], [[0, 0, 0], [1, 0, 0]]))
+    return g.save(folder, name)
+
+
 CORNELL = [  # name, colour, corners counter-clockwise seen from inside
     ("floor", (.73, .73, .73), ((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1))),
     ("ceiling", (.73, .73, .73), ((-1, 2, -1), (1, 2, -1), (1, 2, 1), (-1, 2, 1))),
@@ -334,6 +370,7 @@ SCENES = {
     "second_uvs": second_uvs,
     "unlit_quad": unlit_quad,
     "plates": plates,
+    "stage": stage,
     "cornell": cornell,
     "cornell_obj": cornell_obj,
 }

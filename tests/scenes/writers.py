@@ -127,6 +127,17 @@ class Gltf:
         """A mesh under a node of its own."""
         return self.node(mesh=self.mesh(positions, triangles, material), **properties)
 
+    def animation(self, name, *channels):
+        """Channels are (node, path, times, values) with LINEAR, or with an interpolation behind."""
+        animation = {"name": name, "samplers": [], "channels": []}
+        for node, path, times, values, *more in channels:
+            keys = self.floats([(t,) for t in times], "SCALAR")
+            self.json["accessors"][keys].update(min=[min(times)], max=[max(times)])
+            animation["samplers"].append({"input": keys, "output": self.floats(values, "VEC%d" % len(values[0])),
+                                          "interpolation": more[0] if more else "LINEAR"})
+            animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": {"node": node, "path": path}})
+        return self.add("animations", animation)
+
     def camera(self, eye, target, vfov=40.0, name="camera", up=(0, 1, 0)):
         camera = self.add("cameras", {"type": "perspective", "name": name,
                                       "perspective": {"yfov": math.radians(vfov), "znear": 0.01}})
