@@ -1,4 +1,5 @@
-"""candil sweep against a real daemon: the same bits as single renders, what is there is left alone, shards share."""
+"""candil sweep against a real daemon: the same bits as single renders, what is there is left alone, shards share; and the
+edits that sweep and render take."""
 import json
 import os
 import tempfile
@@ -7,6 +8,7 @@ import unittest
 import numpy
 
 import images
+import make
 from common import CANDIL, Daemon, run, skip_without_device, write_scene
 
 SIZE = ("--size", "32x24", "--spp", "4")
@@ -147,12 +149,83 @@ class Sweep(unittest.TestCase):
             self.assertEqual(a["R"].tobytes(), b["R"].tobytes())
             self.assertTrue(a["R"].any())
 
+    def moving(self):
+        self.addCleanup(setattr, self, "scene", self.scene)
+        self.scene = make.stage(self.folder)
+
+    def same(self, image, *arguments):
+        single = self.path("single.exr")
+        result = self.candil("render", self.scene, "-o", single, *SIZE, *arguments)
+        self.assertEqual(result.returncode, 0, result)
+        ours, theirs = images.channels(image["image"]), images.channels(single)
+        self.assertEqual([c.tobytes() for c in ours.values()], [c.tobytes() for c in theirs.values()])
+        return ours["R"]
+
+    def test_an_animation_is_renders_at_its_times(self):
+        self.moving()
+        summary = self.sweep("a{index}.exr", "--animation", "play", "--frames", "3")
+        self.assertEqual([image["time_s"] for image in summary["images"]], [0, 1, 2])
+        seen = [self.same(i, "--animation", "play", "--time", str(i["time_s"])) for i in summary["images"]]
+        self.assertFalse(numpy.array_equal(seen[0], seen[1]) or numpy.array_equal(seen[1], seen[2]))
+        summary = self.sweep("b{index}.exr", "--animation", "#0", "--fps", "1.5", "--camera", "camera")
+        self.assertEqual([image["time_s"] for image in summary["images"]], [0, 1 / 1.5, 2 / 1.5, 2])
+        self.same(summary["images"][1], "--animation", "play", "--time", repr(1 / 1.5))
+        summary = self.sweep("c{index}.exr", "--animation", "play", "--orbit", "2", "--node", "block:scale=2")
+        self.assertEqual([image["time_s"] for image in summary["images"]], [0, 2])
+
+    def test_keys_are_met_and_the_way_between_is_smooth(self):
+        with open(self.path("keys.json"), "w") as file:
+            json.dump([[0, 1, 5, 0, 0, 0, 0, 1, 0, 40], [3, 1, 4, 0, 1, 0, 0, 1, 0, 20], [5, 1, 0, 0, 0, 0, 0, 1, 0, 40]], file)
+        summary = self.sweep("k{index}.exr", "--keys", self.path("keys.json"), "--frames", "9")
+        cameras = [image["camera"] for image in summary["images"]]
+        self.assertEqual([c["eye"] for c in cameras[::4]], [[0, 1, 5], [3, 1, 4], [5, 1, 0]])
+        self.assertEqual([c["vfov_degrees"] for c in cameras[::4]], [40, 20, 40])
+        x = numpy.array([c["eye"][0] for c in cameras])
+        self.assertTrue((numpy.diff(x) > 0).all(), x)
+        self.assertLess(numpy.abs(numpy.diff(x, 2)).max(), .5 * numpy.diff(x).max())
+
+    def test_edits_on_the_command_line(self):
+        self.moving()
+        plain, edited = self.path("plain.exr"), self.path("edited.exr")
+        for path, more in ((plain, []), (edited, [
+                "--light", "spot:at=0,4,0,to=0,0,0,cone=10,40,intensity=30", "--light", "point:at=1,1,1,intensity=1,2,3",
+                "--light", "directional:direction=0,-1,-1,intensity=.5", "--replace-lights", "--material",
+                "block:color=.8,.1,.1,metallic=1,roughness=.3", "--node", "arm:rotate=0,1,0,30,translate=0,1,0,scale=2"])):
+            result = self.candil("render", self.scene, "-o", path, *SIZE, "--json", *more)
+            self.assertEqual(result.returncode, 0, result)
+        self.assertIn("glossy", [e["name"] for e in json.loads(result.stdout)["effects"] if e["state"] == "simulated"])
+        self.assertFalse(numpy.array_equal(images.rgb(plain), images.rgb(edited)))
+        for wrong in (["--light", "lamp:at=0,0,0,intensity=1"], ["--light", "point:intensity=1"], ["--light", "point:at=0,0,0"],
+                      ["--light", "spot:at=0,0,0,to=1,1,1,intensity=1"], ["--light", "point:at=0,nan,0,intensity=1"],
+                      ["--light", "directional:to=1,1,1,intensity=1"], ["--material", "block"], ["--material", ":metallic=1"],
+                      ["--material", "block:shine=1"], ["--node", "arm:rotate=0,0,0,30"], ["--node", "arm:translate=1,2"],
+                      ["--node", "arm:scale=1,2,3,4,5"], ["--time", "x"], ["--light", "point:at=0,0,0,intensity=1"] * 33):
+            result = self.candil("render", self.scene, "-o", self.path("x.exr"), *SIZE, *wrong)
+            self.assertEqual(result.returncode, 2, wrong)
+        for wrong in (["--node", "leg:scale=2"], ["--material", "gold:metallic=1"], ["--animation", "dance"]):
+            result = self.candil("render", self.scene, "-o", self.path("x.exr"), *SIZE, *wrong)
+            self.assertNotEqual(result.returncode, 0)
+            self.assertIn("candil describe", result.stderr)
+
+    def test_describe_lists_what_edits_may_name(self):
+        self.moving()
+        told = json.loads(self.candil("describe", self.scene, "--json").stdout)
+        self.assertEqual(told["nodes"], ["floor", "arm", "block", "lamp", "bulb", "rig", "camera"])
+        self.assertEqual(told["material_names"], ["floor", "block", "lamp"])
+        self.assertEqual(told["animations"], [{"name": "play", "duration_s": 2.0}])
+        text = self.candil("describe", self.scene).stdout
+        for words in ("nodes       floor, arm, block", "materials   floor", "animation   play: 2 s"):
+            self.assertIn(words, text)
+
     def test_refused(self):
         for text in ("", "[]", "[1,2]", "{}", '{"eye":[1,2,3],"target":[0,0,0]}', "[[1,2,3,4,5,6,7,8,9,\"x\"]]", "nonsense",
                      "[0,1,4,0,1,0,0,1,0,40] nonsense", "[0,1,4,0,1,0,0,1,0,400]"):
             self.sweep("r{index}.exr", *self.cameras(text), status=2)
         for wrong in (["--orbit", "0"], ["--orbit", "2,90"], ["--orbit", "2,1,0"], ["--orbit", "x"], [],
-                      ["--orbit", "2", "--shard", "0/2"], ["--orbit", "2", "--shard", "3/2"]):
+                      ["--orbit", "2", "--shard", "0/2"], ["--orbit", "2", "--shard", "3/2"], ["--frames", "3"],
+                      ["--orbit", "2", "--frames", "3"], ["--orbit", "2", "--camera", "camera"], ["--fps", "3"],
+                      ["--animation", "play", "--frames", "2", "--fps", "2"], ["--animation", "play", "--frames", "0"],
+                      ["--animation", "play", "--fps", "0"], ["--keys", "x.json"], ["--animation", "play", "--time", "1"]):
             self.sweep("r{index}.exr", *wrong, status=2)
         self.sweep("r.exr", "--orbit", "2", status=2)
         self.sweep("nowhere/{index}.exr", "--orbit", "2", status=1)

@@ -50,7 +50,7 @@ class Stage:
         self.loaded[name] = self.connection.load(name, self.folder, name)
         return name
 
-    def request(self, scene, spp=8, size=48, depth=3, camera=None, **edits):
+    def request(self, scene, spp=4, size=48, depth=3, camera=None, **edits):
         r = pb.Render(scene=scene, width=size, height=size, samples=spp, format=pb.FORMAT_EXR_FLOAT,
                       options=[pb.Option(name="pt.depth", value=str(depth))], aovs=1 | 8)
         if camera:

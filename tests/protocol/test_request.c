@@ -164,6 +164,80 @@ static void options(void **state)
 	assert_int_equal(judge(r), STATUS_BAD_ARGUMENT);
 }
 
+// A good request with one good edit of each kind.
+static candil_Render edited(void)
+{
+	candil_Render r = good();
+	candil_Edits *e = &r.edits;
+	r.has_edits = true;
+	e->lights_count = e->materials_count = e->nodes_count = 1;
+	e->lights[0] = (candil_Light){.kind = candil_LightKind_LIGHT_KIND_SPOT,
+				      .has_position = true,
+				      .has_direction = true,
+				      .direction = {0, -1, 0},
+				      .has_intensity = true,
+				      .intensity = {1, 1, 1},
+				      .outer_degrees = 30};
+	e->materials[0] = (candil_MaterialEdit){.name = "wall", .has_metallic = true, .metallic = 1};
+	e->nodes[0] = (candil_NodeEdit){.name = "arm", .has_rotation = true, .rotation = {0, 0, 0, 2}};
+	return r;
+}
+
+#define BROKEN_EDIT(change) \
+	({ \
+		candil_Render r = edited(); \
+		candil_Light *l = &r.edits.lights[0]; \
+		candil_MaterialEdit *m = &r.edits.materials[0]; \
+		candil_NodeEdit *n = &r.edits.nodes[0]; \
+		(void)l, (void)m, (void)n; \
+		change; \
+		judge(r); \
+	})
+
+static void edits(void **state)
+{
+	const double bad[] = {NAN, INFINITY, -INFINITY, 2 * LIMIT_COORDINATE, -1};
+	(void)state;
+	assert_int_equal(judge(edited()), STATUS_OK);
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		assert_int_equal(BROKEN_EDIT(l->intensity.y = bad[i]), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT(l->inner_degrees = bad[i]), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT(l->outer_degrees = bad[i]), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT(m->metallic = bad[i]), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((m->has_roughness = true, m->roughness = bad[i])), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((m->has_base_color = true, m->base_color.x = bad[i])), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((m->has_emission = true, m->emission.z = bad[i])), STATUS_BAD_ARGUMENT);
+	}
+	for (size_t i = 0; i < 4; i++) {
+		assert_int_equal(BROKEN_EDIT(l->position.x = bad[i]), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((n->has_translation = true, n->translation.x = bad[i])), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((n->has_scale = true, n->scale = (candil_Vec3){1, bad[i], 1})),
+				 STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT(r.edits.time_s = bad[i]), STATUS_BAD_ARGUMENT);
+	}
+	for (size_t i = 0; i < 3; i++) {
+		assert_int_equal(BROKEN_EDIT(l->direction.z = bad[i]), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT(n->rotation.w = bad[i]), STATUS_BAD_ARGUMENT);
+	}
+	assert_int_equal(BROKEN_EDIT(l->kind = (candil_LightKind)3), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(l->direction.y = 0), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(l->has_position = false), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(l->has_direction = false), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(l->has_intensity = false), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(l->outer_degrees = 91), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(l->inner_degrees = 30), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT((l->kind = candil_LightKind_LIGHT_KIND_POINT, l->has_direction = false)), STATUS_OK);
+	assert_int_equal(BROKEN_EDIT((l->kind = candil_LightKind_LIGHT_KIND_DIRECTIONAL, l->has_position = false)),
+			 STATUS_OK);
+	assert_int_equal(BROKEN_EDIT(n->rotation.w = 0), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT((n->has_scale = true, n->scale = (candil_Vec3){1, 0, 1})), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT((n->has_scale = true, n->scale = (candil_Vec3){1, -2, 1})), STATUS_OK);
+	assert_int_equal(BROKEN_EDIT(n->name[0] = 0), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(strcpy(m->name, "a\nb")), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT(strcpy(r.edits.animation, "\xFF")), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN_EDIT((r.has_edits = false, n->name[0] = 0)), STATUS_OK);
+}
+
 static void names(void **state)
 {
 	(void)state;
@@ -237,6 +311,7 @@ int main(void)
 	    cmocka_unit_test(cameras),
 	    cmocka_unit_test(effects_and_outputs),
 	    cmocka_unit_test(options),
+	    cmocka_unit_test(edits),
 	    cmocka_unit_test(names),
 	    cmocka_unit_test(loads),
 	    cmocka_unit_test(noise_is_refused_or_read),
