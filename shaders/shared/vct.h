@@ -10,6 +10,10 @@
 
 #define VCT_CONES_MAX 32
 #define VCT_LEVELS_MAX 9
+// Cones of an entry's side when light goes from surface to surface: a quarter each, by the place of its voxel, so that the four
+// entries that a wall has in a cell of the pyramid have all together.
+#define VCT_GATHER_CONES 16
+#define VCT_GATHER_GROUPS 4
 
 // A uniform block, std140: vectors of four.
 struct vct_params {
@@ -28,13 +32,16 @@ struct vct_params {
 	uint reserved[2];
 	float cone[VCT_CONES_MAX][4]; // direction in a frame whose z is the normal; its weight of the cosine's integral
 	float tangent[VCT_CONES_MAX][4]; // x: of the half aperture
+	float gather[VCT_GATHER_CONES][4]; // direction; tangent of the half aperture. All weigh the same
 };
-LAYOUT_ASSERT(vct_params, 80 + 32 * VCT_CONES_MAX)
+LAYOUT_ASSERT(vct_params, 80 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
 #define UNIFORM_VCT_PARAMS 1 // uniform block binding
 
 // Storage blocks: floats, six an entry: irradiance of its front (counter-clockwise) side, then of its back, W/m².
 #define BIND_VCT_DIRECT 26 // from the lights; two uints more at the end: bits of the largest of all, walks that the driver cut short
 #define BIND_VCT_TOTAL 27 // and from other surfaces and the background
+
+#define BIND_VCT_CELLS 28 // uints: how many cells of the finest level have entries, then which
 
 #define VCT_PYRAMID_UNIT 4 // texture
 #define VCT_PYRAMID_IMAGE 2 // image: the level that is being made

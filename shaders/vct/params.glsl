@@ -12,6 +12,7 @@ layout(std140, binding = UNIFORM_VCT_PARAMS) uniform VctParams {
 	uvec4 vct_reach_emission;     // x: bits of metres; y: emission
 	vec4 vct_cone[VCT_CONES_MAX];
 	vec4 vct_tangent[VCT_CONES_MAX];
+	vec4 vct_gather[VCT_GATHER_CONES];
 };
 
 uint vct_cones()

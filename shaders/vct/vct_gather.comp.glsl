@@ -12,6 +12,9 @@ layout(location = VCT_RANGE) uniform uvec2 range;
 layout(std430, binding = BIND_VOXEL_PLACE) readonly buffer VoxelPlace {
 	uvec4 voxel_place[];
 };
+layout(std430, binding = BIND_VOXEL_ALBEDO) readonly buffer VoxelAlbedo {
+	uvec4 voxel_albedo[];
+};
 layout(std430, binding = BIND_VCT_DIRECT) readonly buffer VctDirect {
 	float vct_direct[];
 };
@@ -31,6 +34,16 @@ void frame_of(vec3 n, out vec3 x, out vec3 y)
 	y = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
+// Different for the four voxels of any two by two that lie in a plane across an axis.
+uint group_of(uint entry)
+{
+	uint number = voxel_albedo[entry].w >> 1;
+	uvec3 sides = vct_sides_top.xyz;
+	uvec3 voxels = uvec3(sides.x, sides.yz) * 2u;
+	uvec3 v = uvec3(number % voxels.x, number / voxels.x % voxels.y, number / voxels.x / voxels.y);
+	return ((v.x ^ v.z) & 1u) | ((v.y ^ v.z) & 1u) << 1;
+}
+
 void main()
 {
 	uint item = range.x + gl_GlobalInvocationID.x;
@@ -43,7 +56,13 @@ void main()
 	normal = side == 0u ? normal : -normal;
 	vec3 x, y;
 	frame_of(normal, x, y);
-	vec3 e = PI * cone_irradiance(cone_from(uintBitsToFloat(place.xyz), normal, 0.0), x, y, normal);
+	cone_origin o = cone_from(uintBitsToFloat(place.xyz), normal, 0.0);
+	vec3 e = vec3(0.0);
+	for (uint i = group_of(entry); i < VCT_GATHER_CONES; i += VCT_GATHER_GROUPS) {
+		vec4 c = vct_gather[i];
+		e += cone_radiance(o, c.x * x + c.y * y + c.z * normal, c.w);
+	}
+	e *= PI * float(VCT_GATHER_GROUPS) / float(VCT_GATHER_CONES);
 	uint at = entry * 6u + side * 3u;
 	for (uint i = 0u; i < 3u; i++)
 		vct_total[at + i] = vct_direct[at + i] + e[i];

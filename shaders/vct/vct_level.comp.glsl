@@ -2,6 +2,7 @@
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
+#include "vct/pair.glsl"
 #include "vct/params.glsl"
 
 layout(local_size_x = VCT_GROUP) in;
@@ -13,15 +14,6 @@ layout(binding = VCT_PYRAMID_IMAGE, rgba16f) uniform writeonly image3D level_ima
 vec4 below(uvec3 at, uint way, uint side)
 {
 	return texelFetch(vct_pyramid, ivec3(at.x + way * side, at.yz), int(level) - 1);
-}
-
-// As in vct_inject.comp.glsl.
-vec4 pair(vec4 near, vec4 far)
-{
-	float apart = min(far.a, 1.0 - near.a);
-	float alike = max(far.a - near.a, 0.0);
-	float rest = 0.5 * (apart + alike);
-	return near + (far.a > 0.0 ? far * (rest / far.a) : vec4(0.0));
 }
 
 void main()

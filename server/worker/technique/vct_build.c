@@ -7,6 +7,7 @@
 #include "server/base/clock.h"
 #include "server/worker/gl/scene.h"
 #include "server/worker/technique/vct_cones.h"
+#include "shaders/gl/vct_cells_comp.h"
 #include "shaders/gl/vct_gather_comp.h"
 #include "shaders/gl/vct_inject_comp.h"
 #include "shaders/gl/vct_level_comp.h"
@@ -17,6 +18,7 @@
 #define COARSEST_CELLS 8u // along the longest axis, of the coarsest level that cones read: coarser ones blur whole rooms
 #define SCALED_MOST 512.0f // the pyramid's radiance where it is largest: half floats hold 128 times as much
 
+static const struct gl_source cells_source = {.name = "vct_cells", .compute = source_vct_cells_comp};
 static const struct gl_source light_source = {.name = "vct_light", .compute = source_vct_light_comp};
 static const struct gl_source inject_source = {.name = "vct_inject", .compute = source_vct_inject_comp};
 static const struct gl_source level_source = {.name = "vct_level", .compute = source_vct_level_comp};
@@ -55,6 +57,16 @@ uint64_t vct_pyramid_bytes(const struct voxel_grid *grid)
 	return gl_texture_bytes(&desc);
 }
 
+static void fill_gather(struct vct_params *p)
+{
+	float cone[VCT_CONES_MAX][4], tangent[VCT_CONES_MAX][4];
+	vct_cones_fill(VCT_GATHER_CONES, cone, tangent);
+	for (uint32_t i = 0; i < VCT_GATHER_CONES; i++) {
+		memcpy(p->gather[i], cone[i], 3 * sizeof(float));
+		p->gather[i][3] = tangent[i][0];
+	}
+}
+
 static void fill_params(struct vct_volume *v)
 {
 	const struct vct_options *o = &v->options;
@@ -73,6 +85,7 @@ static void fill_params(struct vct_volume *v)
 	p->reach = o->reach > 0 ? o->reach : INFINITY;
 	p->emission = o->emission;
 	vct_cones_fill(o->cones, p->cone, p->tangent);
+	fill_gather(p);
 }
 
 static void write_params(struct vct_volume *v)
@@ -168,7 +181,27 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 	s = gl_buffer_init(&v->direct, v->device, bytes, NULL, err);
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&v->total, v->device, bytes, NULL, err);
-	enter(v, v->voxels->grid.entries > 0 ? VCT_LIGHT : VCT_DONE);
+	if (s == STATUS_OK)
+		s = gl_buffer_init(&v->cells, v->device, ((uint64_t)v->voxels->grid.entries + 1) * sizeof(uint32_t), NULL,
+				   err);
+	enter(v, v->voxels->grid.entries > 0 ? VCT_LIST : VCT_DONE);
+	return s;
+}
+
+static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	bool done;
+	enum status s = use(v, &cells_source, NULL, err);
+	if (s != STATUS_OK)
+		return s;
+	voxels_bind(v->voxels);
+	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_buffer_bind(&v->cells, BIND_VCT_CELLS);
+	s = run_items(v, timer, "voxelise", v->voxels->grid.entries, budget_us, &done, err);
+	if (s == STATUS_OK && done) {
+		enter(v, VCT_LIGHT);
+		s = gl_buffer_read(&v->cells, v->device, 0, sizeof v->cell_count, &v->cell_count, err);
+	}
 	return s;
 }
 
@@ -227,9 +260,10 @@ static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t
 		return s;
 	voxels_bind(v->voxels);
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_buffer_bind(&v->cells, BIND_VCT_CELLS);
 	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
 	gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, 0, GL_WRITE_ONLY);
-	s = run_items(v, timer, "pyramid", cells_of_level(&v->params, 0), budget_us, &done, err);
+	s = run_items(v, timer, "pyramid", 3ull * v->cell_count, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
 		enter(v, VCT_LEVELS);
 		v->level = 1;
@@ -290,6 +324,8 @@ enum status vct_build_piece(struct vct_volume *v, struct gl_timer *timer, uint32
 	switch ((enum vct_stage)v->stage) {
 	case VCT_VOXELISE:
 		return voxelise(v, timer, budget_us, err);
+	case VCT_LIST:
+		return list(v, timer, budget_us, err);
 	case VCT_LIGHT:
 		return light(v, timer, budget_us, err);
 	case VCT_INJECT:

@@ -21,6 +21,7 @@ static const char kind; // its address names the shelf among the derived
 static void destroy(struct vct_volume *v)
 {
 	gl_buffer_finish(&v->params_block, v->device);
+	gl_buffer_finish(&v->cells, v->device);
 	gl_buffer_finish(&v->direct, v->device);
 	gl_buffer_finish(&v->total, v->device);
 	gl_buffer_finish(&v->job, v->device);

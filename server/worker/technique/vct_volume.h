@@ -37,6 +37,8 @@ struct vct_volume {
 	struct voxels *voxels;
 	struct vct_params params;
 	struct gl_buffer params_block; // struct vct_params
+	struct gl_buffer cells; // BIND_VCT_CELLS
+	uint32_t cell_count; // occupied cells of the pyramid's finest level
 	struct gl_buffer direct, total; // BIND_VCT_DIRECT, BIND_VCT_TOTAL
 	struct gl_buffer job; // struct pt_job, for the lights
 	struct gl_texture pyramid;
