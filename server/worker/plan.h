@@ -23,6 +23,7 @@ struct plan_camera {
 enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
 enum plan_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
 enum plan_emitters { VCT_EMITTERS_AUTO, VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
+enum plan_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
 
 struct plan {
@@ -43,6 +44,7 @@ struct plan {
 	uint32_t vct_cones; // diffuse cones at least; 0: by the resolution
 	uint32_t vct_grid; // enum plan_grid
 	uint32_t vct_emitters; // enum plan_emitters
+	uint32_t vct_detail; // enum plan_detail
 	float vct_step; // from sample to sample, of the cone's breadth
 	float vct_start; // from a surface to the first sample, cells of the pyramid's finest level
 	float vct_dither; // of the start

@@ -23,6 +23,7 @@ static const char *const shadows[] = {"rays", "none", NULL};
 static const char *const traversals[] = {"auto", "single", "packet", NULL};
 static const char *const grids[] = {"fitted", "cube", NULL};
 static const char *const emitter_ways[] = {"auto", "points", "cones", NULL};
+static const char *const details[] = {"half", "full", NULL};
 static const char *const voxel_kinds[] = {"texture", NULL};
 static const char *const resolution_words[] = {"16", "32", "64", "128", "256", "512", NULL};
 static const uint32_t resolutions[] = {16, 32, 64, 128, 256, 512};
@@ -42,6 +43,7 @@ static const struct option_rule options[] = {
     {"vct.bounces", 0, LIMIT_VCT_BOUNCES, NULL, NULL, false, FIELD(vct_bounces)},
     {"vct.cones", 0, LIMIT_VCT_CONES, NULL, NULL, false, FIELD(vct_cones)},
     {"vct.emitters", 0, 0, emitter_ways, NULL, false, FIELD(vct_emitters)},
+    {"vct.detail", 0, 0, details, NULL, false, FIELD(vct_detail)},
     {"vct.step", 0.1, 4, NULL, NULL, true, FIELD(vct_step)},
     {"vct.start", 0.25, 8, NULL, NULL, true, FIELD(vct_start)},
     {"vct.dither", 0, 1, NULL, NULL, true, FIELD(vct_dither)},

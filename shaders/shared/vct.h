@@ -45,8 +45,11 @@ LAYOUT_ASSERT(vct_params, 80 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
 
 #define VCT_PYRAMID_UNIT 4 // texture
 #define VCT_PYRAMID_IMAGE 2 // image: the level that is being made
-#define VCT_INDIRECT_UNIT 5 // texture: indirect light at a lower resolution
-#define VCT_INDIRECT_IMAGE 3 // image: the same, being made
+// Indirect light of every second pixel of every second row: textures, and the images that they are made as.
+#define VCT_IRRADIANCE_UNIT 5
+#define VCT_FACETS_UNIT 6
+#define VCT_IRRADIANCE_IMAGE 3
+#define VCT_FACETS_IMAGE 4
 
 #define VCT_GROUP 64 // invocations
 #define VCT_RANGE 8 // uniform location, uvec2: first item of the dispatch, and how many

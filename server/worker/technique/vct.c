@@ -1,5 +1,6 @@
 #include "server/worker/technique/vct.h"
 
+#include <epoxy/gl.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,15 +9,21 @@
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/technique/vct_cones.h"
 #include "server/worker/technique/vct_volume.h"
+#include "shaders/gl/vct_coarse_comp.h"
 #include "shaders/gl/vct_cones_comp.h"
+#include "shaders/gl/vct_fine_comp.h"
 
 #define BUILD_SHARE 0.5 // of the job's fraction, that making the volume counts for
 
 struct technique_job {
 	struct deferred *deferred;
 	struct vct_volume *volume; // NULL: nothing comes but straight from the lights
+	struct gl_device *device;
+	struct gl_texture irradiance, facets; // with VCT_DETAIL_HALF: shaders/vct/half.glsl
 };
 
+static const struct gl_source coarse_source = {.name = "vct_coarse", .compute = source_vct_coarse_comp};
+static const struct gl_source fine_source = {.name = "vct_fine", .compute = source_vct_fine_comp};
 static const struct gl_source cones_source = {.name = "vct_cones", .compute = source_vct_cones_comp};
 
 // The finer the voxels, the more cones: either alone leaves the other's error.
@@ -60,7 +67,46 @@ static bool needs_volume(const struct plan *plan, const struct resident_scene *s
 static void bind_volume(void *user, const struct deferred_area *area)
 {
 	(void)area;
-	vct_volume_bind(user);
+	const struct technique_job *j = user;
+	vct_volume_bind(j->volume);
+	if (!j->irradiance.name)
+		return;
+	gl_texture_bind(&j->irradiance, VCT_IRRADIANCE_UNIT);
+	gl_texture_bind(&j->facets, VCT_FACETS_UNIT);
+	gl_texture_bind_image(&j->irradiance, VCT_IRRADIANCE_IMAGE, 0, GL_WRITE_ONLY);
+	gl_texture_bind_image(&j->facets, VCT_FACETS_IMAGE, 0, GL_WRITE_ONLY);
+}
+
+// The passes for light between surfaces, behind `count` others.
+static uint32_t cone_passes(struct technique_job *j, const struct plan *plan, struct deferred_pass *passes, uint32_t count)
+{
+	const struct deferred_pass pass = {.stage = "cones", .bind = bind_volume, .user = j};
+	passes[count] = pass;
+	passes[count].source = plan->vct_detail == VCT_DETAIL_HALF ? &coarse_source : &cones_source;
+	if (plan->vct_detail == VCT_DETAIL_FULL)
+		return count + 1;
+	passes[count + 1] = pass;
+	passes[count + 1].source = &fine_source;
+	return count + 2;
+}
+
+static struct gl_texture_desc half_desc(const struct gl_device *gl, const struct plan *plan)
+{
+	return (struct gl_texture_desc){.target = GL_TEXTURE_2D,
+					.format = GL_RGBA32F,
+					.width = (plan->width + 1) / 2,
+					.height = (deferred_band_rows(gl, plan) + 1) / 2,
+					.depth = 1,
+					.levels = 1};
+}
+
+static enum status make_half(struct technique_job *j, const struct plan *plan, struct error *err)
+{
+	const struct gl_texture_desc desc = half_desc(j->device, plan);
+	if (plan->vct_detail == VCT_DETAIL_FULL)
+		return STATUS_OK;
+	enum status s = gl_texture_init(&j->irradiance, j->device, &desc, err);
+	return s == STATUS_OK ? gl_texture_init(&j->facets, j->device, &desc, err) : s;
 }
 
 static uint64_t vct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
@@ -78,6 +124,8 @@ static void vct_end(struct technique_job *job)
 	if (!job)
 		return;
 	deferred_destroy(job->deferred);
+	gl_texture_finish(&job->irradiance, job->device);
+	gl_texture_finish(&job->facets, job->device);
 	vct_volume_release(job->volume);
 	free(job);
 }
@@ -87,17 +135,17 @@ static enum status vct_begin(struct devices *devices, struct resident_scene *sce
 {
 	struct deferred_pass passes[DEFERRED_PASSES_MAX];
 	struct vct_options options;
-	struct gl_device *gl;
 	struct technique_job *j = calloc(1, sizeof *j);
 	if (!j)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	options_of(plan, scene, &options);
 	uint32_t count = direct_passes(plan, scene, passes);
-	enum status s = devices_gl(devices, &gl, err);
+	enum status s = devices_gl(devices, &j->device, err);
 	if (s == STATUS_OK && needs_volume(plan, scene)) {
-		s = vct_volume_acquire(scene, gl, plan, &options, &j->volume, err);
-		passes[count++] = (struct deferred_pass){
-		    .source = &cones_source, .stage = "cones", .bind = bind_volume, .user = j->volume};
+		s = vct_volume_acquire(scene, j->device, plan, &options, &j->volume, err);
+		if (s == STATUS_OK)
+			s = make_half(j, plan, err);
+		count = cone_passes(j, plan, passes, count);
 	}
 	if (s == STATUS_OK)
 		s = deferred_create(devices, scene, plan, scene_bindings_trace(), passes, count, &j->deferred, err);

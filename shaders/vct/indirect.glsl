@@ -1,0 +1,55 @@
+// Light that comes to a pixel's surface from other surfaces and the background: the diffuse cones, and one about the mirror
+// direction as wide as the facets scatter.
+#ifndef VCT_INDIRECT_GLSL
+#define VCT_INDIRECT_GLSL
+
+#include "common/bsdf.glsl"
+#include "direct/pixel.glsl"
+#include "vct/cone.glsl"
+
+struct indirect {
+	vec3 irradiance;   // / π, about the shading normal
+	vec3 facets;       // radiance that the facets reflect
+};
+
+// Part of a step by which a pixel's cones are shifted, −0.5…0.5: neighbours differ, 4 × 4 pixels have them all.
+float pixel_shift(uvec2 pixel)
+{
+	uvec2 p = pixel & 3u;
+	uint odd = (p.x ^ p.y) & 1u;
+	uint far = (p.x ^ p.y) >> 1;
+	return (float(odd << 3 | (p.y & 1u) << 2 | far << 1 | p.y >> 1) + 0.5) / 16.0 - 0.5;
+}
+
+vec3 mirror_direction(bsdf b)
+{
+	vec3 l = vec3(-b.view.xy, b.view.z);
+	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
+	float above = dot(b.geometric, w);
+	return above < 0.0 ? w - 2.0 * above * b.geometric : w;
+}
+
+indirect indirect_at(surface s, bsdf b, uvec2 pixel)
+{
+	cone_origin o = cone_from(s.position, s.geometric, pixel_shift(pixel));
+	indirect r = indirect(vec3(0.0), vec3(0.0));
+	if (max(b.diffuse, vec3(0.0)) != vec3(0.0))
+		r.irradiance = cone_irradiance(o, b.x, b.y, b.normal);
+	// Half of what GGX's normals reflect lies within the half vector's angle of atan α (Walter et al. 2007); a sharper cone than
+	// 1° would only show single cells.
+	if (EFFECT_GLOSSY && max(b.f0, b.f90) != vec3(0.0))
+		r.facets = cone_radiance(o, mirror_direction(b), clamp(b.alpha, 0.0087, 1.0));
+	return r;
+}
+
+// What the surface makes of it: radiance towards the camera.
+vec3 indirect_radiance(bsdf b, indirect r)
+{
+	if (!EFFECT_GLOSSY)
+		return b.diffuse * r.irradiance;
+	vec3 specular = specular_albedo(b, ggx_albedo(b.view.z, b.roughness));
+	vec3 share = b.mirror ? schlick(b.f0, b.f90, b.view.z) : specular;
+	return b.diffuse * (1.0 - specular) * r.irradiance + share * r.facets;
+}
+
+#endif

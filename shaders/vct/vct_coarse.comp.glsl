@@ -1,0 +1,36 @@
+// Indirect light of every second pixel of every second row. The first quarter of a band's tiles do it, for a lane that has
+// nothing to do costs as much as one that has.
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+
+#include "vct/half.glsl"
+
+layout(local_size_x = TILE_PIXELS) in;
+layout(binding = VCT_IRRADIANCE_IMAGE, rgba32f) uniform writeonly image2D irradiance_image;
+layout(binding = VCT_FACETS_IMAGE, rgba32f) uniform writeonly image2D facets_image;
+
+void main()
+{
+	uvec2 sides = half_sides();
+	uint columns = (turn.w + TILE_SIDE - 1u) / TILE_SIDE;
+	uint tile = area.z + gl_WorkGroupID.x - area.x / TILE_SIDE * columns;   // within the band
+	uvec2 texel = tile_pixel(tile, (sides.x + TILE_SIDE - 1u) / TILE_SIDE);
+	if (gl_WorkGroupID.x >= area.w || texel.x >= sides.x || texel.y >= sides.y)
+		return;
+	uvec2 pixel = half_pixel(texel);
+	visible_point v;
+	indirect r = indirect(vec3(0.0), vec3(0.0));
+	float t = 0.0;
+	uint normal = 0u;
+	if (pixel_visible(pixel, v)) {
+		surface s = pixel_surface(v);
+		bsdf b = bsdf_make(s, v.direction);
+		if (!(EFFECT_UNLIT && s.unlit)) {
+			r = indirect_at(s, b, texel);
+			t = v.t;
+			normal = octahedral_pack(b.normal);
+		}
+	}
+	imageStore(irradiance_image, ivec2(texel), vec4(r.irradiance, t));
+	imageStore(facets_image, ivec2(texel), vec4(r.facets, uintBitsToFloat(normal)));
+}

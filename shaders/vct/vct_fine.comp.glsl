@@ -1,0 +1,69 @@
+// Every pixel's indirect light out of the four nearest that have some of their own, as far as they lie on the same surface:
+// bilinear weights, less for another normal or another plane (Kopf et al. 2007, "Joint bilateral upsampling"). A pixel that has
+// no such neighbour traces its own cones.
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+
+#include "vct/half.glsl"
+
+layout(local_size_x = TILE_PIXELS) in;
+layout(binding = VCT_IRRADIANCE_UNIT) uniform sampler2D irradiance_texture;
+layout(binding = VCT_FACETS_UNIT) uniform sampler2D facets_texture;
+
+const float PLANE_PART = 0.02;    // of the distance between the two points, off the plane
+const float LEAST_WEIGHT = 0.05;
+
+// How far a neighbour's light may stand for this surface's.
+float kinship(surface s, vec3 normal, float breadth, uvec2 texel, vec4 irradiance, vec4 facets)
+{
+	visible_point v = visible_ray(half_pixel(texel));
+	vec3 apart = v.origin + irradiance.a * v.direction - s.position;
+	float off = abs(dot(apart, s.geometric)) / (0.25 * breadth + PLANE_PART * length(apart));
+	float turned = max(dot(normal, octahedral_unpack(floatBitsToUint(facets.a))), 0.0);
+	turned *= turned;
+	turned *= turned;
+	turned *= turned;
+	return irradiance.a > 0.0 ? turned * turned * max(1.0 - off, 0.0) : 0.0;
+}
+
+bool blend(surface s, bsdf b, visible_point v, uvec2 pixel, out indirect r)
+{
+	vec2 at = vec2(pixel - uvec2(0u, area.x)) * 0.5;
+	uvec2 base = uvec2(at);
+	vec2 f = at - vec2(base);
+	// Metres that a pixel covers there.
+	float breadth = job.orthographic > 0.0 ? 1.0 : v.t;
+	breadth *= 2.0 * length(to_vec3(job.up)) / float(job.height);
+	r = indirect(vec3(0.0), vec3(0.0));
+	float sum = 0.0;
+	for (uint k = 0u; k < 4u; k++) {
+		uvec2 step = uvec2(k & 1u, k >> 1);
+		uvec2 texel = min(base + step, half_sides() - 1u);
+		vec2 part = mix(1.0 - f, f, bvec2(step));
+		vec4 irradiance = texelFetch(irradiance_texture, ivec2(texel), 0);
+		vec4 facets = texelFetch(facets_texture, ivec2(texel), 0);
+		float w = part.x * part.y * kinship(s, b.normal, breadth, texel, irradiance, facets);
+		r.irradiance += w * irradiance.rgb;
+		r.facets += w * facets.rgb;
+		sum += w;
+	}
+	r.irradiance /= max(sum, 1e-6);
+	r.facets /= max(sum, 1e-6);
+	return sum > LEAST_WEIGHT;
+}
+
+void main()
+{
+	uvec2 pixel;
+	visible_point v;
+	if (!pixel_mine(pixel) || !pixel_visible(pixel, v))
+		return;
+	surface s = pixel_surface(v);
+	if (EFFECT_UNLIT && s.unlit)
+		return;
+	bsdf b = bsdf_make(s, v.direction);
+	indirect r;
+	if (!blend(s, b, v, pixel, r))
+		r = indirect_at(s, b, pixel);
+	pixel_add(pixel, indirect_radiance(b, r));
+}
