@@ -23,6 +23,23 @@ static enum status decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t 
 			 PB_GET_ERROR(&stream));
 }
 
+// The same for a message with lists, one of which may be longer than its limit.
+static enum status decode_lists(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message,
+				struct error *err)
+{
+	pb_istream_t stream = pb_istream_from_buffer(body, bytes);
+	if (pb_decode(&stream, fields, message))
+		return STATUS_OK;
+	if (!strcmp(PB_GET_ERROR(&stream), "array overflow"))
+		return error_set(
+		    err, STATUS_LIMIT,
+		    "a request has at most %u options and %u edits of a kind, a sweep %u cameras or times: send "
+		    "several requests",
+		    LIMIT_OPTIONS, LIMIT_EDIT_NODES, LIMIT_SWEEP_CAMERAS);
+	return error_set(err, STATUS_BAD_MESSAGE, "the body cannot be decoded (%s): see candil.proto",
+			 PB_GET_ERROR(&stream));
+}
+
 static enum status check_name(const char *name, const char *what, struct error *err)
 {
 	if (text_is_name(name))
@@ -133,7 +150,8 @@ static enum status check_technique(const candil_Render *r, struct error *err)
 	case candil_Technique_TECHNIQUE_VCT:
 		return STATUS_OK;
 	case candil_Technique_TECHNIQUE_RADIOSITY:
-		return error_set(err, STATUS_UNSUPPORTED, "this daemon has no such technique: ask for pt, vct, direct or auto");
+		return error_set(err, STATUS_UNSUPPORTED,
+				 "this daemon has no such technique: ask for pt, vct, direct or auto");
 	}
 	return error_set(err, STATUS_BAD_ARGUMENT, "technique %u is none of candil.proto", (unsigned)r->technique);
 }
@@ -283,7 +301,7 @@ enum status request_check_render(candil_Render *render, struct error *err)
 
 enum status request_render(const uint8_t *body, size_t bytes, candil_Render *render, struct error *err)
 {
-	enum status status = decode(body, bytes, candil_Render_fields, render, err);
+	enum status status = decode_lists(body, bytes, candil_Render_fields, render, err);
 	return status == STATUS_OK ? request_check_render(render, err) : status;
 }
 
@@ -291,20 +309,11 @@ enum status request_render(const uint8_t *body, size_t bytes, candil_Render *ren
 
 _Static_assert(candil_Sweep_size <= LIMIT_MESSAGE_BYTES, "the longest sweep fits a message");
 _Static_assert(sizeof((candil_Sweep *)0)->cameras / sizeof(candil_Camera) == LIMIT_SWEEP_CAMERAS, "candil.options agrees");
-
-static enum status decode_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err)
-{
-	pb_istream_t stream = pb_istream_from_buffer(body, bytes);
-	if (pb_decode(&stream, candil_Sweep_fields, sweep))
-		return STATUS_OK;
-	if (!strcmp(PB_GET_ERROR(&stream), "array overflow"))
-		return error_set(err, STATUS_LIMIT,
-				 "a sweep has at most %u cameras or times, %u options and %u edits of a kind: send several "
-				 "requests",
-				 LIMIT_SWEEP_CAMERAS, LIMIT_OPTIONS, LIMIT_EDIT_NODES);
-	return error_set(err, STATUS_BAD_MESSAGE, "the body cannot be decoded (%s): see candil.proto",
-			 PB_GET_ERROR(&stream));
-}
+_Static_assert(sizeof((candil_Sweep *)0)->times / sizeof(double) == LIMIT_SWEEP_CAMERAS, "candil.options agrees");
+_Static_assert(sizeof((candil_Edits *)0)->lights / sizeof(candil_Light) == LIMIT_EDIT_LIGHTS &&
+		   sizeof((candil_Edits *)0)->materials / sizeof(candil_MaterialEdit) == LIMIT_EDIT_MATERIALS &&
+		   sizeof((candil_Edits *)0)->nodes / sizeof(candil_NodeEdit) == LIMIT_EDIT_NODES,
+	       "candil.options agrees");
 
 // One camera an image, or one for all times.
 static enum status check_times(const candil_Sweep *sweep, struct error *err)
@@ -326,7 +335,7 @@ static enum status check_times(const candil_Sweep *sweep, struct error *err)
 enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err)
 {
 	candil_Render *render = &sweep->render;
-	enum status status = decode_sweep(body, bytes, sweep, err);
+	enum status status = decode_lists(body, bytes, candil_Sweep_fields, sweep, err);
 	if (status == STATUS_OK && sweep->cameras_count == 0)
 		status = error_set(err, STATUS_BAD_ARGUMENT, "a sweep needs at least one camera");
 	if (status == STATUS_OK && render->has_camera)

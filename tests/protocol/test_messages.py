@@ -81,7 +81,17 @@ class Bodies(FakeCase):
     def test_too_many_options(self):
         connection = self.with_box()
         options = [pb.Option(name=f"pt.o{i}", value="1") for i in range(17)]
-        self.assert_error(connection.ask(wire.RENDER, render(options=options)), "bad-message")
+        self.assert_error(connection.ask(wire.RENDER, render(options=options)), "limit")
+
+    def test_too_many_edits(self):
+        connection = self.with_box()
+        many = (dict(lights=[pb.Light()] * 33), dict(materials=[pb.MaterialEdit(name="m")] * 33),
+                dict(nodes=[pb.NodeEdit(name="n")] * 33))
+        for edits in many:
+            self.assert_error(connection.ask(wire.RENDER, render(edits=pb.Edits(**edits))), "limit")
+        most = pb.Edits(materials=[pb.MaterialEdit(name="m" * 63, base_color=pb.Vec3(x=1))] * 32,
+                        nodes=[pb.NodeEdit(name="n" * 63, translation=pb.Vec3(x=1, y=2, z=3))] * 32)
+        self.assertEqual(connection.follow(connection.send(wire.RENDER, render(edits=most)))[-1].kind, wire.DONE)
 
     def test_ping_keeps_its_payload(self):
         connection = self.connect()
