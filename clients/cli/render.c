@@ -177,7 +177,7 @@ const struct command render_command = {
 	    "  --half, --float       EXR with 16 or 32 bits; default --float\n"
 	    "  --technique NAME      auto, pt, vct, radiosity, direct; default auto\n"
 	    "  --size WxH            pixels; default 512x512\n"
-	    "  --spp N               samples per pixel; default 64\n"
+	    "  --spp N               samples per pixel; default 64, of direct 1\n"
 	    "  --first-sample N      index of the first sample; disjoint ranges can be merged\n"
 	    "  --seed N              another seed, another noise\n"
 	    "  --camera NAME         of the scene; default: its first, else its bounds are framed\n"

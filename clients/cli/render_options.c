@@ -385,6 +385,16 @@ static const char *settle_format(struct render_options *options, const struct gi
 	return options->request.aovs ? "--aov needs EXR output" : NULL;
 }
 
+// Without --spp: as many as the technique needs for a picture to look at. Those without noise need one.
+static void settle_samples(struct candil_render_request *request)
+{
+	struct candil_render_request usual;
+	candil_render_request_init(&usual);
+	const bool noisy = request->technique != CANDIL_TECHNIQUE_DIRECT && request->technique != CANDIL_TECHNIQUE_VCT;
+	if (request->samples == 0)
+		request->samples = noisy ? usual.samples : 1;
+}
+
 static bool parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 		  struct sweep_texts *texts, enum exit_code *code)
 {
@@ -393,6 +403,7 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 	int option, index = 0;
 	memset(options, 0, sizeof(*options));
 	candil_render_request_init(&options->request);
+	options->request.samples = 0;
 	options->request.options = options->settings;
 	edit_options_init(&options->edits);
 	while ((option = getopt_long(argc, argv, "ho:", long_options, &index)) != -1) {
@@ -414,6 +425,7 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 	}
 	if (options->edits.given)
 		options->request.edits = &options->edits.edits;
+	settle_samples(&options->request);
 	const char *wrong = NULL;
 	if (argc - optind != 1)
 		wrong = "one scene is needed";

@@ -8,7 +8,7 @@
 #include "server/scene/blob.h"
 
 #define PLAN_DEPTH_DEFAULT 8u
-#define PLAN_POINTS_DEFAULT 4u
+#define PLAN_POINTS_DEFAULT 2u
 #define PLAN_SAMPLES_DEFAULT 64u
 #define PLAN_BATCH_MOST 256u
 

@@ -3,7 +3,7 @@
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
-#include "direct/lighting.glsl"
+#include "direct/lamp_image.glsl"
 #include "direct/pixel.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
@@ -14,6 +14,8 @@ void main()
 	visible_point v;
 	if (!pixel_mine(pixel))
 		return;
+	if (DIRECT_SOFT)
+		imageStore(scale_image, pixel_texel(pixel), vec4(0.0));
 	if (!pixel_visible(pixel, v)) {
 		if (EFFECT_ENVIRONMENT)
 			pixel_add(pixel, to_vec3(job.background));
@@ -25,6 +27,12 @@ void main()
 		return;
 	}
 	bsdf b = bsdf_make(s, v.direction);
-	vec3 radiance = direct_light(s, b, s.position + s.offset * s.geometric, pixel);
-	pixel_add_traced(pixel, s.emission + radiance, direct_rays, trace_cut);
+	lamp_light lamps;
+	vec3 radiance =
+		direct_light_parts(s, b, s.position + s.offset * s.geometric, direct_pattern(pixel), lamps) + s.emission;
+	if (DIRECT_SOFT)
+		keep_lamps(pixel_texel(pixel), lamps, v.t, s.geometric);
+	else
+		radiance += lamp_radiance(lamps);
+	pixel_add_traced(pixel, radiance, direct_rays, trace_cut);
 }

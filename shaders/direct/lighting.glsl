@@ -8,7 +8,7 @@
 // of what the points' visible light adds up to, to what all of it does (Heitz, Hill and McGuire 2018, "Combining analytic
 // direct illumination and stochastic shadows"). Neither unshadowed nor fully shadowed places show any noise then. Else the
 // points alone estimate the light.
-// The points of 4 × 4 pixels are one set together, so the mean over any such block has 16 times as many.
+// The points of 4 × 4 pixels are one set together: the mean over any such block (soften.comp.glsl) has 16 times as many.
 //
 // Microfacets: the same points, and one ray in a direction that the facets reflect, weighted by the power heuristic (Veach
 // 1997, 9.2.4); a perfect mirror's is the one there is.
@@ -21,10 +21,11 @@
 
 // Options, macros of the program.
 #ifndef DIRECT_POINTS
-#define DIRECT_POINTS 4u        // on emissive triangles, 1…16
+#define DIRECT_POINTS 2u        // on emissive triangles, 1…16
 #define DIRECT_CLOSED false     // few emissive triangles, none textured
 #define DIRECT_SHADOWS true
 #define DIRECT_LAMPS true         // else emissive triangles send no light here
+#define DIRECT_SOFT true        // lamps' light is kept for soften.comp.glsl
 #endif
 #define DIRECT_LIGHTS 64u
 #define DIRECT_BLOCK 16u        // pixels whose points are one set
@@ -33,7 +34,8 @@
 uint direct_rays = 0u;
 
 // What the emissive triangles send to a surface's diffuse part. Reflected radiance is scale × arrived / expected, channel by
-// channel, 0 where nothing is expected: sums over neighbouring pixels may stand for the two.
+// channel, 0 where nothing is expected. The material's colour is in scale alone, so that sums over neighbouring pixels may
+// stand for the other two.
 struct lamp_light {
 	vec3 scale;
 	vec3 arrived;
@@ -42,7 +44,10 @@ struct lamp_light {
 
 vec3 lamp_radiance(lamp_light l)
 {
-	vec3 ratio = min(l.arrived / max(l.expected, 1e-30), 2.0);
+	vec3 ratio = l.arrived / max(l.expected, 1e-30);
+	// A ratio is at most a little above one, where light comes folded over a leaning normal.
+	if (DIRECT_CLOSED)
+		ratio = min(ratio, 2.0);
 	return l.scale * vec3(l.expected.r > 0.0 ? ratio.r : 0.0, l.expected.g > 0.0 ? ratio.g : 0.0,
 			      l.expected.b > 0.0 ? ratio.b : 0.0);
 }
@@ -91,9 +96,11 @@ vec3 folded_below(bsdf b, vec3 w, float above)
 	return into_frame(b, w - 2.0 * above * b.geometric);
 }
 
-// BSDF × cosine of the diffuse part and of the microfacets with their density, folded as bsdf_eval folds them.
+// BSDF × cosine of the diffuse part as if it were white, and of the microfacets with their density, folded as bsdf_eval
+// folds them.
 void direct_eval(bsdf b, vec3 w, out vec3 diffuse, out vec4 facets)
 {
+	b.diffuse = vec3(1.0);
 	float above = dot(b.geometric, w);
 	vec3 l = into_frame(b, w);
 	vec3 f = folded_below(b, w, above);
@@ -106,7 +113,7 @@ void direct_eval(bsdf b, vec3 w, out vec3 diffuse, out vec4 facets)
 struct direct_ray {
 	vec3 segment;
 	float t_max;        // -1: none
-	vec3 diffuse;       // radiance by the diffuse part, if nothing is in the way
+	vec3 diffuse;       // radiance by the diffuse part, if nothing is in the way; by a white one, of a lamp's light
 	vec3 facets;        // by the microfacets
 	vec3 expected;      // lamps: what the closed form knows
 };
@@ -119,7 +126,7 @@ void ray_to_light(bsdf b, vec3 origin, uint i, inout direct_ray r)
 	vec3 irradiance = punctual_irradiance(light, origin, w, r.segment, r.t_max) * weight;
 	vec4 facets;
 	direct_eval(b, w, r.diffuse, facets);
-	r.diffuse *= irradiance;
+	r.diffuse *= irradiance * b.diffuse;
 	r.facets = facets.xyz * irradiance;
 	if (max(r.diffuse + r.facets, vec3(0.0)) == vec3(0.0))
 		r.t_max = -1.0;
@@ -144,7 +151,7 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 	if (EFFECT_GLOSSY)
 		r.facets = facets.xyz * light * power_weight(min(facets.w * v.inverse / float(DIRECT_POINTS), 1e18));
 	r.expected = light * (max(dot(w, b.normal), 0.0) * (1.0 / PI));
-	if (max(r.diffuse + r.facets, vec3(0.0)) == vec3(0.0))
+	if (max(r.diffuse * b.diffuse + r.facets, vec3(0.0)) == vec3(0.0))
 		r.t_max = -1.0;
 }
 
@@ -191,7 +198,7 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 	const uint lamp_end = light_count + (has_lamps ? DIRECT_POINTS : 0u);
 	const uint end = lamp_end + (has_lamps && EFFECT_GLOSSY ? 1u : 0u);
 	vec3 radiance = vec3(0.0);
-	lamps = lamp_light(vec3(1.0), vec3(0.0), vec3(0.0));
+	lamps = lamp_light(b.diffuse, vec3(0.0), vec3(0.0));
 	for (uint i = 0u; i < end; i++) {
 		direct_ray r = direct_ray(vec3(0.0, 0.0, 1.0), -1.0, vec3(0.0), vec3(0.0), vec3(0.0));
 		float pdf = 0.0;
@@ -219,7 +226,7 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		}
 	}
 	if (EFFECT_EMITTERS && DIRECT_LAMPS && DIRECT_CLOSED)
-		lamps.scale = lamps_irradiance(s.position, b.normal) * (1.0 / PI);
+		lamps.scale = b.diffuse * lamps_irradiance(s.position, b.normal) * (1.0 / PI);
 	else
 		lamps.expected = vec3(1.0);
 	return radiance;

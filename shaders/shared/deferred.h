@@ -16,6 +16,11 @@
 #define DEFERRED_RADIANCE_UNIT 0 // image: this sample's radiance, and the rays that it took
 #define DEFERRED_IMAGE_FREE 1
 
+// Images of the direct lighting's own, for passes that include direct/lamp_image.glsl.
+#define DIRECT_SCALE_UNIT 1
+#define DIRECT_ARRIVED_UNIT 2
+#define DIRECT_EXPECTED_UNIT 3
+
 #define VISIBLE_NEAR 1e-15 // metres: nothing nearer to the eye is drawn; at 10²⁰ metres its quotient is still a normal float
 
 #endif

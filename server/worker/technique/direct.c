@@ -1,17 +1,22 @@
 #include "server/worker/technique/direct.h"
 
+#include <epoxy/gl.h>
 #include <stdlib.h>
 
 #include "server/worker/technique/scene_job.h"
 #include "shaders/gl/light_comp.h"
+#include "shaders/gl/soften_comp.h"
+#include "shaders/shared/deferred.h"
 
 #define CLOSED_EMITTERS_MAX 32u
 
 struct technique_job {
+	struct direct_lighting lighting;
 	struct deferred *deferred;
 };
 
 static const struct gl_source light_source = {.name = "light", .compute = source_light_comp};
+static const struct gl_source soften_source = {.name = "soften", .compute = source_soften_comp};
 
 // Whether what the emissive triangles send can be summed in closed form: few, and none with a texture in its emission.
 static bool lamps_are_plain(const struct plan *plan, const struct resident_scene *scene)
@@ -37,43 +42,122 @@ bool direct_lamps_in_volume(const struct plan *plan, const struct resident_scene
 	return plan->vct_emitters == VCT_EMITTERS_CONES || !lamps_are_plain(plan, scene);
 }
 
+// Whether lamps light the scene and their points are few: then neighbours share them.
+static bool is_soft(const struct plan *plan, const struct resident_scene *scene)
+{
+	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 && !direct_lamps_in_volume(plan, scene) &&
+	       plan->direct_shadows != DIRECT_SHADOWS_NONE && plan->samples < DIRECT_SOFT_BELOW;
+}
+
+static const char *word(bool value)
+{
+	return value ? "true" : "false";
+}
+
 void direct_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene)
 {
 	gl_define(defines, "DIRECT_POINTS", "%uu", plan->direct_points);
-	gl_define(defines, "DIRECT_CLOSED", "%s", lamps_are_plain(plan, scene) ? "true" : "false");
-	gl_define(defines, "DIRECT_LAMPS", "%s", direct_lamps_in_volume(plan, scene) ? "false" : "true");
-	gl_define(defines, "DIRECT_SHADOWS", "%s", plan->direct_shadows == DIRECT_SHADOWS_NONE ? "false" : "true");
+	gl_define(defines, "DIRECT_CLOSED", "%s", word(lamps_are_plain(plan, scene)));
+	gl_define(defines, "DIRECT_LAMPS", "%s", word(!direct_lamps_in_volume(plan, scene)));
+	gl_define(defines, "DIRECT_SHADOWS", "%s", word(plan->direct_shadows != DIRECT_SHADOWS_NONE));
+	gl_define(defines, "DIRECT_SOFT", "%s", word(is_soft(plan, scene)));
 }
 
-uint32_t direct_passes(const struct plan *plan, const struct resident_scene *scene, struct deferred_pass passes[2])
+// ---- the passes ---------------------------------------------------------------------------------------------------------
+
+static struct gl_texture_desc lamp_desc(const struct gl_device *device, const struct plan *plan)
 {
-	passes[0] = (struct deferred_pass){.source = &light_source, .stage = "light"};
-	direct_define(&passes[0].defines, plan, scene);
-	return 1;
+	return (struct gl_texture_desc){.target = GL_TEXTURE_2D,
+					.format = GL_RGBA32F,
+					.width = plan->width,
+					.height = deferred_band_rows(device, plan),
+					.depth = 1,
+					.levels = 1};
 }
+
+uint64_t direct_lighting_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
+{
+	const struct gl_texture_desc desc = lamp_desc(devices->gl, plan);
+	return is_soft(plan, scene) ? 3 * gl_texture_bytes(&desc) : 0;
+}
+
+static void bind_lamps(void *user, const struct deferred_area *area)
+{
+	const struct direct_lighting *l = user;
+	(void)area;
+	if (!l->scale.name)
+		return;
+	gl_texture_bind_image(&l->scale, DIRECT_SCALE_UNIT, 0, GL_READ_WRITE);
+	gl_texture_bind_image(&l->arrived, DIRECT_ARRIVED_UNIT, 0, GL_READ_WRITE);
+	gl_texture_bind_image(&l->expected, DIRECT_EXPECTED_UNIT, 0, GL_READ_WRITE);
+}
+
+static void add_pass(struct direct_lighting *l, const struct gl_source *source, const struct plan *plan,
+		     const struct resident_scene *scene)
+{
+	struct deferred_pass *pass = &l->passes[l->pass_count++];
+	*pass = (struct deferred_pass){.source = source, .stage = source->name, .bind = bind_lamps, .user = l};
+	direct_define(&pass->defines, plan, scene);
+}
+
+enum status direct_lighting_init(struct direct_lighting *l, struct devices *devices, const struct resident_scene *scene,
+				 const struct plan *plan, struct error *err)
+{
+	*l = (struct direct_lighting){0};
+	enum status s = devices_gl(devices, &l->device, err);
+	if (s != STATUS_OK)
+		return s;
+	add_pass(l, &light_source, plan, scene);
+	if (!is_soft(plan, scene))
+		return STATUS_OK;
+	add_pass(l, &soften_source, plan, scene);
+	const struct gl_texture_desc desc = lamp_desc(l->device, plan);
+	s = gl_texture_init(&l->scale, l->device, &desc, err);
+	if (s == STATUS_OK)
+		s = gl_texture_init(&l->arrived, l->device, &desc, err);
+	if (s == STATUS_OK)
+		s = gl_texture_init(&l->expected, l->device, &desc, err);
+	if (s != STATUS_OK)
+		direct_lighting_finish(l);
+	return s;
+}
+
+void direct_lighting_finish(struct direct_lighting *l)
+{
+	if (!l->device)
+		return;
+	gl_texture_finish(&l->scale, l->device);
+	gl_texture_finish(&l->arrived, l->device);
+	gl_texture_finish(&l->expected, l->device);
+}
+
+// ---- the technique ------------------------------------------------------------------------------------------------------
 
 static uint64_t direct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
-	(void)scene;
-	return deferred_bytes(devices, plan);
+	return deferred_bytes(devices, plan) + direct_lighting_bytes(devices, scene, plan);
 }
 
 static void direct_end(struct technique_job *job)
 {
-	if (job)
-		deferred_destroy(job->deferred);
+	if (!job)
+		return;
+	deferred_destroy(job->deferred);
+	direct_lighting_finish(&job->lighting);
 	free(job);
 }
 
 static enum status direct_begin(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 				struct technique_job **job, struct error *err)
 {
-	struct deferred_pass passes[2];
 	struct technique_job *j = calloc(1, sizeof *j);
 	if (!j)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	const uint32_t count = direct_passes(plan, scene, passes);
-	enum status s = deferred_create(devices, scene, plan, scene_bindings_trace(), passes, count, &j->deferred, err);
+	struct direct_lighting *l = &j->lighting;
+	enum status s = direct_lighting_init(l, devices, scene, plan, err);
+	if (s == STATUS_OK)
+		s = deferred_create(devices, scene, plan, scene_bindings_trace(), l->passes, l->pass_count, &j->deferred,
+				    err);
 	if (s != STATUS_OK) {
 		direct_end(j);
 		return s;

@@ -5,10 +5,30 @@
 
 #include "server/worker/technique/deferred.h"
 
+#define DIRECT_PASSES_MAX 2u
+
+// Pictures of fewer samples share the lamps' points between neighbouring pixels; more samples have points enough of their
+// own, and shadows keep their edges.
+#define DIRECT_SOFT_BELOW 16u
+
 extern const struct technique technique_direct;
 
-// The passes of this technique over a scene, for one that adds its own light to them. Returns how many, at most two.
-uint32_t direct_passes(const struct plan *plan, const struct resident_scene *scene, struct deferred_pass passes[2]);
+// The technique's passes, for others that add their own light to them: emitted light, background, unlit surfaces, and what
+// comes straight from every light.
+struct direct_lighting {
+	struct gl_device *device;
+	struct gl_texture scale, arrived, expected; // of a band; only if lamps' points are shared
+	struct deferred_pass passes[DIRECT_PASSES_MAX];
+	uint32_t pass_count;
+};
+
+// Device memory, in bytes.
+uint64_t direct_lighting_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
+
+// It must not move while its passes are in use. On failure nothing is left.
+enum status direct_lighting_init(struct direct_lighting *lighting, struct devices *devices,
+				 const struct resident_scene *scene, const struct plan *plan, struct error *err);
+void direct_lighting_finish(struct direct_lighting *lighting); // a zeroed one is fine
 
 // Whether the plan lets emissive surfaces light others by the voxels alone, where cones find them: vct.emitters=cones, or
 // auto where they are too many, or textured, to be aimed at.

@@ -16,6 +16,7 @@
 #define BUILD_SHARE 0.5 // of the job's fraction, that making the volume counts for
 
 struct technique_job {
+	struct direct_lighting lighting;
 	struct deferred *deferred;
 	struct vct_volume *volume; // NULL: nothing comes but straight from the lights
 	struct gl_device *device;
@@ -112,7 +113,7 @@ static enum status make_half(struct technique_job *j, const struct plan *plan, s
 static uint64_t vct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
 	struct vct_options options;
-	uint64_t bytes = deferred_bytes(devices, plan);
+	uint64_t bytes = deferred_bytes(devices, plan) + direct_lighting_bytes(devices, scene, plan);
 	options_of(plan, scene, &options);
 	if (needs_volume(plan, scene))
 		bytes += vct_volume_bytes_guess(scene, &options);
@@ -126,6 +127,7 @@ static void vct_end(struct technique_job *job)
 	deferred_destroy(job->deferred);
 	gl_texture_finish(&job->irradiance, job->device);
 	gl_texture_finish(&job->facets, job->device);
+	direct_lighting_finish(&job->lighting);
 	vct_volume_release(job->volume);
 	free(job);
 }
@@ -139,8 +141,11 @@ static enum status vct_begin(struct devices *devices, struct resident_scene *sce
 	if (!j)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	options_of(plan, scene, &options);
-	uint32_t count = direct_passes(plan, scene, passes);
 	enum status s = devices_gl(devices, &j->device, err);
+	if (s == STATUS_OK)
+		s = direct_lighting_init(&j->lighting, devices, scene, plan, err);
+	uint32_t count = j->lighting.pass_count;
+	memcpy(passes, j->lighting.passes, count * sizeof *passes);
 	if (s == STATUS_OK && needs_volume(plan, scene)) {
 		s = vct_volume_acquire(scene, j->device, plan, &options, &j->volume, err);
 		if (s == STATUS_OK)

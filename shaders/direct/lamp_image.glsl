@@ -1,0 +1,38 @@
+// What the lamps send to each pixel's diffuse part, kept between two passes, and what tells neighbours on one surface from
+// others.
+#ifndef DIRECT_LAMP_IMAGE_GLSL
+#define DIRECT_LAMP_IMAGE_GLSL
+
+#include "direct/lighting.glsl"
+#include "direct/radiance.glsl"
+
+layout(binding = DIRECT_SCALE_UNIT, rgba32f) uniform image2D scale_image;         // w: metres from the eye; 0: no such light
+layout(binding = DIRECT_ARRIVED_UNIT, rgba32f) uniform image2D arrived_image;     // w, and the next one's: the normal
+layout(binding = DIRECT_EXPECTED_UNIT, rgba32f) uniform image2D expected_image;
+
+// A unit vector on the octahedron, unfolded: Cigolle et al. 2014 (JCGT 3-2).
+vec2 octahedron(vec3 n)
+{
+	vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+	vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
+	return n.z < 0.0 ? folded : p;
+}
+
+vec3 from_octahedron(vec2 p)
+{
+	vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+	vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
+	n.xy = n.z < 0.0 ? folded : n.xy;
+	return normalize(n);
+}
+
+void keep_lamps(ivec2 texel, lamp_light l, float t, vec3 normal)
+{
+	vec2 n = octahedron(normal);
+	bool any = max(l.scale.r, max(l.scale.g, l.scale.b)) > 0.0;
+	imageStore(scale_image, texel, vec4(l.scale, any ? t : 0.0));
+	imageStore(arrived_image, texel, vec4(l.arrived, n.x));
+	imageStore(expected_image, texel, vec4(l.expected, n.y));
+}
+
+#endif
