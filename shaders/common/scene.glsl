@@ -39,12 +39,22 @@ layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
 
 
 #ifndef SCENE_WITHOUT_TRACE
+#ifdef VULKAN
 SCENE_BUFFER(BIND_NODES) readonly buffer Nodes {
 	vec4 nodes[];   // struct bvh_node, four words at a time
 };
 SCENE_BUFFER(BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
 	vec4 leaf_triangles[];   // struct leaf_triangle, likewise
 };
+#define NODE_WORDS(i) nodes[i]
+#define LEAF_WORDS(i) leaf_triangles[i]
+#else
+// OpenGL has no more than sixteen storage blocks a stage, and software drivers fetch texels for all lanes at once.
+layout(binding = UNIT_NODES) uniform usamplerBuffer node_words;
+layout(binding = UNIT_LEAF_TRIANGLES) uniform usamplerBuffer leaf_words;
+#define NODE_WORDS(i) uintBitsToFloat(texelFetch(node_words, int(i)))
+#define LEAF_WORDS(i) uintBitsToFloat(texelFetch(leaf_words, int(i)))
+#endif
 #endif
 SCENE_BUFFER(BIND_TRIANGLES) readonly buffer Triangles {
 	triangle triangles[];

@@ -22,6 +22,9 @@
 #define BIND_GGX_TABLE 13 // directional albedos of the microfacet lobe: common/ggx.glsl
 #endif
 #define BIND_SCENE_COUNT 14
+// OpenGL's texture units of the first two, which are texel buffers there.
+#define UNIT_NODES 14
+#define UNIT_LEAF_TRIANGLES 15
 // The job.
 #define BIND_JOB 14 // struct pt_job
 #define BIND_COUNTERS 15 // struct pt_counters

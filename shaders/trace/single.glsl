@@ -22,10 +22,10 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	while (current != TRAVERSE_DONE) {
 		while (current <= LEAF_INDEX_MASK) {
 			trace_rounds++;
-			vec4 n0 = nodes[current * 4u];
-			vec4 n1 = nodes[current * 4u + 1u];
-			vec4 n2 = nodes[current * 4u + 2u];
-			vec4 n3 = nodes[current * 4u + 3u];
+			vec4 n0 = NODE_WORDS(current * 4u);
+			vec4 n1 = NODE_WORDS(current * 4u + 1u);
+			vec4 n2 = NODE_WORDS(current * 4u + 2u);
+			vec4 n3 = NODE_WORDS(current * 4u + 3u);
 			float d0 = hit_slabs(mix(n0.xyz, n1.xyz, upper), mix(n1.xyz, n0.xyz, upper), slabs, hit.t);
 			float d1 = hit_slabs(mix(n2.xyz, n3.xyz, upper), mix(n3.xyz, n2.xyz, upper), slabs, hit.t);
 			uint c0 = floatBitsToUint(n0.w) | floatBitsToUint(n1.w) << LEAF_COUNT_SHIFT;
@@ -49,9 +49,9 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 		uint i = first;
 		for (; i < last; i++) {
 			trace_rounds++;
-			vec4 v0 = leaf_triangles[i * 3u];
-			vec4 v1 = leaf_triangles[i * 3u + 1u];
-			vec4 v2 = leaf_triangles[i * 3u + 2u];
+			vec4 v0 = LEAF_WORDS(i * 3u);
+			vec4 v1 = LEAF_WORDS(i * 3u + 1u);
+			vec4 v2 = LEAF_WORDS(i * 3u + 2u);
 			uint id = floatBitsToUint(v0.w);
 			float t;
 			vec2 uv;

@@ -1,15 +1,35 @@
 #include "server/worker/gl/scene.h"
 
+#include <epoxy/gl.h>
 #include <stdlib.h>
 
 static const char kind; // its address names gl_scene among the derived
 
+#define TEXEL_BYTES 16u
+
 static void destroy(struct derived *derived)
 {
 	struct gl_scene *s = (struct gl_scene *)derived;
+	glDeleteTextures(1, &s->node_texels);
+	glDeleteTextures(1, &s->leaf_texels);
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
 		gl_buffer_finish(&s->buffers[i], s->device);
 	free(s);
+}
+
+// A texel buffer over one of the scene's; made once.
+static enum status view_as_texels(struct gl_scene *s, uint32_t binding, unsigned *texture, struct error *err)
+{
+	const struct gl_buffer *buffer = &s->buffers[binding];
+	GLint most = 0;
+	if (!buffer->name || *texture)
+		return STATUS_OK;
+	glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+	if (buffer->bytes / TEXEL_BYTES > (uint64_t)most)
+		return error_set(err, STATUS_MEMORY, "the scene's tree has more texels than the OpenGL device's %d", most);
+	glCreateTextures(GL_TEXTURE_BUFFER, 1, texture);
+	glTextureBuffer(*texture, GL_RGBA32UI, buffer->name);
+	return gl_check(s->device, "viewing a buffer as texels", err);
 }
 
 static enum status upload(struct gl_scene *s, const struct resident_scene *scene, uint32_t bindings, struct error *err)
@@ -23,6 +43,10 @@ static enum status upload(struct gl_scene *s, const struct resident_scene *scene
 		if (bytes > 0)
 			r = gl_buffer_init(&s->buffers[i], s->device, bytes, data, err);
 	}
+	if (r == STATUS_OK)
+		r = view_as_texels(s, BIND_NODES, &s->node_texels, err);
+	if (r == STATUS_OK)
+		r = view_as_texels(s, BIND_LEAF_TRIANGLES, &s->leaf_texels, err);
 	return r;
 }
 
@@ -55,7 +79,11 @@ void gl_scene_bind(const struct gl_scene *s)
 {
 	if (s->base)
 		gl_scene_bind(s->base);
-	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+	for (unsigned i = BIND_LEAF_TRIANGLES + 1; i < BIND_SCENE_COUNT; i++)
 		if (s->buffers[i].name)
 			gl_buffer_bind(&s->buffers[i], i);
+	if (s->node_texels)
+		glBindTextureUnit(UNIT_NODES, s->node_texels);
+	if (s->leaf_texels)
+		glBindTextureUnit(UNIT_LEAF_TRIANGLES, s->leaf_texels);
 }

@@ -11,13 +11,15 @@ struct gl_scene {
 	const struct gl_scene
 	    *base; // of an edited scene: whose buffers are bound that it shares; set anew by each gl_scene_get
 	struct gl_buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device
+	unsigned node_texels, leaf_texels; // views of two of them as texels of four words
 };
 
 // The scene's buffers, those of `bindings` (bits 1 << BIND_…) uploaded. Owned by the resident scene.
 enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device, uint32_t bindings, struct gl_scene **out,
 			 struct error *err);
 
-// Bind all that is there, each to the storage block of its number.
+// Bind all that is there, each to the storage block of its number, what rays walk through to texture units UNIT_NODES and
+// UNIT_LEAF_TRIANGLES instead.
 void gl_scene_bind(const struct gl_scene *scene);
 
 #endif
