@@ -48,6 +48,9 @@ static void print_effects(const struct candil_accepted *accepted, bool simulated
 			fputs(" (switched off)", stream);
 		if (e->why[0])
 			fprintf(stream, ": %s", e->why);
+		if (e->timed)
+			fprintf(stream, " (%s%.1f ms, %.1f %%)", simulated ? "" : "would add ", (double)e->cost_us * 1e-3,
+				100 * e->share);
 		separator = "; ";
 	}
 	if (separator[0] == ';')
@@ -147,8 +150,13 @@ static json_t *effects_json(const struct candil_accepted *accepted)
 	json_t *effects = json_array();
 	for (uint32_t i = 0; i < accepted->plan_count; i++) {
 		const struct candil_effect_report *e = &accepted->plan[i];
-		json_array_append_new(effects, json_pack("{s:s,s:s,s:o}", "name", candil_effect_name(e->effect), "state",
-							 candil_effect_state_name(e->state), "why", cli_json_text(e->why)));
+		json_t *effect = json_pack("{s:s,s:s,s:o}", "name", candil_effect_name(e->effect), "state",
+					   candil_effect_state_name(e->state), "why", cli_json_text(e->why));
+		if (e->timed) {
+			json_object_set_new(effect, "cost_us", json_integer(e->cost_us));
+			json_object_set_new(effect, "share", json_real(e->share));
+		}
+		json_array_append_new(effects, effect);
 	}
 	return effects;
 }

@@ -342,6 +342,9 @@ struct candil_effect_report {
 	enum candil_effect effect;
 	enum candil_effect_state state;
 	char why[96];
+	bool timed; // the rest is known: with the option pt.effect_times alone
+	int64_t cost_us; // of the whole job; what it would add, if it is left out. Measured by difference: may be below zero
+	double share; // of the job's time
 };
 
 // The daemon took the job: what it will do.

@@ -306,6 +306,9 @@ static void read_accepted(const candil_Accepted *from, struct candil_accepted *t
 		to->plan[i].effect = (enum candil_effect)from->plan[i].effect;
 		to->plan[i].state = (enum candil_effect_state)from->plan[i].state;
 		TEXT(to->plan[i].why, from->plan[i].why);
+		to->plan[i].timed = from->plan[i].has_cost_us;
+		to->plan[i].cost_us = from->plan[i].cost_us;
+		to->plan[i].share = from->plan[i].has_share && isfinite(from->plan[i].share) ? from->plan[i].share : 0;
 	}
 	TEXT(to->device, from->device);
 	to->job_bytes = from->job_bytes;

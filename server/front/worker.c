@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -267,6 +268,8 @@ static bool accepted_holds(candil_Accepted *accepted)
 	text_clean(accepted->device, sizeof accepted->device);
 	for (size_t i = 0; i < accepted->plan_count; i++)
 		text_clean(accepted->plan[i].why, sizeof accepted->plan[i].why);
+	for (size_t i = 0; i < accepted->plan_count; i++)
+		accepted->plan[i].has_share = accepted->plan[i].has_share && isfinite(accepted->plan[i].share);
 	return true;
 }
 

@@ -24,6 +24,7 @@ enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
 enum plan_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
 enum plan_emitters { VCT_EMITTERS_AUTO, VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
 enum plan_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
+enum plan_effect_times { EFFECT_TIMES_OFF, EFFECT_TIMES_ON, EFFECT_TIMES_ALL };
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
 
 struct plan {
@@ -35,6 +36,7 @@ struct plan {
 	uint32_t depth; // scattering events at most
 	uint32_t segment; // pt: events in one dispatch at most; 0: as the device bears
 	uint32_t batch; // pt: samples in one dispatch; 0: as pays
+	uint32_t effect_times; // pt: enum plan_effect_times: measure what each effect costs, first
 	uint32_t traversal; // pt: enum plan_traversal
 	uint32_t direct_points; // direct: on lamps, for a pixel's sample
 	uint32_t direct_shadows; // direct: enum plan_shadows

@@ -20,6 +20,7 @@ struct option_rule {
 };
 
 static const char *const shadows[] = {"rays", "none", NULL};
+static const char *const effect_times[] = {"off", "on", "all", NULL};
 static const char *const traversals[] = {"auto", "single", "packet", NULL};
 static const char *const grids[] = {"fitted", "cube", NULL};
 static const char *const emitter_ways[] = {"auto", "points", "cones", NULL};
@@ -36,6 +37,7 @@ static const struct option_rule options[] = {
     {"pt.depth", 1, LIMIT_DEPTH, NULL, NULL, false, FIELD(depth)},
     {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, NULL, false, FIELD(segment)},
     {"pt.batch", 1, PLAN_BATCH_MOST, NULL, NULL, false, FIELD(batch)},
+    {"pt.effect_times", 0, 0, effect_times, NULL, false, FIELD(effect_times)},
     {"pt.traversal", 0, 0, traversals, NULL, false, FIELD(traversal)},
     {"vct.voxels", 0, 0, voxel_kinds, NULL, false, FIELD(vct_voxels)},
     {"vct.resolution", 0, 0, resolution_words, resolutions, false, FIELD(vct_resolution)},

@@ -114,6 +114,8 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	do
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
 	while (r == STATUS_MEMORY && resident_evict(&s->scenes));
+	if (r == STATUS_OK && job->plan.effect_times && job->technique->time_effects)
+		r = job->technique->time_effects(job->work, job->plan.reports, job->plan.report_count, err);
 	return r;
 }
 

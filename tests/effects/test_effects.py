@@ -77,6 +77,25 @@ class Off(unittest.TestCase):
         self.assertGreater(float(off.radiance.max()), 0)
 
 
+class Times(unittest.TestCase):
+    def test_costs_are_told_when_asked_for(self):
+        scene = make.cornell(folder.name)
+        plain = daemon.render(scene, spp=2)
+        self.assertFalse(any("cost_us" in e for e in plain.report["effects"]))
+        some = daemon.render(scene, spp=2, options={"pt.effect_times": "on"})
+        for effect in some.report["effects"]:
+            self.assertEqual("cost_us" in effect, effect["state"] == "simulated", effect)
+        every = daemon.render(scene, spp=2, options={"pt.effect_times": "all"})
+        self.assertEqual({e["name"] for e in every.report["effects"] if "cost_us" in e and "share" in e}, set(EFFECTS))
+        # The probe leaves nothing behind.
+        self.assertTrue(numpy.array_equal(some.radiance, plain.radiance))
+        self.assertEqual(some.report["rays"], plain.report["rays"])
+        self.assertTrue(numpy.array_equal(every.radiance, plain.radiance))
+        # Nor one of paths that are longer than a dispatch.
+        deep = [daemon.render(scene, spp=2, options={"pt.segment": 3, "pt.effect_times": t}).radiance for t in ("off", "on")]
+        self.assertTrue(numpy.array_equal(deep[0], deep[1]))
+
+
 class Plan(unittest.TestCase):
     def test_every_effect_has_a_reason(self):
         picture = daemon.render(make.cornell(folder.name), spp=1)

@@ -11,6 +11,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/worker/image/frame.h"
+#include "server/worker/technique/pt_effects.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_resolve.h"
 #include "server/worker/vk/command.h"
@@ -207,6 +208,8 @@ static void account(const struct technique_job *j, struct frame *f)
 		frame_add_stage(f, "upload", j->upload_us);
 	if (j->compile_us)
 		frame_add_stage(f, "compile", j->compile_us);
+	if (j->effects_us)
+		frame_add_stage(f, "effects", j->effects_us);
 	if (j->plan.aovs)
 		frame_add_stage(f, "aov", j->aov_us);
 	frame_add_stage(f, "trace", j->trace_us);
@@ -234,5 +237,10 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	return STATUS_OK;
 }
 
-const struct technique technique_pt = {
-    .name = "pt", .bytes = pt_job_bytes, .begin = pt_job_create, .step = pt_step, .read = pt_read, .end = pt_job_destroy};
+const struct technique technique_pt = {.name = "pt",
+				       .bytes = pt_job_bytes,
+				       .begin = pt_job_create,
+				       .time_effects = pt_time_effects,
+				       .step = pt_step,
+				       .read = pt_read,
+				       .end = pt_job_destroy};

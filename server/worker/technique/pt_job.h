@@ -43,7 +43,7 @@ struct technique_job {
 	double tile_us; // measured time of a tile of one sample; 0: not yet
 	struct pt_counters seen; // counters at the last look
 	uint64_t rays, non_finite;
-	uint64_t upload_us, compile_us, trace_us, aov_us;
+	uint64_t upload_us, compile_us, effects_us, trace_us, aov_us;
 };
 
 #define PT_TILES_PER_DISPATCH 4096u
@@ -54,6 +54,11 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 enum status pt_job_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			  struct technique_job **job, struct error *err);
 void pt_job_destroy(struct technique_job *job);
+
+// The pipeline that traces paths with these effects (bits 1 << candil_Effect), compiled, and its buffers for the first band.
+// The pipeline is the device's, the set is the caller's to finish.
+enum status pt_job_pipeline(struct technique_job *job, uint32_t effects, struct pipeline **pipeline, struct binding_set *set,
+			    struct error *err);
 
 // Begin the image again with dispatches of at most `segment` events for each of `batch` samples: what has been summed is
 // forgotten.

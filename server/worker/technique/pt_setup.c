@@ -232,16 +232,25 @@ static enum status warm_up(struct technique_job *j, struct pipeline *pipeline, c
 	return s;
 }
 
-static enum status make_pipeline(struct technique_job *j, const struct shader *shader, struct pipeline **pipeline,
-				 struct error *err)
+static enum status make_pipeline(struct technique_job *j, const struct shader *shader, uint32_t effects,
+				 struct pipeline **pipeline, struct error *err)
 {
 	uint32_t constants[SPEC_COUNT];
 	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
-		constants[i] = plan_has(&j->plan, (candil_Effect)i);
+		constants[i] = effects >> i & 1u;
 	constants[SPEC_RESUMED] = j->segments > 1;
 	constants[SPEC_PACKET] = walks_in_packets(j);
 	constants[SPEC_WIDTH] = j->device->info.subgroup;
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
+}
+
+enum status pt_job_pipeline(struct technique_job *j, uint32_t effects, struct pipeline **pipeline, struct binding_set *set,
+			    struct error *err)
+{
+	enum status s = make_pipeline(j, &path_shader, effects, pipeline, err);
+	if (s == STATUS_OK)
+		s = bind_band(j, *pipeline, &j->bands[0], set, err);
+	return s == STATUS_OK ? warm_up(j, *pipeline, set, err) : s;
 }
 
 static enum status make_path_pass(struct technique_job *j, uint32_t segment, struct error *err)
@@ -253,7 +262,7 @@ static enum status make_path_pass(struct technique_job *j, uint32_t segment, str
 	if (j->segments > 1 && !j->paths.handle)
 		s = buffer_init(&j->paths, j->device, paths_bytes(&j->plan), BUFFER_DEVICE, err);
 	if (s == STATUS_OK)
-		s = make_pipeline(j, &path_shader, &j->path, err);
+		s = make_pipeline(j, &path_shader, j->plan.effects, &j->path, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
 		binding_set_finish(&j->bands[i].path_bindings, j->device);
 		s = bind_band(j, j->path, &j->bands[i], &j->bands[i].path_bindings, err);
@@ -269,7 +278,7 @@ static enum status make_path_pass(struct technique_job *j, uint32_t segment, str
 static enum status make_aov_pass(struct technique_job *j, struct error *err)
 {
 	const uint64_t start = clock_us();
-	enum status s = make_pipeline(j, &aov_shader, &j->aov, err);
+	enum status s = make_pipeline(j, &aov_shader, j->plan.effects, &j->aov, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
 		s = bind_band(j, j->aov, &j->bands[i], &j->bands[i].aov_bindings, err);
 	const bool compiles = s == STATUS_OK && !j->aov->warm;

@@ -35,6 +35,10 @@ struct technique {
 	enum status (*begin)(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			     struct technique_job **job, struct error *err);
 
+	// Fill in the costs of the effects, if the plan asks for them: between begin and the first step. NULL: cannot.
+	enum status (*time_effects)(struct technique_job *job, candil_EffectReport *reports, uint32_t count,
+				    struct error *err);
+
 	// Work for about budget_us of device time, at least one indivisible piece. Calls continue where the last one
 	// stopped.
 	enum status (*step)(struct technique_job *job, uint32_t budget_us, struct step_result *result, struct error *err);

@@ -1,0 +1,103 @@
+#include "server/worker/technique/pt_effects.h"
+
+#include "server/base/clock.h"
+#include "server/worker/technique/pt_job.h"
+#include "server/worker/technique/scene_job.h"
+#include "server/worker/vk/command.h"
+
+#define PROBE_TILES 64u // 4,096 pixels
+#define PROBE_TURNS 3
+
+// Effects one way, ready to be timed.
+struct contestant {
+	struct pipeline *pipeline;
+	struct binding_set bindings;
+	double best_us;
+};
+
+static enum status prepare(struct technique_job *j, uint32_t effects, struct contestant *c, struct error *err)
+{
+	struct plan plan = j->plan;
+	plan.effects = effects;
+	enum status s = resident_upload(j->scene, j->device, scene_bindings_shade(&plan), err);
+	return s == STATUS_OK ? pt_job_pipeline(j, effects, &c->pipeline, &c->bindings, err) : s;
+}
+
+// One batch of the tiles in the middle of the first band, as a job does it.
+static enum status trace(struct technique_job *j, struct contestant *c, struct error *err)
+{
+	const struct pt_band *band = &j->bands[0];
+	const uint32_t tiles = band->tiles < PROBE_TILES ? band->tiles : PROBE_TILES;
+	struct path_push push = {.first_tile = band->first_tile + (band->tiles - tiles) / 2,
+				 .tile_count = tiles,
+				 .first_row = band->first_row,
+				 .first_sample = j->plan.first_sample,
+				 .sample_count = j->batch,
+				 .round_count = j->segment * j->batch};
+	VkCommandBuffer commands = j->device->commands;
+	enum status s = command_begin(j->device, err);
+	if (s != STATUS_OK)
+		return s;
+	vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, c->pipeline->handle);
+	vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, c->pipeline->layout, 0, 1, &c->bindings.set, 0,
+				NULL);
+	for (uint32_t i = 0; i < j->segments; i++) {
+		push.resumes = i > 0;
+		vkCmdPushConstants(commands, c->pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
+		vkCmdDispatch(commands, push.tile_count, 1, 1);
+		command_barrier(j->device);
+	}
+	const uint64_t start = clock_us();
+	s = command_finish(j->device, err);
+	const double us = (double)(clock_us() - start) / ((double)tiles * j->batch);
+	if (c->best_us == 0 || us < c->best_us)
+		c->best_us = us;
+	return s;
+}
+
+// The first of the turns is not counted: it meets cold caches.
+static enum status race(struct technique_job *j, struct contestant *a, struct contestant *b, struct error *err)
+{
+	enum status s = STATUS_OK;
+	for (int i = 0; s == STATUS_OK && i <= PROBE_TURNS; i++) {
+		if (i == 1)
+			a->best_us = b->best_us = 0;
+		s = trace(j, a, err);
+		if (s == STATUS_OK)
+			s = trace(j, b, err);
+	}
+	return s;
+}
+
+static enum status time_one(struct technique_job *j, struct contestant *as_planned, candil_EffectReport *report,
+			    struct error *err)
+{
+	const bool runs = plan_has(&j->plan, report->effect);
+	struct contestant other = {0};
+	enum status s = prepare(j, j->plan.effects ^ 1u << report->effect, &other, err);
+	if (s == STATUS_OK)
+		s = race(j, as_planned, &other, err);
+	if (s == STATUS_OK) {
+		// Microseconds a tile's sample.
+		const double cost = runs ? as_planned->best_us - other.best_us : other.best_us - as_planned->best_us;
+		report->has_cost_us = true;
+		report->cost_us = (int64_t)(cost * j->tiles * j->plan.samples);
+		report->has_share = as_planned->best_us > 0;
+		report->share = report->has_share ? cost / as_planned->best_us : 0;
+	}
+	binding_set_finish(&other.bindings, j->device);
+	return s;
+}
+
+enum status pt_time_effects(struct technique_job *j, candil_EffectReport *reports, uint32_t count, struct error *err)
+{
+	const uint64_t start = clock_us();
+	struct contestant as_planned = {0};
+	enum status s = prepare(j, j->plan.effects, &as_planned, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < count; i++)
+		if (plan_has(&j->plan, reports[i].effect) || j->plan.effect_times == EFFECT_TIMES_ALL)
+			s = time_one(j, &as_planned, &reports[i], err);
+	binding_set_finish(&as_planned.bindings, j->device);
+	j->effects_us = clock_us() - start;
+	return s == STATUS_OK ? pt_job_restart(j, j->segment, j->batch_most, err) : s;
+}
