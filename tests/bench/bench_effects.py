@@ -43,6 +43,9 @@ def difference(daemon, file, arguments, effect):
 def rows(daemon, name, file, arguments):
     report = daemon.render(file, **TIMED, options={"pt.effect_times": "all"}, arguments=arguments).report
     for effect in report["effects"]:
+        if "cost_us" not in effect:
+            yield name, effect["name"], "unknown" if effect["state"] == "simulated" else "", "unknown", ""
+            continue
         cost = f"{effect['cost_us'] / 1e3:.0f} ({100 * effect['share']:.0f} %)"
         if effect["state"] == "simulated":
             yield name, effect["name"], cost, "", ""
@@ -52,6 +55,7 @@ def rows(daemon, name, file, arguments):
 
 def main():
     with tempfile.TemporaryDirectory(prefix="candil-bench-") as folder, Daemon() as daemon:
+        daemon.render(make.unlit(folder), size=(8, 8), spp=1)  # the worker is started by its first job
         bench.header(daemon.stats()["device"])
         bench.table(COLUMNS, (row for scene in scenes(folder) for row in rows(daemon, *scene)))
 
