@@ -23,7 +23,8 @@ static void change(const struct blob_view *view, const candil_MaterialEdit *edit
 		m->metallic = (float)edit->metallic;
 	if (edit->has_roughness)
 		m->roughness = (float)edit->roughness;
-	if (edit->has_emission) {
+	// What is unlit shows its base colour and casts no light (KHR_materials_unlit).
+	if (edit->has_emission && !(m->flags & MATERIAL_UNLIT)) {
 		set_colour(true, &edit->emission, m->emission);
 		m->power_density = lights_power_density(m, view->sections[BLOB_TEXTURES], view->sections[BLOB_TEXELS]);
 	}
