@@ -40,6 +40,9 @@ LAYOUT_ASSERT(voxel_grid, 32)
 #define BIND_VOXEL_EMISSION 23 // xyz: radiance, W/(m² sr); w: surface area / side²
 #define BIND_VOXEL_COVERAGE 24 // area / side² projected along x, y, z: (+, −) pairs of half floats; w: 0
 #define VOXEL_PARTS 4
+// The sums of what an edit left in place, while they are merged: words, and VOXEL_PARTS blocks.
+#define BIND_VOXEL_FIXED_WORDS 25
+#define BIND_VOXEL_FIXED_PARTS 26
 
 #define VOXEL_BLOCK_WORDS 64
 #define VOXEL_GROUP 64 // invocations, one an item

@@ -93,7 +93,7 @@ static void bench_scene(struct gl_device *device, const char *loader, const char
 				entries = v->grid.entries;
 				bytes = voxels_bytes(v);
 			}
-			voxels_release(&scene, v);
+			voxels_release(v);
 			v = NULL;
 		}
 		for (int i = 0; i <= VOXEL_DONE; i++)

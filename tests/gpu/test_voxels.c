@@ -58,7 +58,7 @@ static enum status try_build(struct model *m, uint32_t resolution, bool cube, ui
 		for (int i = 0; i < VOXEL_PARTS; i++)
 			r->parts[i] = read_all(&v->parts[i]);
 	}
-	voxels_release(&m->scene, v);
+	voxels_release(v);
 	return s;
 }
 
@@ -562,8 +562,8 @@ static void test_voxels_are_kept_for_the_next_job(void **state)
 	assert_ptr_equal(a, b);
 	while (!voxels_finished(a))
 		assert_int_equal(voxels_step(a, NULL, 100, NULL), STATUS_OK);
-	voxels_release(&m.scene, a);
-	voxels_release(&m.scene, b);
+	voxels_release(a);
+	voxels_release(b);
 	assert_int_equal(voxels_acquire(&m.scene, device, &everything, &options, &c, NULL), STATUS_OK);
 	assert_ptr_equal(a, c);
 	assert_true(voxels_finished(c));
@@ -571,10 +571,134 @@ static void test_voxels_are_kept_for_the_next_job(void **state)
 	// One that is left half-way is not kept.
 	assert_int_equal(voxels_acquire(&m.scene, device, &everything, &other, &b, NULL), STATUS_OK);
 	assert_int_equal(voxels_step(b, NULL, 1, NULL), STATUS_OK);
-	voxels_release(&m.scene, b);
+	voxels_release(b);
 	assert_int_equal(device_bytes, held);
-	voxels_release(&m.scene, c);
+	voxels_release(c);
 	model_finish(&m);
+}
+
+// ---- edited scenes ---------------------------------------------------------------------------------------------------
+
+// A scene in which something moved, over its base: a resident scene's variant as edit.h makes one.
+struct variant {
+	struct model model; // owns the moved vertices
+	struct scene_move move;
+};
+
+static void variant_init(struct variant *v, struct model *base, uint32_t first, const double by[3])
+{
+	v->model = *base;
+	v->model.scene.derived = NULL;
+	v->model.vertices = malloc(base->vertex_count * sizeof *base->vertices);
+	v->model.triangles = malloc(base->triangle_count * sizeof *base->triangles);
+	assert_non_null(v->model.vertices);
+	assert_non_null(v->model.triangles);
+	memcpy(v->model.vertices, base->vertices, base->vertex_count * sizeof *base->vertices);
+	memcpy(v->model.triangles, base->triangles, base->triangle_count * sizeof *base->triangles);
+	for (uint32_t i = 3 * first; i < base->vertex_count; i++)
+		for (int c = 0; c < 3; c++)
+			v->model.vertices[i].position[c] += (float)by[c];
+	v->move = (struct scene_move){.first_triangle = first, .triangle_count = base->triangle_count - first};
+	model_close(&v->model);
+	v->model.scene.base = &base->scene;
+	v->model.scene.edited.moves = &v->move;
+	v->model.scene.edited.move_count = 1;
+	v->model.scene.keys.geometry = 1;
+}
+
+static void assert_same_as_whole(struct variant *v)
+{
+	struct result merged = build(&v->model, 64);
+	struct model whole = v->model;
+	whole.scene.base = NULL;
+	whole.scene.derived = NULL;
+	struct result all = build(&whole, 64);
+	assert_same(&merged, &all, true);
+	result_finish(&merged);
+	result_finish(&all);
+	whole.vertices = NULL;
+	whole.triangles = NULL;
+	model_finish(&whole);
+}
+
+static void test_what_moved_is_voxelised_alone(void **state)
+{
+	(void)state;
+	struct model base;
+	struct variant v;
+	model_init(&base);
+	for (int c = 0; c < 3; c++) {
+		base.materials[1].albedo[c] = 0.2f * (float)(c + 1);
+		base.materials[1].emission[c] = 3.0f * (float)(c + 1);
+	}
+	model_add_sphere(&base, zero, 1, 24, 0);
+	const uint32_t first = base.triangle_count;
+	model_add_sphere(&base, (const double[3]){0.3, 0, 0}, 0.4, 12, 1);
+	model_close(&base);
+	struct result before = build(&base, 64);
+	const uint64_t held = device_bytes;
+	uint64_t after = 0;
+	for (int i = 0; i < 5; i++) {
+		// Over the wall of what stays, at last: parts of both in the same voxels.
+		const double by[3] = {-0.2 * i, 0.05 * i, 0.01 * i};
+		variant_init(&v, &base, first, by);
+		assert_same_as_whole(&v);
+		model_finish(&v.model);
+		// What stays is made once.
+		assert_true(i < 1 || device_bytes == after);
+		after = device_bytes;
+		assert_true(after > held);
+	}
+	// The base is as it was.
+	struct result now = build(&base, 64);
+	assert_same(&before, &now, true);
+	result_finish(&before);
+	result_finish(&now);
+	model_finish(&base);
+}
+
+static void test_sums_that_moved_parts_would_overflow_are_made_anew(void **state)
+{
+	(void)state;
+	struct model base;
+	struct variant v;
+	model_init(&base);
+	for (int i = 0; i < 900; i++)
+		add_wall(&base, -0.5, 0);
+	add_wall(&base, 0.5, 0); // the bounds stay
+	const uint32_t first = base.triangle_count;
+	for (int i = 0; i < 200; i++)
+		add_wall(&base, 0.5, 0);
+	model_close(&base);
+	variant_init(&v, &base, first, (const double[3]){0, 0, -1});
+	assert_same_as_whole(&v);
+	model_finish(&v.model);
+	model_finish(&base);
+}
+
+static void test_a_lost_build_takes_nothing_with_it(void **state)
+{
+	(void)state;
+	struct model base;
+	struct variant v;
+	const struct voxel_options options = {.resolution = 64};
+	struct voxels *a = NULL;
+	model_init(&base);
+	model_add_sphere(&base, zero, 1, 24, 0);
+	const uint32_t first = base.triangle_count;
+	model_add_sphere(&base, (const double[3]){0.3, 0, 0}, 0.4, 12, 1);
+	model_close(&base);
+	const uint64_t held = device_bytes;
+	for (int steps = 0; steps < 12; steps += 3) {
+		variant_init(&v, &base, first, (const double[3]){0.1, 0, 0});
+		assert_int_equal(voxels_acquire(&v.model.scene, device, &everything, &options, &a, NULL), STATUS_OK);
+		for (int i = 0; i < steps; i++)
+			assert_int_equal(voxels_step(a, NULL, 1, NULL), STATUS_OK);
+		voxels_release(a);
+		model_finish(&v.model);
+	}
+	model_finish(&base);
+	assert_int_equal(device_bytes, held);
 }
 
 int main(void)
@@ -600,6 +724,9 @@ int main(void)
 	    cmocka_unit_test(test_no_sum_overflows),
 	    cmocka_unit_test(test_too_little_memory_is_refused_with_what_fits),
 	    cmocka_unit_test(test_voxels_are_kept_for_the_next_job),
+	    cmocka_unit_test(test_what_moved_is_voxelised_alone),
+	    cmocka_unit_test(test_sums_that_moved_parts_would_overflow_are_made_anew),
+	    cmocka_unit_test(test_a_lost_build_takes_nothing_with_it),
 	};
 	int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	failed += device->errors > 0;

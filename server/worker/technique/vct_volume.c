@@ -26,7 +26,7 @@ static void destroy(struct vct_volume *v)
 	gl_buffer_finish(&v->total, v->device);
 	gl_buffer_finish(&v->job, v->device);
 	gl_texture_finish(&v->pyramid, v->device);
-	voxels_release(v->scene, v->voxels);
+	voxels_release(v->voxels);
 	free(v);
 }
 

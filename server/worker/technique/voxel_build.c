@@ -10,6 +10,7 @@
 #include "shaders/gl/voxel_count_comp.h"
 #include "shaders/gl/voxel_finish_comp.h"
 #include "shaders/gl/voxel_mark_comp.h"
+#include "shaders/gl/voxel_merge_comp.h"
 #include "shaders/gl/voxel_prefix_comp.h"
 #include "shaders/gl/voxel_sum_comp.h"
 
@@ -21,19 +22,20 @@
 static const struct gl_source sources[] = {{.name = "voxel_mark", .compute = source_voxel_mark_comp},
 					   {.name = "voxel_count", .compute = source_voxel_count_comp},
 					   {.name = "voxel_prefix", .compute = source_voxel_prefix_comp},
+					   {.name = "voxel_merge", .compute = source_voxel_merge_comp},
 					   {.name = "voxel_sum", .compute = source_voxel_sum_comp},
 					   {.name = "voxel_finish", .compute = source_voxel_finish_comp}};
 
 static enum status get_programs(const struct voxels *v, struct error *err)
 {
 	struct voxel_programs *p = &v->build->programs;
-	struct gl_program **const programs[] = {&p->mark, &p->count, &p->prefix, &p->sum, &p->finish};
+	struct gl_program **const programs[] = {&p->mark, &p->count, &p->prefix, &p->merge, &p->sum, &p->finish};
 	struct gl_defines with_effects = {0};
 	const struct gl_defines none = {0};
 	gl_define_effects(&with_effects, v->effects);
 	enum status r = STATUS_OK;
 	for (unsigned i = 0; r == STATUS_OK && i < sizeof sources / sizeof *sources; i++)
-		r = gl_program_get(v->device, &sources[i], i == 3 ? &with_effects : &none, programs[i], err);
+		r = gl_program_get(v->device, &sources[i], programs[i] == &p->sum ? &with_effects : &none, programs[i], err);
 	return r;
 }
 
@@ -85,10 +87,10 @@ static enum status make_buffers(struct voxels *v, const struct plan *plan, struc
 // The next chunk of items, on the host.
 static void fill_chunk(struct voxel_build *b)
 {
-	const bool first = b->stream.triangle == 0 && b->stream.row == 0 && b->stream.tile == 0;
+	const bool first = b->stream.done == 0 && b->stream.row == 0 && b->stream.tile == 0;
 	b->chunk = voxel_items_next(&b->stream, b->host_items, VOXEL_ITEMS_CHUNK);
 	b->chunk_at = 0;
-	b->chunk_is_all = first && b->stream.triangle == b->stream.count;
+	b->chunk_is_all = first && voxel_items_ended(&b->stream);
 }
 
 static uint32_t scene_bindings(const struct plan *plan)
@@ -97,25 +99,33 @@ static uint32_t scene_bindings(const struct plan *plan)
 	       ~(1u << BIND_EMITTERS | 1u << BIND_LIGHTS | 1u << BIND_TANGENTS | 1u << BIND_GGX_TABLE);
 }
 
-enum status voxel_build_create(struct voxels *v, struct resident_scene *scene, const struct plan *plan, struct error *err)
+enum status voxel_build_create(struct voxels *v, struct resident_scene *scene, const struct plan *plan, struct voxels *fixed,
+			       struct error *err)
 {
 	struct voxel_build *b = v->build = calloc(1, sizeof *b);
 	if (b)
 		b->host_items = calloc(VOXEL_ITEMS_CHUNK + 1, sizeof *b->host_items);
+	if (b)
+		b->fixed = fixed;
+	else
+		voxels_release(fixed);
 	if (!b || !b->host_items)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	b->scene = scene;
+	b->phase = fixed ? VOXEL_FIXED : VOXEL_MARK;
 	b->area_bits = VOXEL_AREA_BITS;
 	b->emission_bits = VOXEL_EMISSION_BITS;
 	b->emission_max = emission_max(&scene->view);
 	const uint64_t items = VOXEL_ITEMS_CHUNK * sizeof *b->host_items;
 	if (gl_reserve(v->device, voxel_grid_bytes(&v->grid, 0) + items, NULL) != STATUS_OK)
 		return refuse(v, &scene->view, 0, err);
-	if (scene_count(scene, BLOB_TRIANGLES) == 0)
-		b->phase = VOXEL_COUNT;
-	voxel_items_init(&b->stream, &scene->view, &v->grid);
+	const enum voxel_choice choice = fixed ? VOXELS_MOVED : v->fixed ? VOXELS_UNMOVED : VOXELS_ALL;
+	enum status r = voxel_ranges_init(&b->ranges, scene, choice, err);
+	if (r != STATUS_OK)
+		return r;
+	voxel_items_init(&b->stream, &scene->view, &b->ranges, &v->grid);
 	fill_chunk(b);
-	enum status r = get_programs(v, err);
+	r = get_programs(v, err);
 	if (r == STATUS_OK)
 		r = gl_scene_get(scene, v->device, scene_bindings(plan), &b->gl, err);
 	if (r == STATUS_OK)
@@ -127,6 +137,8 @@ void voxel_build_destroy(struct voxel_build *b, struct gl_device *device)
 {
 	if (!b)
 		return;
+	voxels_release(b->fixed);
+	voxel_ranges_finish(&b->ranges);
 	gl_buffer_finish(&b->job, device);
 	gl_buffer_finish(&b->items, device);
 	free(b->host_items);
@@ -185,7 +197,7 @@ static void rewind_items(struct voxel_build *b)
 	b->items_a_us = 0;
 	if (b->chunk_is_all)
 		return;
-	b->stream.triangle = b->stream.row = b->stream.tile = 0;
+	voxel_items_init(&b->stream, &b->scene->view, &b->ranges, &b->stream.grid);
 	b->chunk = 0;
 }
 
@@ -194,7 +206,7 @@ static enum status stream_piece(struct voxels *v, const struct gl_program *progr
 	struct voxel_build *b = v->build;
 	if (b->chunk_at < b->chunk)
 		return items_piece(v, program, budget_us, err);
-	if (b->stream.triangle < b->stream.count) {
+	if (!voxel_items_ended(&b->stream)) {
 		fill_chunk(b);
 		gl_buffer_write(&b->items, 0, b->chunk * sizeof(struct voxel_item), b->host_items);
 		return STATUS_OK;
@@ -258,10 +270,34 @@ static enum status count_piece(struct voxels *v, struct error *err)
 	gl_buffer_bind(&blocks, BIND_VOXEL_BLOCKS);
 	glProgramUniform1ui(b->programs.prefix->name, 0, words);
 	run(count, VOXEL_WORD_GROUP);
-	v->build->phase = v->grid.entries > 0 ? VOXEL_SUM : VOXEL_DONE;
+	v->build->phase = v->grid.entries == 0 ? VOXEL_DONE : b->fixed ? VOXEL_MERGE : VOXEL_SUM;
 out:
 	gl_buffer_finish(&blocks, v->device);
 	free(host);
+	return r;
+}
+
+// What stays in place and what moved do not go together into sums of its units: voxelise everything.
+static enum status give_up_fixed(struct voxels *v, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	voxels_release(b->fixed);
+	b->fixed = NULL;
+	voxel_ranges_finish(&b->ranges);
+	for (unsigned i = 0; i < VOXEL_PARTS; i++)
+		gl_buffer_finish(&v->parts[i], v->device);
+	gl_buffer_finish(&b->items, v->device);
+	gl_buffer_clear(&v->words);
+	b->area_bits = VOXEL_AREA_BITS;
+	b->emission_bits = VOXEL_EMISSION_BITS;
+	b->word = 0;
+	b->phase = VOXEL_MARK;
+	b->chunk_is_all = false;
+	enum status r = voxel_ranges_init(&b->ranges, b->scene, VOXELS_ALL, err);
+	if (r == STATUS_OK)
+		r = gl_buffer_init(&b->items, v->device, VOXEL_ITEMS_CHUNK * sizeof(struct voxel_item), NULL, err);
+	if (r == STATUS_OK)
+		rewind_items(b);
 	return r;
 }
 
@@ -274,10 +310,14 @@ static enum status check_piece(struct voxels *v, struct error *err)
 	const enum status r = gl_buffer_read(&v->words, v->device, at, sizeof full, &full, err);
 	if (r != STATUS_OK)
 		return r;
+	v->area_bits = b->area_bits;
+	v->emission_bits = b->emission_bits;
 	if (!full) {
-		b->phase = VOXEL_FINISH;
+		b->phase = v->fixed ? VOXEL_DONE : VOXEL_FINISH;
 		return STATUS_OK;
 	}
+	if (b->fixed)
+		return give_up_fixed(v, err);
 	if (full & VOXEL_FULL_AREA)
 		b->area_bits -= b->area_bits > RETRY_BITS ? RETRY_BITS : b->area_bits;
 	b->emission_bits -= b->emission_bits > RETRY_BITS ? RETRY_BITS : b->emission_bits;
@@ -292,34 +332,77 @@ static enum status check_piece(struct voxels *v, struct error *err)
 	return STATUS_OK;
 }
 
-static enum status finish_piece(struct voxels *v, uint32_t budget_us, struct error *err)
+// Words through the program that is in use; past the last one comes the phase `next`.
+static enum status words_piece(struct voxels *v, const struct gl_program *p, uint32_t budget_us, enum voxel_phase next,
+			       struct error *err)
 {
 	struct voxel_build *b = v->build;
-	const struct gl_program *p = b->programs.finish;
 	const uint32_t words = voxel_grid_words(&v->grid);
-	const uint32_t n = portion(b->words_a_us, budget_us, FIRST_WORDS, VOXEL_WORD_GROUP, words - b->finish_word);
+	const uint32_t n = portion(b->words_a_us, budget_us, FIRST_WORDS, VOXEL_WORD_GROUP, words - b->word);
 	const uint64_t start = clock_us();
-	use(v, p);
-	glProgramUniform1ui(p->name, 0, b->finish_word + n);
-	glProgramUniform2f(p->name, 1, (float)ldexp(1, -(int)b->area_bits),
-			   (float)(b->emission_max * ldexp(1, -(int)b->emission_bits)));
-	glProgramUniform1ui(p->name, 2, b->finish_word);
+	glProgramUniform1ui(p->name, 0, b->word + n);
+	glProgramUniform1ui(p->name, 2, b->word);
 	run(n, VOXEL_WORD_GROUP);
 	const enum status r = gl_wait(v->device, "voxelising", err);
 	b->words_a_us = (double)n / (double)(clock_us() - start + 1);
-	b->finish_word += n;
-	if (b->finish_word == words)
-		b->phase = VOXEL_DONE;
+	b->word += n;
+	if (b->word == words) {
+		b->word = 0;
+		b->words_a_us = 0;
+		b->phase = next;
+	}
 	return r;
+}
+
+static enum status finish_piece(struct voxels *v, uint32_t budget_us, struct error *err)
+{
+	const struct voxel_build *b = v->build;
+	const struct gl_program *p = b->programs.finish;
+	use(v, p);
+	glProgramUniform2f(p->name, 1, (float)ldexp(1, -(int)b->area_bits),
+			   (float)(b->emission_max * ldexp(1, -(int)b->emission_bits)));
+	return words_piece(v, p, budget_us, VOXEL_DONE, err);
+}
+
+static enum status merge_piece(struct voxels *v, uint32_t budget_us, struct error *err)
+{
+	const struct voxel_build *b = v->build;
+	if (b->fixed->grid.entries == 0) {
+		v->build->phase = VOXEL_SUM;
+		return STATUS_OK;
+	}
+	use(v, b->programs.merge);
+	gl_buffer_bind(&b->fixed->words, BIND_VOXEL_FIXED_WORDS);
+	for (unsigned i = 0; i < VOXEL_PARTS; i++)
+		gl_buffer_bind(&b->fixed->parts[i], BIND_VOXEL_FIXED_PARTS + i);
+	return words_piece(v, b->programs.merge, budget_us, VOXEL_SUM, err);
+}
+
+// The build of what stays in place goes on; once it is done its bits are where ours begin.
+static enum status fixed_piece(struct voxels *v, uint32_t budget_us, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	if (!voxels_finished(b->fixed))
+		return voxels_step(b->fixed, NULL, budget_us, err);
+	b->area_bits = b->fixed->area_bits;
+	b->emission_bits = b->fixed->emission_bits;
+	glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+	glCopyNamedBufferSubData(b->fixed->words.name, v->words.name, 0, 0, (GLsizeiptr)v->words.bytes);
+	b->phase = VOXEL_MARK;
+	return gl_check(v->device, "voxelising", err);
 }
 
 enum status voxel_build_piece(struct voxels *v, uint32_t budget_us, struct error *err)
 {
 	switch (v->build->phase) {
+	case VOXEL_FIXED:
+		return fixed_piece(v, budget_us, err);
 	case VOXEL_MARK:
 		return stream_piece(v, v->build->programs.mark, budget_us, err);
 	case VOXEL_COUNT:
 		return count_piece(v, err);
+	case VOXEL_MERGE:
+		return merge_piece(v, budget_us, err);
 	case VOXEL_SUM:
 		return stream_piece(v, v->build->programs.sum, budget_us, err);
 	case VOXEL_CHECK:

@@ -11,14 +11,25 @@
 #define VOXEL_AREA_BITS 22u // a voxel side's square has so many bits at first: room for 1024 of them in a layer of a voxel
 #define VOXEL_EMISSION_BITS 28u // of the brightest emission: room for 16 side² of it
 
-enum voxel_phase { VOXEL_MARK, VOXEL_COUNT, VOXEL_SUM, VOXEL_CHECK, VOXEL_FINISH, VOXEL_DONE };
+enum voxel_phase {
+	VOXEL_FIXED, // of an edited scene: until the sums of what stays in place are there
+	VOXEL_MARK,
+	VOXEL_COUNT,
+	VOXEL_MERGE, // those sums into ours
+	VOXEL_SUM,
+	VOXEL_CHECK,
+	VOXEL_FINISH,
+	VOXEL_DONE
+};
 
 struct voxel_programs {
-	struct gl_program *mark, *count, *prefix, *sum, *finish;
+	struct gl_program *mark, *count, *prefix, *merge, *sum, *finish;
 };
 
 struct voxel_build {
 	struct resident_scene *scene;
+	struct voxels *fixed; // held while we build; NULL: everything is voxelised
+	struct voxel_ranges ranges; // triangles to voxelise
 	struct gl_scene *gl;
 	struct gl_buffer job; // struct pt_job, for the scene's shaders
 	struct gl_buffer items; // up to VOXEL_ITEMS_CHUNK
@@ -31,13 +42,14 @@ struct voxel_build {
 	enum voxel_phase phase;
 	uint32_t area_bits, emission_bits;
 	double emission_max; // W/(m² sr), largest component of the scene's
-	uint32_t finish_word; // next
+	uint32_t word; // next of the pass over words
 	double items_a_us, words_a_us; // measured; 0: not yet
 };
 
-// For voxels whose grid and options are set. On failure nothing is left in them.
+// For voxels whose grid and options are set: of all triangles, or, with `fixed`, of those that moved, or, of voxels that are
+// `fixed` themselves, of those that did not. The build releases `fixed`. On failure the caller destroys the build.
 enum status voxel_build_create(struct voxels *voxels, struct resident_scene *scene, const struct plan *plan,
-			       struct error *err);
+			       struct voxels *fixed, struct error *err);
 void voxel_build_destroy(struct voxel_build *build, struct gl_device *device);
 
 // One indivisible piece that should take about budget_us.

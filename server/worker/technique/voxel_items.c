@@ -13,12 +13,14 @@ struct columns {
 	int32_t first[2], last[2]; // columns of its box
 };
 
-void voxel_items_init(struct voxel_items *items, const struct blob_view *scene, const struct voxel_grid *grid)
+void voxel_items_init(struct voxel_items *items, const struct blob_view *scene, const struct voxel_ranges *ranges,
+		      const struct voxel_grid *grid)
 {
 	*items = (struct voxel_items){.vertices = scene->sections[BLOB_VERTICES],
 				      .triangles = scene->sections[BLOB_TRIANGLES],
-				      .count = scene->counts[BLOB_TRIANGLES],
-				      .grid = *grid};
+				      .ranges = ranges,
+				      .grid = *grid,
+				      .triangle = ranges->count > 0 ? ranges->list[0].first : 0};
 }
 
 // The axis that the triangle faces most. A needle has no face: then the one that it runs along least.
@@ -109,6 +111,17 @@ static struct voxel_item item_of(const struct columns *k, uint32_t id, int32_t a
 					   (uint32_t)k->needle << VOXEL_TILE_NEEDLE};
 }
 
+static void next_triangle(struct voxel_items *it)
+{
+	it->row = 0;
+	it->tile = 0;
+	it->done++;
+	if (++it->triangle < it->ranges->list[it->range].end)
+		return;
+	if (++it->range < it->ranges->count)
+		it->triangle = it->ranges->list[it->range].first;
+}
+
 // Go on with the triangle under the cursor; past its last tile the cursor moves to the next triangle.
 static uint32_t next_of_triangle(struct voxel_items *it, struct voxel_item *out, uint32_t capacity)
 {
@@ -131,18 +144,15 @@ static uint32_t next_of_triangle(struct voxel_items *it, struct voxel_item *out,
 		out[n++] = item_of(&k, it->triangle, a, b, last);
 		it->tile++;
 	}
-	if (n < capacity) {
-		it->triangle++;
-		it->row = 0;
-		it->tile = 0;
-	}
+	if (n < capacity)
+		next_triangle(it);
 	return n;
 }
 
 uint32_t voxel_items_next(struct voxel_items *it, struct voxel_item *out, uint32_t capacity)
 {
 	uint32_t n = 0;
-	while (n < capacity && it->triangle < it->count)
+	while (n < capacity && !voxel_items_ended(it))
 		n += next_of_triangle(it, out + n, capacity - n);
 	return n;
 }

@@ -1,7 +1,9 @@
 #include "server/worker/technique/voxels.h"
 
 #include <epoxy/gl.h>
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
@@ -10,7 +12,7 @@
 #define KEPT 2u // finished voxels that no job uses, of one scene
 
 // All voxels of a scene.
-struct shelf {
+struct voxel_shelf {
 	struct derived derived;
 	struct voxels *first;
 	uint64_t turn;
@@ -21,6 +23,7 @@ static const char kind; // its address names the shelf among the derived
 static void destroy(struct voxels *v)
 {
 	voxel_build_destroy(v->build, v->device);
+	voxel_ranges_finish(&v->ranges);
 	gl_buffer_finish(&v->grid_block, v->device);
 	gl_buffer_finish(&v->words, v->device);
 	for (unsigned i = 0; i < VOXEL_PARTS; i++)
@@ -30,7 +33,7 @@ static void destroy(struct voxels *v)
 
 static void shelf_destroy(struct derived *derived)
 {
-	struct shelf *s = (struct shelf *)derived;
+	struct voxel_shelf *s = (struct voxel_shelf *)derived;
 	while (s->first) {
 		struct voxels *v = s->first;
 		s->first = v->next;
@@ -39,9 +42,9 @@ static void shelf_destroy(struct derived *derived)
 	free(s);
 }
 
-static struct shelf *shelf_of(struct resident_scene *scene)
+static struct voxel_shelf *shelf_of(struct resident_scene *scene)
 {
-	struct shelf *s = (struct shelf *)resident_derived(scene, &kind);
+	struct voxel_shelf *s = (struct voxel_shelf *)resident_derived(scene, &kind);
 	if (s)
 		return s;
 	s = calloc(1, sizeof *s);
@@ -52,7 +55,7 @@ static struct shelf *shelf_of(struct resident_scene *scene)
 	return s;
 }
 
-static void drop(struct shelf *s, struct voxels *v)
+static void drop(struct voxel_shelf *s, struct voxels *v)
 {
 	struct voxels **at = &s->first;
 	while (*at != v)
@@ -62,7 +65,7 @@ static void drop(struct shelf *s, struct voxels *v)
 }
 
 // The least recently used of those that nobody uses, if there are more than `kept`. False: there are not.
-static bool drop_oldest(struct shelf *s, uint32_t kept)
+static bool drop_oldest(struct voxel_shelf *s, uint32_t kept)
 {
 	struct voxels *oldest = NULL;
 	uint32_t idle = 0;
@@ -85,26 +88,89 @@ static uint32_t effects_that_color(const struct plan *plan)
 				1u << candil_Effect_EFFECT_VERTEX_COLORS | 1u << candil_Effect_EFFECT_UNLIT);
 }
 
-static struct voxels *find(const struct shelf *s, const struct voxel_options *options, uint32_t effects)
+// The grid over a scene, and over its base too: a thing that moves about within the base's bounds leaves the rest in place.
+static struct voxel_grid grid_over(const struct resident_scene *scene, const struct voxel_options *options)
 {
-	struct voxels *v = s->first;
-	while (v &&
-	       !(v->options.resolution == options->resolution && v->options.cube == options->cube && v->effects == effects))
-		v = v->next;
+	struct voxel_grid grid;
+	struct blob_view view = scene->view;
+	for (int c = 0; scene->base && c < 3; c++) {
+		view.bounds_min[c] = fminf(view.bounds_min[c], scene->base->view.bounds_min[c]);
+		view.bounds_max[c] = fmaxf(view.bounds_max[c], scene->base->view.bounds_max[c]);
+	}
+	voxel_grid_make(&view, options, &grid);
+	return grid;
+}
+
+static bool same_grid(const struct voxel_grid *a, const struct voxel_grid *b)
+{
+	return !memcmp(a->low, b->low, sizeof a->low) && !memcmp(&a->side, &b->side, sizeof a->side) &&
+	       !memcmp(a->sides, b->sides, sizeof a->sides);
+}
+
+// Those on the shelf like `like`. What is being made is shared by the jobs of one scene alone: it reads that scene.
+static struct voxels *find(const struct voxel_shelf *s, const struct voxels *like, const struct resident_scene *scene)
+{
+	for (struct voxels *v = s->first; v; v = v->next)
+		if (v->options.resolution == like->options.resolution && v->options.cube == like->options.cube &&
+		    v->effects == like->effects && v->fixed == like->fixed && v->materials == like->materials &&
+		    same_grid(&v->grid, &like->grid) && (!v->fixed || voxel_ranges_equal(&v->ranges, &like->ranges)) &&
+		    (!v->build || v->build->scene == scene))
+			return v;
+	return NULL;
+}
+
+static void put(struct voxel_shelf *s, struct voxels *v)
+{
+	v->shelf = s;
+	v->next = s->first;
+	s->first = v;
+}
+
+static struct voxels *hold(struct voxels *v)
+{
+	v->users++;
+	v->used = ++v->shelf->turn;
 	return v;
 }
 
-static enum status create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			  const struct voxel_options *options, struct voxels **out, struct error *err)
+static enum status acquire_like(struct voxel_shelf *shelf, const struct voxels *like, struct resident_scene *scene,
+				const struct plan *plan, struct voxels **out, struct error *err);
+
+// The sums of what an edited scene left in place, if there are enough of it that it is worth while; else none.
+static enum status acquire_fixed(const struct voxels *whole, struct resident_scene *scene, const struct plan *plan,
+				 struct voxels **out, struct error *err)
 {
-	struct voxels *v = calloc(1, sizeof *v);
+	struct voxels like = *whole;
+	*out = NULL;
+	if (!scene->base || whole->fixed)
+		return STATUS_OK;
+	struct voxel_shelf *shelf = shelf_of(scene->base);
+	enum status r = shelf ? voxel_ranges_init(&like.ranges, scene, VOXELS_UNMOVED, err)
+			      : error_set(err, STATUS_MEMORY, "out of memory");
+	like.fixed = true;
+	if (r == STATUS_OK && like.ranges.triangles > scene_count(scene, BLOB_TRIANGLES) / 2)
+		r = acquire_like(shelf, &like, scene, plan, out, err);
+	voxel_ranges_finish(&like.ranges);
+	return r;
+}
+
+static enum status create(const struct voxels *like, struct resident_scene *scene, const struct plan *plan, bool merge,
+			  struct voxels **out, struct error *err)
+{
+	struct voxels *fixed = NULL, *v = calloc(1, sizeof *v);
 	if (!v)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	v->device = device;
-	v->options = *options;
-	v->effects = effects_that_color(plan);
-	voxel_grid_make(&scene->view, options, &v->grid);
-	const enum status r = voxel_build_create(v, scene, plan, err);
+	*v = (struct voxels){.device = like->device,
+			     .options = like->options,
+			     .effects = like->effects,
+			     .fixed = like->fixed,
+			     .materials = like->materials,
+			     .grid = like->grid};
+	enum status r = v->fixed ? voxel_ranges_init(&v->ranges, scene, VOXELS_UNMOVED, err) : STATUS_OK;
+	if (r == STATUS_OK && merge)
+		r = acquire_fixed(v, scene, plan, &fixed, err);
+	if (r == STATUS_OK)
+		r = voxel_build_create(v, scene, plan, fixed, err);
 	if (r == STATUS_OK)
 		*out = v;
 	else
@@ -112,34 +178,42 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	return r;
 }
 
-enum status voxels_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			   const struct voxel_options *options, struct voxels **voxels, struct error *err)
+static enum status acquire_like(struct voxel_shelf *shelf, const struct voxels *like, struct resident_scene *scene,
+				const struct plan *plan, struct voxels **out, struct error *err)
 {
-	struct shelf *s = shelf_of(scene);
-	if (!s)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	struct voxels *v = find(s, options, effects_that_color(plan));
+	struct voxels *v = find(shelf, like, scene);
 	enum status r = STATUS_OK;
 	if (!v) {
-		do
-			r = create(scene, device, plan, options, &v, err);
-		while (r == STATUS_MEMORY && drop_oldest(s, 0));
+		r = create(like, scene, plan, true, &v, err);
+		// Where memory is short the merging is what can be done without, then what is kept for later.
+		while (r == STATUS_MEMORY && (r = create(like, scene, plan, false, &v, err)) == STATUS_MEMORY &&
+		       drop_oldest(shelf, 0))
+			;
 		if (r != STATUS_OK)
 			return r;
-		v->next = s->first;
-		s->first = v;
+		put(shelf, v);
 	}
-	v->users++;
-	v->used = ++s->turn;
-	*voxels = v;
+	*out = hold(v);
 	return STATUS_OK;
 }
 
-void voxels_release(struct resident_scene *scene, struct voxels *v)
+enum status voxels_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
+			   const struct voxel_options *options, struct voxels **voxels, struct error *err)
+{
+	struct voxel_shelf *s = shelf_of(scene);
+	const struct voxels like = {.device = device,
+				    .options = *options,
+				    .effects = effects_that_color(plan),
+				    .materials = scene->keys.materials,
+				    .grid = grid_over(scene, options)};
+	return s ? acquire_like(s, &like, scene, plan, voxels, err) : error_set(err, STATUS_MEMORY, "out of memory");
+}
+
+void voxels_release(struct voxels *v)
 {
 	if (!v)
 		return;
-	struct shelf *s = shelf_of(scene);
+	struct voxel_shelf *s = v->shelf;
 	if (--v->users == 0 && v->build)
 		drop(s, v);
 	while (drop_oldest(s, KEPT))
@@ -171,10 +245,13 @@ enum status voxels_step(struct voxels *v, struct gl_timer *timer, uint32_t budge
 double voxels_fraction(const struct voxels *v)
 {
 	const struct voxel_build *b = v->build;
-	if (!b || b->stream.count == 0)
-		return b ? 0 : 1;
-	const double through = (double)b->stream.triangle / b->stream.count;
-	return b->phase == VOXEL_MARK ? 0.2 * through : b->phase == VOXEL_SUM ? 0.2 + 0.75 * through : 0.95;
+	if (!b)
+		return 1;
+	if (b->phase == VOXEL_FIXED)
+		return 0.9 * voxels_fraction(b->fixed);
+	const double through = b->ranges.triangles > 0 ? (double)b->stream.done / b->ranges.triangles : 0;
+	const double own = b->phase == VOXEL_MARK ? 0.2 * through : b->phase == VOXEL_SUM ? 0.2 + 0.75 * through : 0.95;
+	return b->fixed ? 0.9 + 0.1 * own : own;
 }
 
 void voxels_bind(const struct voxels *v)

@@ -6,6 +6,9 @@
 // many entries, and where each is. Sum: every triangle clipped to its cells, its area, place and colours added in integers.
 // Finish: from sums to means. The memory is that of the entries, whatever the resolution.
 //
+// Of an edited scene only what moved is voxelised: the sums of all that stays in place are kept with the base and merged.
+// They are integers, so the result has the very bits that voxelising everything would have given.
+//
 //   voxels_acquire (voxels_step)* voxels_bind* voxels_release
 #ifndef CANDIL_WORKER_TECHNIQUE_VOXELS_H
 #define CANDIL_WORKER_TECHNIQUE_VOXELS_H
@@ -15,19 +18,28 @@
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
 #include "server/worker/technique/voxel_grid.h"
+#include "server/worker/technique/voxel_ranges.h"
 
 struct voxel_build; // technique/voxel_build.h
+struct voxel_shelf; // voxels.c
 
 struct voxels {
 	struct voxels *next;
+	struct voxel_shelf *shelf; // whose it is
 	struct gl_device *device;
 	struct voxel_options options;
 	uint32_t effects; // of the plan, those that materials' colours depend on
 	uint32_t users; // jobs that hold it
 	uint64_t used; // when it was last acquired, in turns
 
+	// Sums of what an edit left in place, for the build of edited scenes alone.
+	bool fixed;
+	struct voxel_ranges ranges; // triangles in it
+	uint64_t materials; // key of the materials that it was made with
+	uint32_t area_bits, emission_bits; // units of its sums
+
 	struct voxel_grid grid;
-	struct gl_buffer grid_block; // struct voxel_grid
+	struct gl_buffer grid_block; // grid
 	struct gl_buffer words;
 	struct gl_buffer parts[VOXEL_PARTS]; // BIND_VOXEL_PLACE …; none if nothing is occupied
 	struct voxel_build *build; // NULL: finished
@@ -51,7 +63,7 @@ static inline bool voxels_finished(const struct voxels *voxels)
 double voxels_fraction(const struct voxels *voxels);
 
 // The job is done with them: they stay with the scene for the next, if they are finished. NULL is allowed.
-void voxels_release(struct resident_scene *scene, struct voxels *voxels);
+void voxels_release(struct voxels *voxels);
 
 // Bind what is finished: the grid's uniform block and the storage blocks of shaders/voxel/lookup.glsl.
 void voxels_bind(const struct voxels *voxels);
