@@ -25,6 +25,11 @@ static const char *const traversals[] = {"auto", "single", "packet", NULL};
 static const char *const grids[] = {"fitted", "cube", NULL};
 static const char *const emitter_ways[] = {"auto", "points", "cones", NULL};
 static const char *const details[] = {"half", "full", NULL};
+static const char *const pyramids[] = {"directional", "isotropic", NULL};
+static const char *const covers[] = {"sum", "product", NULL};
+static const char *const owns[] = {"out", "in", NULL};
+static const char *const lamberts[] = {"plain", "weighted", NULL};
+static const char *const volume_shadows[] = {"rays", "march", "cones", NULL};
 static const char *const voxel_kinds[] = {"texture", NULL};
 static const char *const resolution_words[] = {"16", "32", "64", "128", "256", "512", NULL};
 static const uint32_t resolutions[] = {16, 32, 64, 128, 256, 512};
@@ -46,6 +51,13 @@ static const struct option_rule options[] = {
     {"vct.cones", 0, LIMIT_VCT_CONES, NULL, NULL, false, FIELD(vct_cones)},
     {"vct.emitters", 0, 0, emitter_ways, NULL, false, FIELD(vct_emitters)},
     {"vct.detail", 0, 0, details, NULL, false, FIELD(vct_detail)},
+    {"vct.pyramid", 0, 0, pyramids, NULL, false, FIELD(vct_pyramid)},
+    {"vct.cover", 0, 0, covers, NULL, false, FIELD(vct_cover)},
+    {"vct.own", 0, 0, owns, NULL, false, FIELD(vct_own)},
+    {"vct.lambert", 0, 0, lamberts, NULL, false, FIELD(vct_lambert)},
+    {"vct.shadows", 0, 0, volume_shadows, NULL, false, FIELD(vct_shadows)},
+    {"vct.shadow_aperture", 0.5, 90, NULL, NULL, true, FIELD(vct_shadow_aperture)},
+    {"vct.distance", 0, 1e12, NULL, NULL, true, FIELD(vct_distance)},
     {"vct.step", 0.1, 4, NULL, NULL, true, FIELD(vct_step)},
     {"vct.start", 0.25, 8, NULL, NULL, true, FIELD(vct_start)},
     {"vct.dither", 0, 1, NULL, NULL, true, FIELD(vct_dither)},
@@ -57,6 +69,7 @@ void plan_options_default(struct plan *p)
 	p->direct_points = PLAN_POINTS_DEFAULT;
 	p->vct_resolution = 128;
 	p->vct_bounces = 2;
+	p->vct_shadow_aperture = 10;
 	p->vct_step = 0.5f;
 	p->vct_start = 1;
 	p->vct_dither = 0;

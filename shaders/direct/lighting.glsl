@@ -30,6 +30,22 @@
 #define DIRECT_LIGHTS 64u
 #define DIRECT_BLOCK 16u        // pixels whose points are one set
 
+// Who traces no shadow rays for want of something better says by DIRECT_OPEN what part of a light arrives: a function of the
+// ray's origin, the surface's normal, the segment and t_max.
+#ifdef DIRECT_OPEN
+#define DIRECT_RAYS false
+float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
+{
+	return DIRECT_OPEN(origin, normal, segment, t_max);
+}
+#else
+#define DIRECT_RAYS DIRECT_SHADOWS
+float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
+{
+	return met ? 0.0 : 1.0;
+}
+#endif
+
 // Rays traced by this invocation.
 uint direct_rays = 0u;
 
@@ -214,14 +230,15 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		direct_rays += sent ? 1u : 0u;
 		ray_hit hit;
 		bool met = false;
-		if (DIRECT_SHADOWS || (EFFECT_EMITTERS && EFFECT_GLOSSY))
-			met = walk_single(origin, r.segment, DIRECT_SHADOWS || off_facets ? r.t_max : -1.0, !off_facets, hit);
+		if (DIRECT_RAYS || (EFFECT_EMITTERS && EFFECT_GLOSSY))
+			met = walk_single(origin, r.segment, DIRECT_RAYS || off_facets ? r.t_max : -1.0, !off_facets, hit);
+		float open = sent ? direct_open(met, origin, s.geometric, r.segment, r.t_max) : 0.0;
 		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
 			radiance += met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);
-		else if (sent && !met)
-			radiance += r.facets + (to_lamp ? vec3(0.0) : r.diffuse);
+		else
+			radiance += open * (r.facets + (to_lamp ? vec3(0.0) : r.diffuse));
 		if (EFFECT_EMITTERS && to_lamp) {
-			lamps.arrived += sent && !met ? r.diffuse : vec3(0.0);
+			lamps.arrived += open * r.diffuse;
 			lamps.expected += r.expected;
 		}
 	}

@@ -14,6 +14,13 @@
 
 #include "vct/params.glsl"
 
+// Ways of doing it, macros of the program; the others are there to show what these are worth.
+#ifndef VCT_OWN
+#define VCT_OWN true            // take the starting plane out
+#define VCT_SUM true            // coverage adds up; else opacities multiply, weighted by the direction's squares
+#define VCT_ISOTROPIC false     // one value a cell, whatever the way
+#endif
+
 layout(binding = VCT_PYRAMID_UNIT) uniform sampler3D vct_pyramid;
 
 // Where a cone starts, and the plane that it starts from.
@@ -50,6 +57,22 @@ vec4 read_way(float way, vec3 at, vec3 sides, float level)
 	return textureLod(vct_pyramid, vec3((way + x) * (1.0 / 6.0), at.yz / sides.yz), level);
 }
 
+// Coverage × weight and radiance × coverage × weight of one sample. `along`: |direction|; `own`: of the starting plane.
+vec4 read_cell(vec3 way, vec3 along, vec3 own, vec3 at, vec3 sides, float level)
+{
+	vec3 weight = VCT_SUM ? along : along * along;
+	if (VCT_ISOTROPIC) {
+		vec4 c = textureLod(vct_pyramid, at / sides, level);
+		c.a = max(c.a - max(own.x, max(own.y, own.z)), 0.0);
+		return c;
+	}
+	vec4 x = read_way(way.x, at, sides, level);
+	vec4 y = read_way(way.y, at, sides, level);
+	vec4 z = read_way(way.z, at, sides, level);
+	vec3 cover = max(vec3(x.a, y.a, z.a) - own, 0.0);
+	return vec4(weight.x * x.rgb + weight.y * y.rgb + weight.z * z.rgb, dot(weight, cover));
+}
+
 // The share of each axis' coverage at `at` that is the starting plane's, which lies `height` cells of this level below.
 vec3 own_cover(cone_origin o, vec3 at, float height)
 {
@@ -70,12 +93,13 @@ float cone_end(cone_origin o, vec3 direction)
 	return min(min(far.x, min(far.y, far.z)), uintBitsToFloat(vct_reach_emission.x) / vct_low_cell.w);
 }
 
-// Radiance (scaled) that comes in by a cone, and the share of it that surfaces hide. `tangent`: of its half aperture.
-vec4 cone_march(cone_origin o, vec3 direction, float tangent)
+// Radiance (scaled) that comes in by a cone up to `end` cells away, and the share of it that surfaces hide. `tangent`: of its
+// half aperture.
+vec4 cone_march_to(cone_origin o, vec3 direction, float tangent, float far)
 {
 	vec3 way = vec3(0.0, 2.0, 4.0) + mix(vec3(0.0), vec3(1.0), lessThan(direction, vec3(0.0)));
 	vec3 along = abs(direction);
-	float end = cone_end(o, direction);
+	float end = min(cone_end(o, direction), far);
 	float top = float(vct_sides_top.w);
 	float rise = dot(direction, o.normal);
 	vec4 sum = vec4(0.0);
@@ -90,18 +114,23 @@ vec4 cone_march(cone_origin o, vec3 direction, float tangent)
 		float step = vct_start_step_dither.y * foot;
 		// Nothing beyond the edge: the texture's clamping would go on with its last cell.
 		vec3 inside = clamp(at + 0.5, 0.0, 1.0) * clamp(sides - at + 0.5, 0.0, 1.0);
-		vec3 weight = along * (step * shrink * inside.x * inside.y * inside.z);
-		vec3 own = own_cover(o, at, t * rise * shrink);
-		vec4 x = read_way(way.x, at, sides, level);
-		vec4 y = read_way(way.y, at, sides, level);
-		vec4 z = read_way(way.z, at, sides, level);
-		vec3 cover = max(vec3(x.a, y.a, z.a) - own, 0.0);
-		vec4 met = vec4(weight.x * x.rgb + weight.y * y.rgb + weight.z * z.rgb, dot(weight, cover));
+		vec3 own = VCT_OWN ? own_cover(o, at, t * rise * shrink) : vec3(0.0);
+		vec4 met = read_cell(way, along, own, at, sides, level) * (inside.x * inside.y * inside.z);
 		float rest = 1.0 - sum.a;
-		sum += met * (met.a > rest ? rest / met.a : 1.0);
+		if (VCT_SUM) {
+			met *= step * shrink;
+			sum += met * (met.a > rest ? rest / met.a : 1.0);
+		} else {
+			sum += met * rest;
+		}
 		t += step;
 	}
 	return sum;
+}
+
+vec4 cone_march(cone_origin o, vec3 direction, float tangent)
+{
+	return cone_march_to(o, direction, tangent, uintBitsToFloat(0x7f800000u));
 }
 
 // The same with the background behind; W/(m² sr).

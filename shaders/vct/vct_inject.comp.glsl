@@ -8,6 +8,10 @@
 #include "vct/cells.glsl"
 #include "vct/pair.glsl"
 
+#ifndef VCT_ISOTROPIC
+#define VCT_ISOTROPIC false
+#endif
+
 layout(local_size_x = VCT_GROUP) in;
 layout(location = VCT_RANGE) uniform uvec2 range;
 layout(binding = VCT_PYRAMID_IMAGE, rgba16f) uniform writeonly image3D level_image;
@@ -67,13 +71,9 @@ ways voxel_ways(uvec3 voxel, uint axis)
 	return front;
 }
 
-void main()
+// Both ways through a cell: four columns.
+ways cell_ways(uvec3 cell, uint axis)
 {
-	uint item = range.x + gl_GlobalInvocationID.x;
-	if (gl_GlobalInvocationID.x >= range.y)
-		return;
-	uint axis = item % 3u;
-	uvec3 cell = cell_of(vct_cells[1u + item / 3u]);
 	vec4 up = vec4(0.0);
 	vec4 down = vec4(0.0);
 	for (uint column = 0u; column < 4u; column++) {
@@ -83,7 +83,37 @@ void main()
 		up += 0.25 * pair(low.up, high.up);
 		down += 0.25 * pair(high.down, low.down);
 	}
+	return ways(up, down);
+}
+
+// One value for all ways: the largest coverage, and the mean radiance.
+vec4 isotropic(uvec3 cell)
+{
+	vec4 sum = vec4(0.0);
+	float most = 0.0;
+	for (uint axis = 0u; axis < 3u; axis++) {
+		ways w = cell_ways(cell, axis);
+		sum += w.up + w.down;
+		most = max(most, max(w.up.a, w.down.a));
+	}
+	return sum.a > 0.0 ? sum * (most / sum.a) : vec4(0.0);
+}
+
+void main()
+{
+	uint item = range.x + gl_GlobalInvocationID.x;
+	if (gl_GlobalInvocationID.x >= range.y)
+		return;
+	uint axis = item % 3u;
+	uvec3 cell = cell_of(vct_cells[1u + item / 3u]);
 	uint wide = vct_sides_top.x;
-	imageStore(level_image, ivec3(cell.x + 2u * axis * wide, cell.yz), up);
-	imageStore(level_image, ivec3(cell.x + (2u * axis + 1u) * wide, cell.yz), down);
+	if (VCT_ISOTROPIC) {
+		// One invocation a cell and an axis, here too: the first does it.
+		if (axis == 0u)
+			imageStore(level_image, ivec3(cell), isotropic(cell));
+		return;
+	}
+	ways w = cell_ways(cell, axis);
+	imageStore(level_image, ivec3(cell.x + 2u * axis * wide, cell.yz), w.up);
+	imageStore(level_image, ivec3(cell.x + (2u * axis + 1u) * wide, cell.yz), w.down);
 }

@@ -10,10 +10,17 @@
 vertex_tangent tangents[1];
 vec2 ggx_table[1];
 
+#ifdef VCT_SHADOW_HARD
+#include "vct/shadow.glsl"
+#endif
 #include "direct/lighting.glsl"
 #include "shared/vct.h"
 #include "shared/voxel.h"
 #include "voxel/octahedral.glsl"
+
+#ifndef VCT_WEIGHTED
+#define VCT_WEIGHTED false
+#endif
 
 layout(local_size_x = VCT_GROUP) in;
 layout(location = VCT_RANGE) uniform uvec2 range;
@@ -26,6 +33,22 @@ layout(std430, binding = BIND_VCT_DIRECT) buffer VctDirect {
 	uint vct_direct[];
 };
 
+// Plain: Lambert about the mean normal. Weighted: about the three axes that it leans to, by its squares, for a voxel whose
+// surfaces face this way and that has no normal worth the name.
+vec3 entry_irradiance(vec3 position, vec3 n, uint pattern)
+{
+	float off = 0.25 * voxel_size;
+	if (!VCT_WEIGHTED)
+		return direct_irradiance(position, n, off, pattern);
+	vec3 sum = vec3(0.0);
+	for (uint i = 0u; i < 3u; i++) {
+		vec3 axis = vec3(i == 0u, i == 1u, i == 2u) * (n[i] < 0.0 ? -1.0 : 1.0);
+		if (n[i] != 0.0)
+			sum += n[i] * n[i] * direct_irradiance(position, axis, off, pattern + i);
+	}
+	return sum;
+}
+
 void main()
 {
 	uint entry = range.x + gl_GlobalInvocationID.x;
@@ -37,7 +60,7 @@ void main()
 	vec3 most = vec3(0.0);
 	for (uint side = 0u; side < 2u; side++) {
 		// Off the surface by a part of the voxel: the mean place of a curved surface lies a little inside of it.
-		vec3 e = direct_irradiance(position, side == 0u ? normal : -normal, 0.25 * voxel_size, entry * 7u + side);
+		vec3 e = entry_irradiance(position, side == 0u ? normal : -normal, entry * 7u + side);
 		// A NaN fails every comparison.
 		e = vec3(e.r > 0.0 ? min(e.r, 1e30) : 0.0, e.g > 0.0 ? min(e.g, 1e30) : 0.0, e.b > 0.0 ? min(e.b, 1e30) : 0.0);
 		for (uint i = 0u; i < 3u; i++)

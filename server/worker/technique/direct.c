@@ -45,8 +45,9 @@ bool direct_lamps_in_volume(const struct plan *plan, const struct resident_scene
 // Whether lamps light the scene and their points are few: then neighbours share them.
 static bool is_soft(const struct plan *plan, const struct resident_scene *scene)
 {
-	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 && !direct_lamps_in_volume(plan, scene) &&
-	       plan->direct_shadows != DIRECT_SHADOWS_NONE && plan->samples < DIRECT_SOFT_BELOW;
+	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 &&
+	       !direct_lamps_in_volume(plan, scene) && plan->direct_shadows != DIRECT_SHADOWS_NONE &&
+	       plan->samples < DIRECT_SOFT_BELOW;
 }
 
 static const char *word(bool value)

@@ -1,6 +1,7 @@
 #include "server/worker/technique/vct.h"
 
 #include <epoxy/gl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@
 #include "server/worker/technique/vct_volume.h"
 #include "shaders/gl/vct_coarse_comp.h"
 #include "shaders/gl/vct_cones_comp.h"
+#include "shaders/gl/vct_direct_comp.h"
 #include "shaders/gl/vct_fine_comp.h"
 
 #define BUILD_SHARE 0.5 // of the job's fraction, that making the volume counts for
@@ -20,10 +22,14 @@ struct technique_job {
 	struct deferred *deferred;
 	struct vct_volume *volume; // NULL: nothing comes but straight from the lights
 	struct gl_device *device;
+	void (*bind_lamps)(void *user,
+			   const struct deferred_area *area); // of the light pass, with shadows out of the volume
+	void *lamps;
 	struct gl_texture irradiance, facets; // with VCT_DETAIL_HALF: shaders/vct/half.glsl
 };
 
 static const struct gl_source coarse_source = {.name = "vct_coarse", .compute = source_vct_coarse_comp};
+static const struct gl_source direct_source = {.name = "vct_direct", .compute = source_vct_direct_comp};
 static const struct gl_source fine_source = {.name = "vct_fine", .compute = source_vct_fine_comp};
 static const struct gl_source cones_source = {.name = "vct_cones", .compute = source_vct_cones_comp};
 
@@ -51,6 +57,14 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->cones = cones_of(plan);
 	o->points = plan->direct_points;
 	o->shadows = plan->direct_shadows;
+	o->pyramid = plan->vct_pyramid;
+	o->cover = plan->vct_cover;
+	o->own = plan->vct_own;
+	o->lambert = plan->vct_lambert;
+	o->volume_shadows = plan->vct_shadows;
+	if (plan->vct_shadows == VCT_SHADOWS_CONES)
+		o->shadow_tangent = tanf(0.5f * plan->vct_shadow_aperture * (float)(3.14159265358979323846 / 180));
+	o->reach = plan->vct_distance;
 	o->emission = direct_lamps_in_volume(plan, scene);
 	o->step = 2 * plan->vct_step; // of the cone's breadth; the footprint is half of that
 	o->start = plan->vct_start;
@@ -62,7 +76,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 static bool needs_volume(const struct plan *plan, const struct resident_scene *scene)
 {
 	return plan_has(plan, candil_Effect_EFFECT_BOUNCES) || plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) ||
-	       direct_lamps_in_volume(plan, scene);
+	       direct_lamps_in_volume(plan, scene) || plan->vct_shadows != VCT_SHADOWS_RAYS;
 }
 
 static void bind_volume(void *user, const struct deferred_area *area)
@@ -81,7 +95,8 @@ static void bind_volume(void *user, const struct deferred_area *area)
 // The passes for light between surfaces, behind `count` others.
 static uint32_t cone_passes(struct technique_job *j, const struct plan *plan, struct deferred_pass *passes, uint32_t count)
 {
-	const struct deferred_pass pass = {.stage = "cones", .bind = bind_volume, .user = j};
+	struct deferred_pass pass = {.stage = "cones", .bind = bind_volume, .user = j};
+	vct_define(&pass.defines, &j->volume->options);
 	passes[count] = pass;
 	passes[count].source = plan->vct_detail == VCT_DETAIL_HALF ? &coarse_source : &cones_source;
 	if (plan->vct_detail == VCT_DETAIL_FULL)
@@ -89,6 +104,24 @@ static uint32_t cone_passes(struct technique_job *j, const struct plan *plan, st
 	passes[count + 1] = pass;
 	passes[count + 1].source = &fine_source;
 	return count + 2;
+}
+
+static void bind_light(void *user, const struct deferred_area *area)
+{
+	const struct technique_job *j = user;
+	j->bind_lamps(j->lamps, area);
+	vct_volume_bind(j->volume);
+}
+
+// The light pass with shadows out of the volume.
+static void take_shadows(struct technique_job *j, struct deferred_pass *pass)
+{
+	j->bind_lamps = pass->bind;
+	j->lamps = pass->user;
+	pass->source = &direct_source;
+	pass->bind = bind_light;
+	pass->user = j;
+	vct_define(&pass->defines, &j->volume->options);
 }
 
 static struct gl_texture_desc half_desc(const struct gl_device *gl, const struct plan *plan)
@@ -150,7 +183,10 @@ static enum status vct_begin(struct devices *devices, struct resident_scene *sce
 		s = vct_volume_acquire(scene, j->device, plan, &options, &j->volume, err);
 		if (s == STATUS_OK)
 			s = make_half(j, plan, err);
-		count = cone_passes(j, plan, passes, count);
+		if (s == STATUS_OK && plan->vct_shadows != VCT_SHADOWS_RAYS)
+			take_shadows(j, &passes[0]);
+		if (s == STATUS_OK)
+			count = cone_passes(j, plan, passes, count);
 	}
 	if (s == STATUS_OK)
 		s = deferred_create(devices, scene, plan, scene_bindings_trace(), passes, count, &j->deferred, err);

@@ -39,21 +39,21 @@ static void pyramid_sides(const struct voxel_grid *grid, uint32_t sides[3], uint
 		++*top;
 }
 
-static struct gl_texture_desc pyramid_desc(const struct voxel_grid *grid)
+static struct gl_texture_desc pyramid_desc(const struct voxel_grid *grid, bool isotropic)
 {
 	uint32_t sides[3], top;
 	pyramid_sides(grid, sides, &top);
 	return (struct gl_texture_desc){.target = GL_TEXTURE_3D,
 					.format = GL_RGBA16F,
-					.width = 6 * sides[0],
+					.width = (isotropic ? 1 : 6) * sides[0],
 					.height = sides[1],
 					.depth = sides[2],
 					.levels = top + 1};
 }
 
-uint64_t vct_pyramid_bytes(const struct voxel_grid *grid)
+uint64_t vct_pyramid_bytes(const struct voxel_grid *grid, bool isotropic)
 {
-	const struct gl_texture_desc desc = pyramid_desc(grid);
+	const struct gl_texture_desc desc = pyramid_desc(grid, isotropic);
 	return gl_texture_bytes(&desc);
 }
 
@@ -96,7 +96,7 @@ static void write_params(struct vct_volume *v)
 enum status vct_build_begin(struct vct_volume *v, const struct plan *plan, struct error *err)
 {
 	(void)plan;
-	const struct gl_texture_desc desc = pyramid_desc(&v->voxels->grid);
+	const struct gl_texture_desc desc = pyramid_desc(&v->voxels->grid, v->options.pyramid);
 	fill_params(v);
 	enum status s = gl_buffer_init(&v->params_block, v->device, sizeof v->params, &v->params, err);
 	if (s == STATUS_OK)
@@ -199,7 +199,8 @@ static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t b
 	gl_buffer_bind(&v->cells, BIND_VCT_CELLS);
 	s = run_items(v, timer, "voxelise", v->voxels->grid.entries, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
-		enter(v, VCT_LIGHT);
+		// Shadows out of the voxels need to know what they cover first.
+		enter(v, v->options.volume_shadows != VCT_SHADOWS_RAYS ? VCT_INJECT : VCT_LIGHT);
 		s = gl_buffer_read(&v->cells, v->device, 0, sizeof v->cell_count, &v->cell_count, err);
 	}
 	return s;
@@ -243,19 +244,22 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	gl_scene_bind(scene);
 	voxels_bind(v->voxels);
 	gl_buffer_bind(&v->job, BIND_JOB);
+	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
 	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
 	glUniform1f(VCT_LEVEL, v->voxels->grid.side);
 	s = run_items(v, timer, "voxel-light", v->voxels->grid.entries, budget_us, &done, err);
 	if (s != STATUS_OK || !done)
 		return s;
 	enter(v, VCT_INJECT);
+	v->lit = true;
 	return take_scale(v, err);
 }
 
 static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, &inject_source, NULL, err);
+	enum status s = use(v, &inject_source, &v->cone_defines, err);
 	if (s != STATUS_OK)
 		return s;
 	voxels_bind(v->voxels);
@@ -273,7 +277,7 @@ static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t
 
 static void after_pyramid(struct vct_volume *v)
 {
-	enter(v, v->gathers < v->gathers_wanted ? VCT_GATHER : VCT_DONE);
+	enter(v, !v->lit ? VCT_LIGHT : v->gathers < v->gathers_wanted ? VCT_GATHER : VCT_DONE);
 }
 
 static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
@@ -283,14 +287,15 @@ static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 		after_pyramid(v);
 		return STATUS_OK;
 	}
-	enum status s = use(v, &level_source, NULL, err);
+	enum status s = use(v, &level_source, &v->cone_defines, err);
 	if (s != STATUS_OK)
 		return s;
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
 	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
 	gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, v->level, GL_WRITE_ONLY);
 	glUniform1ui(VCT_LEVEL, v->level);
-	s = run_items(v, timer, "pyramid", 6 * cells_of_level(&v->params, v->level), budget_us, &done, err);
+	s = run_items(v, timer, "pyramid", (v->options.pyramid ? 1 : 6) * cells_of_level(&v->params, v->level), budget_us,
+		      &done, err);
 	if (s == STATUS_OK && done) {
 		v->level++;
 		v->next_item = 0;
@@ -303,7 +308,7 @@ static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, &gather_source, NULL, err);
+	enum status s = use(v, &gather_source, &v->cone_defines, err);
 	if (s != STATUS_OK)
 		return s;
 	voxels_bind(v->voxels);

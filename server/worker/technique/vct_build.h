@@ -13,6 +13,6 @@ enum status vct_build_begin(struct vct_volume *volume, const struct plan *plan, 
 enum status vct_build_piece(struct vct_volume *volume, struct gl_timer *timer, uint32_t budget_us, struct error *err);
 
 // Bytes of the pyramid over a grid.
-uint64_t vct_pyramid_bytes(const struct voxel_grid *grid);
+uint64_t vct_pyramid_bytes(const struct voxel_grid *grid, bool isotropic);
 
 #endif

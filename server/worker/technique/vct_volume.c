@@ -93,6 +93,18 @@ static float brightest(const struct resident_scene *scene)
 	return most;
 }
 
+void vct_define(struct gl_defines *d, const struct vct_options *o)
+{
+	gl_define(d, "VCT_OWN", "%s", o->own ? "false" : "true");
+	gl_define(d, "VCT_SUM", "%s", o->cover ? "false" : "true");
+	gl_define(d, "VCT_ISOTROPIC", "%s", o->pyramid ? "true" : "false");
+	gl_define(d, "VCT_WEIGHTED", "%s", o->lambert ? "true" : "false");
+	if (o->volume_shadows == VCT_SHADOWS_RAYS)
+		return;
+	gl_define(d, "VCT_SHADOW_HARD", "%s", o->volume_shadows == VCT_SHADOWS_MARCH ? "true" : "false");
+	gl_define(d, "VCT_SHADOW_TANGENT", "%.6f", (double)o->shadow_tangent);
+}
+
 static enum status prepare_light(struct vct_volume *v, const struct plan *plan, struct error *err)
 {
 	struct plan of_light = *plan;
@@ -105,6 +117,8 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	v->emission_most = brightest(v->scene);
 	gl_define_effects(&v->light_defines, of_light.effects);
 	direct_define(&v->light_defines, &of_light, v->scene);
+	vct_define(&v->light_defines, &v->options);
+	vct_define(&v->cone_defines, &v->options);
 	scene_job_fill(&of_light, &v->scene->view, &job);
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }
@@ -208,5 +222,6 @@ uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct
 	struct voxel_grid grid;
 	voxel_grid_make(&scene->view, &options->voxels, &grid);
 	const uint64_t entries = voxel_entries_guess(&scene->view, &grid);
-	return voxels_bytes_guess(scene, &options->voxels) + vct_pyramid_bytes(&grid) + 2 * entries * 6 * sizeof(float);
+	return voxels_bytes_guess(scene, &options->voxels) + vct_pyramid_bytes(&grid, options->pyramid) +
+	       2 * entries * 6 * sizeof(float);
 }

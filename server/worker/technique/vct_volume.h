@@ -22,6 +22,8 @@ struct vct_options {
 	uint32_t cones; // diffuse: 6, 9, 16 or 32
 	uint32_t points; // direct.samples, for shadow rays to emissive triangles
 	uint32_t shadows; // direct.shadows
+	uint32_t pyramid, cover, own, lambert, volume_shadows; // as in struct plan
+	float shadow_tangent; // of the half aperture
 	uint32_t emission; // 1: surfaces' emission is in the pyramid, and nobody aims at emissive triangles
 	float step, start, dither, reach; // as in struct vct_params; reach 0: no end
 	float background[3];
@@ -42,12 +44,13 @@ struct vct_volume {
 	struct gl_buffer direct, total; // BIND_VCT_DIRECT, BIND_VCT_TOTAL
 	struct gl_buffer job; // struct pt_job, for the lights
 	struct gl_texture pyramid;
-	struct gl_defines light_defines;
+	struct gl_defines light_defines, cone_defines;
 	uint32_t bindings; // of the scene, that the lights' program reads
 	float emission_most; // radiance of the brightest surface, W/(m² sr)
 	// Where its making stands.
 	uint32_t stage; // enum in vct_volume.c
 	uint32_t level; // of the pyramid
+	bool lit; // the lights have been through
 	uint32_t gathers; // done
 	uint32_t gathers_wanted;
 	uint64_t next_item; // of the stage
@@ -63,6 +66,9 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 enum status vct_volume_step(struct vct_volume *volume, struct gl_timer *timer, uint32_t budget_us, struct error *err);
 bool vct_volume_finished(const struct vct_volume *volume);
 double vct_volume_fraction(const struct vct_volume *volume); // 0…1
+
+// The macros of vct/cone.glsl and what includes it.
+void vct_define(struct gl_defines *defines, const struct vct_options *options);
 
 // Bind parameters and pyramid for vct/cone.glsl.
 void vct_volume_bind(const struct vct_volume *volume);

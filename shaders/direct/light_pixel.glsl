@@ -1,0 +1,38 @@
+// What the camera sees of the lamps, the background and unlit surfaces, and the light that comes to every other surface
+// straight from its source: a pass over tiles.
+#ifndef DIRECT_LIGHT_PIXEL_GLSL
+#define DIRECT_LIGHT_PIXEL_GLSL
+
+#include "direct/lamp_image.glsl"
+#include "direct/pixel.glsl"
+
+void light_pixel()
+{
+	uvec2 pixel;
+	visible_point v;
+	if (!pixel_mine(pixel))
+		return;
+	if (DIRECT_SOFT)
+		imageStore(scale_image, pixel_texel(pixel), vec4(0.0));
+	if (!pixel_visible(pixel, v)) {
+		if (EFFECT_ENVIRONMENT)
+			pixel_add(pixel, to_vec3(job.background));
+		return;
+	}
+	surface s = pixel_surface(v);
+	if (EFFECT_UNLIT && s.unlit) {
+		pixel_add(pixel, s.emission + s.base);
+		return;
+	}
+	bsdf b = bsdf_make(s, v.direction);
+	lamp_light lamps;
+	vec3 radiance =
+		direct_light_parts(s, b, s.position + s.offset * s.geometric, direct_pattern(pixel), lamps) + s.emission;
+	if (DIRECT_SOFT)
+		keep_lamps(pixel_texel(pixel), lamps, v.t, s.geometric);
+	else
+		radiance += lamp_radiance(lamps);
+	pixel_add_traced(pixel, radiance, direct_rays, trace_cut);
+}
+
+#endif
