@@ -1,3 +1,4 @@
+// Each pass in pieces that fit a slice; how much that is comes of the speed of the piece before.
 #include "server/worker/technique/voxel_build.h"
 
 #include <epoxy/gl.h>
@@ -169,7 +170,7 @@ static uint32_t portion(double speed, uint32_t budget_us, uint32_t first, uint32
 	return want < left ? want : left;
 }
 
-// Items of the chunk through the program. False: the stream is at its end.
+// Items of the chunk through the program, as many as the budget bears.
 static enum status items_piece(struct voxels *v, const struct gl_program *program, uint32_t budget_us, struct error *err)
 {
 	struct voxel_build *b = v->build;
@@ -231,7 +232,7 @@ static enum status make_parts(struct voxels *v, struct error *err)
 	return r;
 }
 
-// From counts of blocks to entries before them. STATUS_MEMORY if there are more than 2³².
+// From counts of blocks to entries before them, and room for all.
 static enum status sum_blocks(struct voxels *v, uint32_t *blocks, uint32_t count, struct error *err)
 {
 	uint64_t total = 0;
