@@ -23,7 +23,7 @@ struct plan_camera {
 enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
 enum plan_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
 enum plan_emitters { VCT_EMITTERS_AUTO, VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
-enum plan_volume_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONES };
+enum plan_volume_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONES, VCT_SHADOWS_VOLUME };
 enum plan_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
 enum plan_effect_times { EFFECT_TIMES_OFF, EFFECT_TIMES_ON, EFFECT_TIMES_ALL };
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
@@ -55,6 +55,8 @@ struct plan {
 	uint32_t vct_shadows; // enum plan_volume_shadows
 	float vct_shadow_aperture; // of a shadow cone, degrees
 	float vct_distance; // metres along a cone at most; 0: no end
+	float vct_ambient; // radiance from everywhere, W/(m² sr), dimmed by surfaces near by; 0: none
+	float vct_ao; // 1/m: how soon they are no longer near
 	float vct_step; // from sample to sample, of the cone's breadth
 	float vct_start; // from a surface to the first sample, cells of the pyramid's finest level
 	float vct_dither; // of the start

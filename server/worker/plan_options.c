@@ -29,7 +29,7 @@ static const char *const pyramids[] = {"directional", "isotropic", NULL};
 static const char *const covers[] = {"sum", "product", NULL};
 static const char *const owns[] = {"out", "in", NULL};
 static const char *const lamberts[] = {"plain", "weighted", NULL};
-static const char *const volume_shadows[] = {"rays", "march", "cones", NULL};
+static const char *const volume_shadows[] = {"rays", "march", "cones", "volume", NULL};
 static const char *const voxel_kinds[] = {"texture", NULL};
 static const char *const resolution_words[] = {"16", "32", "64", "128", "256", "512", NULL};
 static const uint32_t resolutions[] = {16, 32, 64, 128, 256, 512};
@@ -58,6 +58,8 @@ static const struct option_rule options[] = {
     {"vct.shadows", 0, 0, volume_shadows, NULL, false, FIELD(vct_shadows)},
     {"vct.shadow_aperture", 0.5, 90, NULL, NULL, true, FIELD(vct_shadow_aperture)},
     {"vct.distance", 0, 1e12, NULL, NULL, true, FIELD(vct_distance)},
+    {"vct.ambient", 0, LIMIT_RADIANCE, NULL, NULL, true, FIELD(vct_ambient)},
+    {"vct.ao", 0, 1e6, NULL, NULL, true, FIELD(vct_ao)},
     {"vct.step", 0.1, 4, NULL, NULL, true, FIELD(vct_step)},
     {"vct.start", 0.25, 8, NULL, NULL, true, FIELD(vct_start)},
     {"vct.dither", 0, 1, NULL, NULL, true, FIELD(vct_dither)},
@@ -70,6 +72,7 @@ void plan_options_default(struct plan *p)
 	p->vct_resolution = 128;
 	p->vct_bounces = 2;
 	p->vct_shadow_aperture = 10;
+	p->vct_ao = 1;
 	p->vct_step = 0.5f;
 	p->vct_start = 1;
 	p->vct_dither = 0;

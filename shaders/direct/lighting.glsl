@@ -46,6 +46,9 @@ float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
 }
 #endif
 
+// Diffuse light, luminance: what arrived, and what would without shadows.
+vec2 direct_share = vec2(0.0);
+
 // Rays traced by this invocation.
 uint direct_rays = 0u;
 
@@ -233,6 +236,7 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		if (DIRECT_RAYS || (EFFECT_EMITTERS && EFFECT_GLOSSY))
 			met = walk_single(origin, r.segment, DIRECT_RAYS || off_facets ? r.t_max : -1.0, !off_facets, hit);
 		float open = sent ? direct_open(met, origin, s.geometric, r.segment, r.t_max) : 0.0;
+		direct_share += off_facets || !sent ? vec2(0.0) : luminance(r.diffuse) * vec2(open, 1.0);
 		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
 			radiance += met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);
 		else

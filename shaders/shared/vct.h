@@ -29,7 +29,8 @@ struct vct_params {
 	uint cones; // diffuse cones
 	float reach; // metres at most along a cone
 	uint emission; // 1: surfaces' emission is in the pyramid
-	uint reserved[2];
+	float ambient; // radiance that comes from everywhere, but where surfaces are near; W/(m² sr)
+	float falloff; // 1/m: how soon they are no longer near
 	float cone[VCT_CONES_MAX][4]; // direction in a frame whose z is the normal; its weight of the cosine's integral
 	float tangent[VCT_CONES_MAX][4]; // x: of the half aperture
 	float gather[VCT_GATHER_CONES][4]; // direction; tangent of the half aperture. All weigh the same
@@ -37,13 +38,17 @@ struct vct_params {
 LAYOUT_ASSERT(vct_params, 80 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
 #define UNIFORM_VCT_PARAMS 1 // uniform block binding
 
-// Storage blocks: floats, six an entry: irradiance of its front (counter-clockwise) side, then of its back, W/m².
+// Storage blocks: floats, four a side of an entry, its front (counter-clockwise) first: irradiance, W/m², and the share of the
+// lights' that no shadow takes away.
+#define VCT_SIDE_FLOATS 4
+#define VCT_ENTRY_FLOATS 8
 #define BIND_VCT_DIRECT 26 // from the lights; two uints more at the end: bits of the largest of all, walks that the driver cut short
 #define BIND_VCT_TOTAL 27 // and from other surfaces and the background
 
 #define BIND_VCT_CELLS 28 // uints: how many cells of the finest level have entries, then which
 
 #define VCT_PYRAMID_UNIT 4 // texture
+#define VCT_SHARES_UNIT 7 // texture: like the pyramid's finest level, with shares in the place of radiance
 #define VCT_PYRAMID_IMAGE 2 // image: the level that is being made
 // Indirect light of every second pixel of every second row: textures, and the images that they are made as.
 #define VCT_IRRADIANCE_UNIT 5

@@ -19,9 +19,13 @@
 #define VCT_OWN true            // take the starting plane out
 #define VCT_SUM true            // coverage adds up; else opacities multiply, weighted by the direction's squares
 #define VCT_ISOTROPIC false     // one value a cell, whatever the way
+#define VCT_AMBIENT false       // an ambient term, dimmed where surfaces are near
 #endif
 
 layout(binding = VCT_PYRAMID_UNIT) uniform sampler3D vct_pyramid;
+
+// Of the last cone, with VCT_AMBIENT: what it met, the nearer the more: Σ opacity / (1 + fall-off · distance).
+float cone_nearness;
 
 // Where a cone starts, and the plane that it starts from.
 struct cone_origin {
@@ -103,6 +107,7 @@ vec4 cone_march_to(cone_origin o, vec3 direction, float tangent, float far)
 	float top = float(vct_sides_top.w);
 	float rise = dot(direction, o.normal);
 	vec4 sum = vec4(0.0);
+	cone_nearness = 0.0;
 	float t = o.start;
 	while (t < end && sum.a < 0.998) {
 		// The footprint is half the cone's breadth: a trilinear filter reaches as far again.
@@ -117,12 +122,15 @@ vec4 cone_march_to(cone_origin o, vec3 direction, float tangent, float far)
 		vec3 own = VCT_OWN ? own_cover(o, at, t * rise * shrink) : vec3(0.0);
 		vec4 met = read_cell(way, along, own, at, sides, level) * (inside.x * inside.y * inside.z);
 		float rest = 1.0 - sum.a;
+		float before = sum.a;
 		if (VCT_SUM) {
 			met *= step * shrink;
 			sum += met * (met.a > rest ? rest / met.a : 1.0);
 		} else {
 			sum += met * rest;
 		}
+		if (VCT_AMBIENT)
+			cone_nearness += (sum.a - before) / (1.0 + uintBitsToFloat(vct_reach_emission.w) * t * vct_low_cell.w);
 		t += step;
 	}
 	return sum;
@@ -137,7 +145,8 @@ vec4 cone_march(cone_origin o, vec3 direction, float tangent)
 vec3 cone_radiance(cone_origin o, vec3 direction, float tangent)
 {
 	vec4 c = cone_march(o, direction, tangent);
-	return c.rgb / vct_background_scale.w + max(1.0 - c.a, 0.0) * vct_background_scale.rgb;
+	vec3 ambient = vec3(VCT_AMBIENT ? uintBitsToFloat(vct_reach_emission.z) * max(1.0 - cone_nearness, 0.0) : 0.0);
+	return c.rgb / vct_background_scale.w + max(1.0 - c.a, 0.0) * vct_background_scale.rgb + ambient;
 }
 
 // Irradiance / π by the diffuse cones about `shading`, kept above the true surface.

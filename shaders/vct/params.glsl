@@ -9,7 +9,7 @@ layout(std140, binding = UNIFORM_VCT_PARAMS) uniform VctParams {
 	uvec4 vct_sides_top;
 	vec4 vct_background_scale;
 	vec4 vct_start_step_dither;   // w: bits of the number of cones
-	uvec4 vct_reach_emission;     // x: bits of metres; y: emission
+	uvec4 vct_reach_emission;     // bits of: x: metres; y: emission; z: ambient radiance; w: its fall-off
 	vec4 vct_cone[VCT_CONES_MAX];
 	vec4 vct_tangent[VCT_CONES_MAX];
 	vec4 vct_gather[VCT_GATHER_CONES];

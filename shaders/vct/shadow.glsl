@@ -1,5 +1,5 @@
 // What part of a light arrives, by marching towards it through the pyramid: by a ray that is stopped or not (hard), or by a cone
-// that is stopped more or less (soft). For direct/lighting.glsl.
+// that is stopped more or less (soft); or by what the voxels there know of their own light. For direct/lighting.glsl.
 #ifndef VCT_SHADOW_GLSL
 #define VCT_SHADOW_GLSL
 
@@ -12,6 +12,25 @@
 
 #define DIRECT_OPEN volume_open
 
+#ifdef VCT_SHADOW_VOLUME
+layout(binding = VCT_SHARES_UNIT) uniform sampler3D vct_shares;
+
+// The same for all lights: the mean of the voxels about that face as the surface does.
+float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
+{
+	vec3 sides = vec3(vct_sides_top.xyz);
+	vec3 at = (origin - vct_low_cell.xyz) / vct_low_cell.w;
+	float x = clamp(at.x, 0.5, sides.x - 0.5) / sides.x;
+	// Who looks at the surface looks against its normal.
+	vec3 way = vec3(0.0, 2.0, 4.0) + mix(vec3(0.0), vec3(1.0), greaterThan(normal, vec3(0.0)));
+	vec2 sum = vec2(0.0);
+	for (uint i = 0u; i < 3u; i++) {
+		vec4 c = textureLod(vct_shares, vec3((way[i] + x) * (1.0 / 6.0), at.yz / sides.yz), 0.0);
+		sum += normal[i] * normal[i] * c.ra;
+	}
+	return sum.y > 0.0 ? clamp(sum.x / sum.y, 0.0, 1.0) : 1.0;
+}
+#else
 float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 {
 	float l = length(segment);
@@ -22,5 +41,6 @@ float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 	vec4 c = cone_march_to(o, segment / l, tangent, end);
 	return VCT_SHADOW_HARD ? (c.a < 0.5 ? 1.0 : 0.0) : max(1.0 - c.a, 0.0);
 }
+#endif
 
 #endif

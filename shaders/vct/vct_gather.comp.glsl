@@ -63,7 +63,7 @@ void main()
 		e += cone_radiance(o, c.x * x + c.y * y + c.z * normal, c.w);
 	}
 	e *= PI * float(VCT_GATHER_GROUPS) / float(VCT_GATHER_CONES);
-	uint at = entry * 6u + side * 3u;
+	uint at = entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS;
 	for (uint i = 0u; i < 3u; i++)
 		vct_total[at + i] = vct_direct[at + i] + e[i];
 }

@@ -11,6 +11,9 @@
 #ifndef VCT_ISOTROPIC
 #define VCT_ISOTROPIC false
 #endif
+#ifndef VCT_SHARES
+#define VCT_SHARES false     // shares in the place of radiance
+#endif
 
 layout(local_size_x = VCT_GROUP) in;
 layout(location = VCT_RANGE) uniform uvec2 range;
@@ -33,7 +36,9 @@ struct ways {
 
 vec3 side_radiance(uint entry, uint side)
 {
-	uint i = entry * 6u + side * 3u;
+	uint i = entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS;
+	if (VCT_SHARES)
+		return vec3(vct_total[i + 3u]);
 	vec3 r = voxel_diffuse_albedo(entry) * vec3(vct_total[i], vct_total[i + 1u], vct_total[i + 2u]) * (1.0 / PI);
 	return r * vct_background_scale.w;
 }
@@ -56,7 +61,7 @@ ways voxel_ways(uvec3 voxel, uint axis)
 		vec2 faces = unpackHalf2x16(voxel_coverage[entry][axis]);   // what faces +axis, −axis
 		vec3 ahead = side_radiance(entry, 0u);
 		vec3 behind = side_radiance(entry, 1u);
-		if (vct_reach_emission.y != 0u)
+		if (vct_reach_emission.y != 0u && !VCT_SHARES)
 			ahead += voxel_emitted(entry) * vct_background_scale.w;
 		// Light comes up the axis to who looks down, from what faces up.
 		front.up += faces.y * vec4(ahead, 1.0);

@@ -10,7 +10,7 @@
 vertex_tangent tangents[1];
 vec2 ggx_table[1];
 
-#ifdef VCT_SHADOW_HARD
+#if defined(VCT_SHADOW_HARD) && !defined(VCT_SHADOW_VOLUME)
 #include "vct/shadow.glsl"
 #endif
 #include "direct/lighting.glsl"
@@ -60,11 +60,15 @@ void main()
 	vec3 most = vec3(0.0);
 	for (uint side = 0u; side < 2u; side++) {
 		// Off the surface by a part of the voxel: the mean place of a curved surface lies a little inside of it.
+		direct_share = vec2(0.0);
 		vec3 e = entry_irradiance(position, side == 0u ? normal : -normal, entry * 7u + side);
 		// A NaN fails every comparison.
 		e = vec3(e.r > 0.0 ? min(e.r, 1e30) : 0.0, e.g > 0.0 ? min(e.g, 1e30) : 0.0, e.b > 0.0 ? min(e.b, 1e30) : 0.0);
 		for (uint i = 0u; i < 3u; i++)
-			vct_direct[entry * 6u + side * 3u + i] = floatBitsToUint(e[i]);
+			vct_direct[entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS + i] = floatBitsToUint(e[i]);
+		// Where no light shines there is nothing to shade.
+		float share = direct_share.y > 0.0 ? clamp(direct_share.x / direct_share.y, 0.0, 1.0) : 1.0;
+		vct_direct[entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS + 3u] = floatBitsToUint(share);
 		most = max(most, e);
 	}
 	atomicMax(vct_direct[vct_direct.length() - 2], floatBitsToUint(max(most.r, max(most.g, most.b))));

@@ -65,6 +65,8 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	if (plan->vct_shadows == VCT_SHADOWS_CONES)
 		o->shadow_tangent = tanf(0.5f * plan->vct_shadow_aperture * (float)(3.14159265358979323846 / 180));
 	o->reach = plan->vct_distance;
+	o->ambient = plan->vct_ambient;
+	o->falloff = plan->vct_ambient > 0 ? plan->vct_ao : 0;
 	o->emission = direct_lamps_in_volume(plan, scene);
 	o->step = 2 * plan->vct_step; // of the cone's breadth; the footprint is half of that
 	o->start = plan->vct_start;
@@ -76,7 +78,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 static bool needs_volume(const struct plan *plan, const struct resident_scene *scene)
 {
 	return plan_has(plan, candil_Effect_EFFECT_BOUNCES) || plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) ||
-	       direct_lamps_in_volume(plan, scene) || plan->vct_shadows != VCT_SHADOWS_RAYS;
+	       direct_lamps_in_volume(plan, scene) || plan->vct_shadows != VCT_SHADOWS_RAYS || plan->vct_ambient > 0;
 }
 
 static void bind_volume(void *user, const struct deferred_area *area)

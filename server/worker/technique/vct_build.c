@@ -84,6 +84,8 @@ static void fill_params(struct vct_volume *v)
 	p->cones = o->cones;
 	p->reach = o->reach > 0 ? o->reach : INFINITY;
 	p->emission = o->emission;
+	p->ambient = o->ambient;
+	p->falloff = o->falloff;
 	vct_cones_fill(o->cones, p->cone, p->tangent);
 	fill_gather(p);
 }
@@ -103,6 +105,13 @@ enum status vct_build_begin(struct vct_volume *v, const struct plan *plan, struc
 		s = gl_texture_init(&v->pyramid, v->device, &desc, err);
 	if (s == STATUS_OK)
 		gl_texture_linear(&v->pyramid, false);
+	if (s == STATUS_OK && v->options.volume_shadows == VCT_SHADOWS_VOLUME) {
+		struct gl_texture_desc finest = pyramid_desc(&v->voxels->grid, false);
+		finest.levels = 1;
+		s = gl_texture_init(&v->shares, v->device, &finest, err);
+		if (s == STATUS_OK)
+			gl_texture_linear(&v->shares, false);
+	}
 	v->stage = VCT_VOXELISE;
 	return s;
 }
@@ -166,10 +175,10 @@ static uint64_t cells_of_level(const struct vct_params *p, uint32_t level)
 
 // ---- the stages ---------------------------------------------------------------------------------------------------------
 
-// Six floats an entry, and two words: the largest, and how many walks the driver cut short.
+// VCT_ENTRY_FLOATS an entry, and two words: the largest, and how many walks the driver cut short.
 static uint64_t irradiance_bytes(uint32_t entries)
 {
-	return ((uint64_t)entries * 6 + 2) * sizeof(float);
+	return ((uint64_t)entries * VCT_ENTRY_FLOATS + 2) * sizeof(float);
 }
 
 static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
@@ -188,6 +197,12 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 	return s;
 }
 
+// Whether the lights' shadows come out of the pyramid.
+static bool marches_for_light(const struct vct_volume *v)
+{
+	return v->options.volume_shadows == VCT_SHADOWS_MARCH || v->options.volume_shadows == VCT_SHADOWS_CONES;
+}
+
 static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
@@ -200,7 +215,7 @@ static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t b
 	s = run_items(v, timer, "voxelise", v->voxels->grid.entries, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
 		// Shadows out of the voxels need to know what they cover first.
-		enter(v, v->options.volume_shadows != VCT_SHADOWS_RAYS ? VCT_INJECT : VCT_LIGHT);
+		enter(v, marches_for_light(v) ? VCT_INJECT : VCT_LIGHT);
 		s = gl_buffer_read(&v->cells, v->device, 0, sizeof v->cell_count, &v->cell_count, err);
 	}
 	return s;
@@ -251,25 +266,29 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	s = run_items(v, timer, "voxel-light", v->voxels->grid.entries, budget_us, &done, err);
 	if (s != STATUS_OK || !done)
 		return s;
-	enter(v, VCT_INJECT);
+	enter(v, v->shares.name ? VCT_SHARE : VCT_INJECT);
 	v->lit = true;
 	return take_scale(v, err);
 }
 
+// Both the pyramid's finest level and, where asked for, the shares that look like it.
 static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, &inject_source, &v->cone_defines, err);
+	const bool shares = v->stage == VCT_SHARE;
+	struct gl_defines defines = v->cone_defines;
+	gl_define(&defines, "VCT_SHARES", "%s", shares ? "true" : "false");
+	enum status s = use(v, &inject_source, &defines, err);
 	if (s != STATUS_OK)
 		return s;
 	voxels_bind(v->voxels);
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
 	gl_buffer_bind(&v->cells, BIND_VCT_CELLS);
 	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
-	gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, 0, GL_WRITE_ONLY);
+	gl_texture_bind_image(shares ? &v->shares : &v->pyramid, VCT_PYRAMID_IMAGE, 0, GL_WRITE_ONLY);
 	s = run_items(v, timer, "pyramid", 3ull * v->cell_count, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
-		enter(v, VCT_LEVELS);
+		enter(v, shares ? VCT_INJECT : VCT_LEVELS);
 		v->level = 1;
 	}
 	return s;
@@ -333,6 +352,7 @@ enum status vct_build_piece(struct vct_volume *v, struct gl_timer *timer, uint32
 		return list(v, timer, budget_us, err);
 	case VCT_LIGHT:
 		return light(v, timer, budget_us, err);
+	case VCT_SHARE:
 	case VCT_INJECT:
 		return inject(v, timer, budget_us, err);
 	case VCT_LEVELS:

@@ -26,6 +26,7 @@ static void destroy(struct vct_volume *v)
 	gl_buffer_finish(&v->total, v->device);
 	gl_buffer_finish(&v->job, v->device);
 	gl_texture_finish(&v->pyramid, v->device);
+	gl_texture_finish(&v->shares, v->device);
 	voxels_release(v->voxels);
 	free(v);
 }
@@ -98,10 +99,13 @@ void vct_define(struct gl_defines *d, const struct vct_options *o)
 	gl_define(d, "VCT_OWN", "%s", o->own ? "false" : "true");
 	gl_define(d, "VCT_SUM", "%s", o->cover ? "false" : "true");
 	gl_define(d, "VCT_ISOTROPIC", "%s", o->pyramid ? "true" : "false");
+	gl_define(d, "VCT_AMBIENT", "%s", o->ambient > 0 ? "true" : "false");
 	gl_define(d, "VCT_WEIGHTED", "%s", o->lambert ? "true" : "false");
 	if (o->volume_shadows == VCT_SHADOWS_RAYS)
 		return;
 	gl_define(d, "VCT_SHADOW_HARD", "%s", o->volume_shadows == VCT_SHADOWS_MARCH ? "true" : "false");
+	if (o->volume_shadows == VCT_SHADOWS_VOLUME)
+		gl_define(d, "VCT_SHADOW_VOLUME", "true");
 	gl_define(d, "VCT_SHADOW_TANGENT", "%.6f", (double)o->shadow_tangent);
 }
 
@@ -215,6 +219,8 @@ void vct_volume_bind(const struct vct_volume *v)
 {
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
 	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+	if (v->shares.name)
+		gl_texture_bind(&v->shares, VCT_SHARES_UNIT);
 }
 
 uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_options *options)
@@ -223,5 +229,5 @@ uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct
 	voxel_grid_make(&scene->view, &options->voxels, &grid);
 	const uint64_t entries = voxel_entries_guess(&scene->view, &grid);
 	return voxels_bytes_guess(scene, &options->voxels) + vct_pyramid_bytes(&grid, options->pyramid) +
-	       2 * entries * 6 * sizeof(float);
+	       2 * entries * VCT_ENTRY_FLOATS * sizeof(float);
 }

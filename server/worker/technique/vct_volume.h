@@ -25,6 +25,7 @@ struct vct_options {
 	uint32_t pyramid, cover, own, lambert, volume_shadows; // as in struct plan
 	float shadow_tangent; // of the half aperture
 	uint32_t emission; // 1: surfaces' emission is in the pyramid, and nobody aims at emissive triangles
+	float ambient, falloff;
 	float step, start, dither, reach; // as in struct vct_params; reach 0: no end
 	float background[3];
 };
@@ -44,6 +45,7 @@ struct vct_volume {
 	struct gl_buffer direct, total; // BIND_VCT_DIRECT, BIND_VCT_TOTAL
 	struct gl_buffer job; // struct pt_job, for the lights
 	struct gl_texture pyramid;
+	struct gl_texture shares; // with VCT_SHADOWS_VOLUME: VCT_SHARES_UNIT
 	struct gl_defines light_defines, cone_defines;
 	uint32_t bindings; // of the scene, that the lights' program reads
 	float emission_most; // radiance of the brightest surface, W/(m² sr)
