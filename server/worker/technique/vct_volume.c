@@ -122,7 +122,10 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	gl_define_effects(&v->light_defines, of_light.effects);
 	direct_define(&v->light_defines, &of_light, v->scene);
 	vct_define(&v->light_defines, &v->options);
-	vct_define(&v->cone_defines, &v->options);
+	// The ambient term is for pixels: it lights no surface that lights another.
+	struct vct_options of_bounces = v->options;
+	of_bounces.ambient = 0;
+	vct_define(&v->cone_defines, &of_bounces);
 	scene_job_fill(&of_light, &v->scene->view, &job);
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }
