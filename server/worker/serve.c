@@ -85,6 +85,16 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 		snprintf(out->notes[out->notes_count++], sizeof out->notes[0], "%s", job->scene->edited.note);
 }
 
+static enum status refuse_size(const struct server *s, const struct job *job, uint64_t bytes, struct error *err)
+{
+	char advice[TECHNIQUE_ADVICE_BYTES] = "render smaller";
+	const uint64_t budget = s->devices->vk->budget;
+	if (job->technique->advise)
+		job->technique->advise(s->devices, job->scene, &job->plan, budget, advice);
+	return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget is %llu MiB: %s",
+			 (unsigned long long)(bytes >> 20), (unsigned long long)(budget >> 20), advice);
+}
+
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
 {
 	if (!s->devices->vk) {
@@ -108,8 +118,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	const uint64_t budget = s->devices->vk->budget;
 	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	if (bytes > budget)
-		return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget is %llu MiB: render smaller",
-				 (unsigned long long)(bytes >> 20), (unsigned long long)(budget >> 20));
+		return refuse_size(s, job, bytes, err);
 	// Scenes that nobody renders now make room, the one unused for longest first.
 	do
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);

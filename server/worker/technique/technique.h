@@ -19,6 +19,8 @@ struct plan; // worker/plan.h
 struct frame; // worker/image/frame.h
 struct technique_job; // the technique's own, opaque to the loop
 
+#define TECHNIQUE_ADVICE_BYTES 96u
+
 struct step_result {
 	uint32_t samples_done; // complete samples of every pixel
 	bool finished;
@@ -30,6 +32,11 @@ struct technique {
 
 	// Device memory, in bytes, that a job of this plan takes beside its scene: asked before it begins.
 	uint64_t (*bytes)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
+
+	// What to ask for instead of a job that takes more than `budget` bytes: the end of a sentence,
+	// TECHNIQUE_ADVICE_BYTES at most. NULL: "render smaller".
+	void (*advise)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+		       uint64_t budget, char *advice);
 
 	// Make everything that the plan asks for, and nothing else. The first use of a set of effects compiles.
 	enum status (*begin)(struct devices *devices, struct resident_scene *scene, const struct plan *plan,

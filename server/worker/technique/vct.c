@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -155,6 +156,16 @@ static uint64_t vct_bytes(const struct devices *devices, const struct resident_s
 	return bytes;
 }
 
+static void vct_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+		       uint64_t budget, char *advice)
+{
+	struct plan smaller = *plan;
+	while (smaller.vct_resolution > VOXEL_RESOLUTION_MIN && vct_bytes(devices, scene, &smaller) > budget)
+		smaller.vct_resolution /= 2;
+	if (vct_bytes(devices, scene, &smaller) <= budget)
+		snprintf(advice, TECHNIQUE_ADVICE_BYTES, "vct.resolution=%u would fit", smaller.vct_resolution);
+}
+
 static void vct_end(struct technique_job *job)
 {
 	if (!job)
@@ -219,5 +230,10 @@ static enum status vct_read(struct technique_job *job, struct frame **frame, str
 	return deferred_read(job->deferred, frame, err);
 }
 
-const struct technique technique_vct = {
-    .name = "vct", .bytes = vct_bytes, .begin = vct_begin, .step = vct_step, .read = vct_read, .end = vct_end};
+const struct technique technique_vct = {.name = "vct",
+					.bytes = vct_bytes,
+					.advise = vct_advise,
+					.begin = vct_begin,
+					.step = vct_step,
+					.read = vct_read,
+					.end = vct_end};
