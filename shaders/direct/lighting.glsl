@@ -9,6 +9,7 @@
 // direct illumination and stochastic shadows"). Neither unshadowed nor fully shadowed places show any noise then. Else the
 // points alone estimate the light.
 // The points of 4 × 4 pixels are one set together: the mean over any such block (soften.comp.glsl) has 16 times as many.
+// Pictures of many samples have points enough in each pixel, and take neither form nor mean: shadows keep their edges.
 //
 // Microfacets: the same points, and one ray in a direction that the facets reflect, weighted by the power heuristic (Veach
 // 1997, 9.2.4); a perfect mirror's is the one there is.
@@ -71,13 +72,26 @@ vec3 lamp_radiance(lamp_light l)
 			      l.expected.b > 0.0 ? ratio.b : 0.0);
 }
 
-// A pixel's number in its 4 × 4 block, neighbours far apart; another arrangement for every sample.
+// A pixel's number in its 4 × 4 block, neighbours far apart. Over sixteen samples a pixel has them all.
 uint direct_pattern(uvec2 pixel)
 {
 	uvec2 p = pixel & 3u;
 	uint odd = (p.x ^ p.y) & 1u;
 	uint far = (p.x ^ p.y) >> 1;
-	return (odd << 3 | (p.y & 1u) << 2 | far << 1 | p.y >> 1) ^ (hash(turn.y * 2u + turn.x) & 15u);
+	return (odd << 3 | (p.y & 1u) << 2 | far << 1 | p.y >> 1) ^ (bitfieldReverse(turn.y) >> 28) ^ (9u * turn.x);
+}
+
+// Each half of the samples has its own shifts.
+uint direct_shift()
+{
+	return hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.x);
+}
+
+// 32 bits for the choice of a light, the i-th of `count` even steps; samples fill them up.
+uint direct_step(uint i, uint count, uint shift)
+{
+	float part = float((bitfieldReverse(turn.y) ^ shift) >> 8) * UNIT_24;
+	return uint((float(i) + part) / float(count) * 16777216.0) << 8;
 }
 
 // Point k of a pattern's: which light (x, y: 32 bits each, as alias tables want) and where on it (z, w: 0…1).
@@ -85,13 +99,15 @@ void direct_point(uint pattern, uint k, out uvec2 pick, out vec2 where)
 {
 	const uint count = DIRECT_POINTS * DIRECT_BLOCK;
 	uint i = k * DIRECT_BLOCK + pattern;
-	uint h = hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.y * 2u + turn.x);
-	// The first by even steps, the other two by Sobol's: Hammersley's set in three dimensions, shifted as a whole.
+	uint h = direct_shift();
+	// The first by even steps, the other two by Sobol's: Hammersley's set in three dimensions, shifted as a whole. The next
+	// sample goes on with the two.
 	uint row, low;
-	uint at = uint((float(i) + float(hash(h) >> 8) * UNIT_24) / float(count) * 16777216.0) << 8;
+	uint at = direct_step(i, count, hash(h));
 	umulExtended(at, job.emitter_count, row, low);
 	pick = uvec2(at, low);
-	uvec2 bits = bitfieldReverse(uvec2(i, sobol1_reversed(i))) ^ uvec2(hash(h + 1u), hash(h + 2u));
+	uint j = turn.y * count + i;
+	uvec2 bits = bitfieldReverse(uvec2(j, sobol1_reversed(j))) ^ uvec2(hash(h + 1u), hash(h + 2u));
 	where = vec2(bits >> 8) * UNIT_24;
 }
 
@@ -101,8 +117,7 @@ punctual_light direct_punctual(uint i, out float weight)
 	weight = 1.0;
 	if (job.light_count <= DIRECT_LIGHTS)
 		return lights[i];
-	uint h = hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.y * 2u + turn.x + 0x80000000u);
-	uint at = uint((float(i) + float(hash(h) >> 8) * UNIT_24) / float(DIRECT_LIGHTS) * 16777216.0) << 8;
+	uint at = direct_step(i, DIRECT_LIGHTS, hash(direct_shift() + 3u));
 	uint row, low;
 	umulExtended(at, job.light_count, row, low);
 	punctual_light light = pick_punctual(uvec2(at, low));

@@ -42,12 +42,11 @@ bool direct_lamps_in_volume(const struct plan *plan, const struct resident_scene
 	return plan->vct_emitters == VCT_EMITTERS_CONES || !lamps_are_plain(plan, scene);
 }
 
-// Whether lamps light the scene and their points are few: then neighbours share them.
+// Whether lamps light the scene, by points that neighbouring pixels share.
 static bool is_soft(const struct plan *plan, const struct resident_scene *scene)
 {
 	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 &&
-	       !direct_lamps_in_volume(plan, scene) && plan->direct_shadows != DIRECT_SHADOWS_NONE &&
-	       plan->samples < DIRECT_SOFT_BELOW;
+	       !direct_lamps_in_volume(plan, scene) && plan->samples < DIRECT_SOFT_BELOW;
 }
 
 static const char *word(bool value)
@@ -58,7 +57,7 @@ static const char *word(bool value)
 void direct_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene)
 {
 	gl_define(defines, "DIRECT_POINTS", "%uu", plan->direct_points);
-	gl_define(defines, "DIRECT_CLOSED", "%s", word(lamps_are_plain(plan, scene)));
+	gl_define(defines, "DIRECT_CLOSED", "%s", word(lamps_are_plain(plan, scene) && plan->samples < DIRECT_SOFT_BELOW));
 	gl_define(defines, "DIRECT_LAMPS", "%s", word(!direct_lamps_in_volume(plan, scene)));
 	gl_define(defines, "DIRECT_SHADOWS", "%s", word(plan->direct_shadows != DIRECT_SHADOWS_NONE));
 	gl_define(defines, "DIRECT_SOFT", "%s", word(is_soft(plan, scene)));

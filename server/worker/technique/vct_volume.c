@@ -112,6 +112,8 @@ void vct_define(struct gl_defines *d, const struct vct_options *o)
 static enum status prepare_light(struct vct_volume *v, const struct plan *plan, struct error *err)
 {
 	struct plan of_light = *plan;
+	// The volume outlives the job: what samples there are is the picture's business.
+	of_light.samples = 1;
 	struct pt_job job;
 	// Entries are diffuse, and have the geometry's own normals.
 	of_light.effects &= ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS);
