@@ -49,6 +49,14 @@ vec4 within(vec4 c, float room)
 	return c.a > room ? c * (room / c.a) : c;
 }
 
+// Coverage along the axis that an entry faces most.
+float widest_face(uint entry)
+{
+	uvec4 c = voxel_coverage[entry];
+	vec3 faces = vec3(dot(unpackHalf2x16(c.x), vec2(1.0)), dot(unpackHalf2x16(c.y), vec2(1.0)), dot(unpackHalf2x16(c.z), vec2(1.0)));
+	return max(faces.x, max(faces.y, faces.z));
+}
+
 ways voxel_ways(uvec3 voxel, uint axis)
 {
 	ways front = ways(vec4(0.0), vec4(0.0));
@@ -66,6 +74,10 @@ ways voxel_ways(uvec3 voxel, uint axis)
 		// Light comes up the axis to who looks down, from what faces up.
 		front.up += faces.y * vec4(ahead, 1.0);
 		front.down += faces.x * vec4(ahead, 1.0);
+		// On some axis an oblique wall turns its back to who is in front of it. Backs count along the axis that they face
+		// most alone: there, only who looks along the wall takes one for the other.
+		if (faces.x + faces.y < widest_face(entry))
+			continue;
 		back.up += faces.x * vec4(behind, 1.0);
 		back.down += faces.y * vec4(behind, 1.0);
 	}

@@ -247,6 +247,14 @@ static enum status take_scale(struct vct_volume *v, struct error *err)
 	return STATUS_OK;
 }
 
+// The lights' own irradiance waits until what cones alone bring has caught up with it.
+static void enter_first_pyramid(struct vct_volume *v)
+{
+	if (v->gathers_first)
+		glClearNamedBufferData(v->total.name, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+	enter(v, VCT_INJECT);
+}
+
 static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	struct gl_scene *scene;
@@ -266,9 +274,13 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	s = run_items(v, timer, "voxel-light", v->voxels->grid.entries, budget_us, &done, err);
 	if (s != STATUS_OK || !done)
 		return s;
-	enter(v, v->shares.name ? VCT_SHARE : VCT_INJECT);
 	v->lit = true;
-	return take_scale(v, err);
+	s = take_scale(v, err);
+	if (v->shares.name)
+		enter(v, VCT_SHARE);
+	else
+		enter_first_pyramid(v);
+	return s;
 }
 
 // Both the pyramid's finest level and, where asked for, the shares that look like it.
@@ -288,7 +300,10 @@ static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t
 	gl_texture_bind_image(shares ? &v->shares : &v->pyramid, VCT_PYRAMID_IMAGE, 0, GL_WRITE_ONLY);
 	s = run_items(v, timer, "pyramid", 3ull * v->cell_count, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
-		enter(v, shares ? VCT_INJECT : VCT_LEVELS);
+		if (shares)
+			enter_first_pyramid(v);
+		else
+			enter(v, VCT_LEVELS);
 		v->level = 1;
 	}
 	return s;

@@ -132,6 +132,12 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }
 
+// The background, and surfaces whose emission is in the pyramid, have no irradiance in `direct`: cones bring it.
+static bool sends_by_cones(const struct vct_options *o)
+{
+	return o->emission || o->background[0] > 0 || o->background[1] > 0 || o->background[2] > 0;
+}
+
 static enum status create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
 			  const struct vct_options *options, struct vct_volume **out, struct error *err)
 {
@@ -142,8 +148,8 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	v->device = device;
 	v->scene = scene;
 	v->gathers_wanted = options->bounces > 0 ? options->bounces - 1 : 0;
-	// The background's light has no first bounce of its own: it comes by cones.
-	if (options->bounces > 0 && (options->background[0] > 0 || options->background[1] > 0 || options->background[2] > 0))
+	v->gathers_first = options->bounces > 0 && sends_by_cones(options);
+	if (v->gathers_first)
 		v->gathers_wanted++;
 	enum status s = voxels_acquire(scene, device, plan, &options->voxels, &v->voxels, err);
 	if (s == STATUS_OK)

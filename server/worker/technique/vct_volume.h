@@ -55,6 +55,7 @@ struct vct_volume {
 	bool lit; // the lights have been through
 	uint32_t gathers; // done
 	uint32_t gathers_wanted;
+	bool gathers_first; // what cones alone bring, before `direct` is in the pyramid: every light has as many bounces
 	uint64_t next_item; // of the stage
 	double item_us[8]; // measured, by stage; 0: not yet
 };
