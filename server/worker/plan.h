@@ -22,7 +22,7 @@ struct plan_camera {
 
 enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
 enum plan_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
-enum plan_emitters { VCT_EMITTERS_AUTO, VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
+enum plan_emitters { VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
 enum plan_volume_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONES, VCT_SHADOWS_VOLUME };
 enum plan_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
 enum plan_effect_times { EFFECT_TIMES_OFF, EFFECT_TIMES_ON, EFFECT_TIMES_ALL };

@@ -8,6 +8,7 @@
 
 layout(binding = DIRECT_SCALE_UNIT, rgba32f) uniform image2D scale_image;         // w: metres from the eye; 0: no such light
 layout(binding = DIRECT_ARRIVED_UNIT, rgba32f) uniform image2D arrived_image;     // w, and the next one's: the normal
+layout(binding = DIRECT_FACETS_UNIT, rgba32f) uniform image2D facets_image;
 layout(binding = DIRECT_EXPECTED_UNIT, rgba32f) uniform image2D expected_image;
 
 // A unit vector on the octahedron, unfolded: Cigolle et al. 2014 (JCGT 3-2).
@@ -26,10 +27,12 @@ vec3 from_octahedron(vec2 p)
 	return normalize(n);
 }
 
-void keep_lamps(ivec2 texel, lamp_light l, float t, vec3 normal)
+void keep_lamps(ivec2 texel, lamp_light l, bsdf b, float t, vec3 normal)
 {
 	vec2 n = octahedron(normal);
-	bool any = max(l.scale.r, max(l.scale.g, l.scale.b)) > 0.0;
+	bool any = max(l.scale.r, max(l.scale.g, l.scale.b)) > 0.0 || (EFFECT_GLOSSY && b.share > 0.0 && !b.mirror);
+	if (EFFECT_GLOSSY)
+		imageStore(facets_image, texel, vec4(l.facets, 0.0));
 	imageStore(scale_image, texel, vec4(l.scale, any ? t : 0.0));
 	imageStore(arrived_image, texel, vec4(l.arrived, n.x));
 	imageStore(expected_image, texel, vec4(l.expected, n.y));

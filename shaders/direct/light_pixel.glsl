@@ -29,9 +29,9 @@ void light_pixel()
 	vec3 radiance =
 		direct_light_parts(s, b, s.position + s.offset * s.geometric, direct_pattern(pixel), lamps) + s.emission;
 	if (DIRECT_SOFT)
-		keep_lamps(pixel_texel(pixel), lamps, v.t, s.geometric);
+		keep_lamps(pixel_texel(pixel), lamps, b, v.t, s.geometric);
 	else
-		radiance += lamp_radiance(lamps);
+		radiance += lamps.facets + lamp_radiance(lamps);
 	pixel_add_traced(pixel, radiance, direct_rays, trace_cut);
 }
 

@@ -60,6 +60,7 @@ struct lamp_light {
 	vec3 scale;
 	vec3 arrived;
 	vec3 expected;
+	vec3 facets;     // radiance by the microfacets, but a perfect mirror's
 };
 
 vec3 lamp_radiance(lamp_light l)
@@ -232,7 +233,7 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 	const uint lamp_end = light_count + (has_lamps ? DIRECT_POINTS : 0u);
 	const uint end = lamp_end + (has_lamps && EFFECT_GLOSSY ? 1u : 0u);
 	vec3 radiance = vec3(0.0);
-	lamps = lamp_light(b.diffuse, vec3(0.0), vec3(0.0));
+	lamps = lamp_light(b.diffuse, vec3(0.0), vec3(0.0), vec3(0.0));
 	for (uint i = 0u; i < end; i++) {
 		direct_ray r = direct_ray(vec3(0.0, 0.0, 1.0), -1.0, vec3(0.0), vec3(0.0), vec3(0.0));
 		float pdf = 0.0;
@@ -252,10 +253,15 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 			met = walk_single(origin, r.segment, DIRECT_RAYS || off_facets ? r.t_max : -1.0, !off_facets, hit);
 		float open = sent ? direct_open(met, origin, s.geometric, r.segment, r.t_max) : 0.0;
 		direct_share += off_facets || !sent ? vec2(0.0) : luminance(r.diffuse) * vec2(open, 1.0);
-		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
-			radiance += met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);
-		else
-			radiance += open * (r.facets + (to_lamp ? vec3(0.0) : r.diffuse));
+		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets) {
+			vec3 seen = met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);
+			radiance += b.mirror ? seen : vec3(0.0);
+			lamps.facets += b.mirror ? vec3(0.0) : seen;
+		} else if (to_lamp) {
+			lamps.facets += open * r.facets;
+		} else {
+			radiance += open * (r.facets + r.diffuse);
+		}
 		if (EFFECT_EMITTERS && to_lamp) {
 			lamps.arrived += open * r.diffuse;
 			lamps.expected += r.expected;
@@ -272,7 +278,7 @@ vec3 direct_light(surface s, bsdf b, vec3 origin, uvec2 pixel)
 {
 	lamp_light lamps;
 	vec3 radiance = direct_light_parts(s, b, origin, direct_pattern(pixel), lamps);
-	return radiance + lamp_radiance(lamps);
+	return radiance + lamps.facets + lamp_radiance(lamps);
 }
 
 // Irradiance of a plane in space, W/m², for what is no pixel: a voxel. `offset`: rays begin so far off it along the normal.

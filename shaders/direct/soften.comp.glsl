@@ -27,7 +27,8 @@ void main()
 	vec3 normal = from_octahedron(vec2(imageLoad(arrived_image, texel).w, imageLoad(expected_image, texel).w));
 	float distance = job.orthographic != 0.0 ? 1.0 : own.w;
 	float tolerance = SAME_PLANE * 2.0 * length(to_vec3(job.up)) / float(job.height) * distance;
-	lamp_light sum = lamp_light(own.rgb, vec3(0.0), vec3(0.0));
+	lamp_light sum = lamp_light(own.rgb, vec3(0.0), vec3(0.0), vec3(0.0));
+	float kin = 0.0;
 	for (int i = 0; i < 16; i++) {
 		ivec2 at = texel + ivec2(i & 3, i >> 2) - 1;
 		if (at.x < 0 || at.y < 0 || at.x >= int(job.width) || at.y >= int(area.y))
@@ -40,6 +41,9 @@ void main()
 		bool same = t > 0.0 && off < tolerance && dot(normal, from_octahedron(vec2(arrived.w, expected.w))) > SAME_NORMAL;
 		sum.arrived += same ? arrived.rgb : vec3(0.0);
 		sum.expected += same ? expected.rgb : vec3(0.0);
+		if (EFFECT_GLOSSY)
+			sum.facets += same ? imageLoad(facets_image, at).rgb : vec3(0.0);
+		kin += same ? 1.0 : 0.0;
 	}
-	pixel_add(pixel, lamp_radiance(sum));
+	pixel_add(pixel, lamp_radiance(sum) + sum.facets / max(kin, 1.0));
 }

@@ -20,6 +20,7 @@
 #define DIRECT_SCALE_UNIT 1
 #define DIRECT_ARRIVED_UNIT 2
 #define DIRECT_EXPECTED_UNIT 3
+#define DIRECT_FACETS_UNIT 4
 
 #define VISIBLE_NEAR 1e-15 // metres: nothing nearer to the eye is drawn; at 10²⁰ metres its quotient is still a normal float
 

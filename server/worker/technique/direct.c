@@ -36,10 +36,8 @@ static bool lamps_are_plain(const struct plan *plan, const struct resident_scene
 
 bool direct_lamps_in_volume(const struct plan *plan, const struct resident_scene *scene)
 {
-	if (plan->technique != candil_Technique_TECHNIQUE_VCT || !plan_has(plan, candil_Effect_EFFECT_EMITTERS) ||
-	    scene_count(scene, BLOB_EMITTERS) == 0 || plan->vct_emitters == VCT_EMITTERS_POINTS)
-		return false;
-	return plan->vct_emitters == VCT_EMITTERS_CONES || !lamps_are_plain(plan, scene);
+	return plan->technique == candil_Technique_TECHNIQUE_VCT && plan_has(plan, candil_Effect_EFFECT_EMITTERS) &&
+	       scene_count(scene, BLOB_EMITTERS) > 0 && plan->vct_emitters == VCT_EMITTERS_CONES;
 }
 
 // Whether lamps light the scene, by points that neighbouring pixels share.
@@ -78,7 +76,7 @@ static struct gl_texture_desc lamp_desc(const struct gl_device *device, const st
 uint64_t direct_lighting_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
 	const struct gl_texture_desc desc = lamp_desc(devices->gl, plan);
-	return is_soft(plan, scene) ? 3 * gl_texture_bytes(&desc) : 0;
+	return is_soft(plan, scene) ? (plan_has(plan, candil_Effect_EFFECT_GLOSSY) ? 4u : 3u) * gl_texture_bytes(&desc) : 0;
 }
 
 static void bind_lamps(void *user, const struct deferred_area *area)
@@ -90,6 +88,8 @@ static void bind_lamps(void *user, const struct deferred_area *area)
 	gl_texture_bind_image(&l->scale, DIRECT_SCALE_UNIT, 0, GL_READ_WRITE);
 	gl_texture_bind_image(&l->arrived, DIRECT_ARRIVED_UNIT, 0, GL_READ_WRITE);
 	gl_texture_bind_image(&l->expected, DIRECT_EXPECTED_UNIT, 0, GL_READ_WRITE);
+	if (l->facets.name)
+		gl_texture_bind_image(&l->facets, DIRECT_FACETS_UNIT, 0, GL_READ_WRITE);
 }
 
 static void add_pass(struct direct_lighting *l, const struct gl_source *source, const struct plan *plan,
@@ -117,6 +117,8 @@ enum status direct_lighting_init(struct direct_lighting *l, struct devices *devi
 		s = gl_texture_init(&l->arrived, l->device, &desc, err);
 	if (s == STATUS_OK)
 		s = gl_texture_init(&l->expected, l->device, &desc, err);
+	if (s == STATUS_OK && plan_has(plan, candil_Effect_EFFECT_GLOSSY))
+		s = gl_texture_init(&l->facets, l->device, &desc, err);
 	if (s != STATUS_OK)
 		direct_lighting_finish(l);
 	return s;
@@ -129,6 +131,7 @@ void direct_lighting_finish(struct direct_lighting *l)
 	gl_texture_finish(&l->scale, l->device);
 	gl_texture_finish(&l->arrived, l->device);
 	gl_texture_finish(&l->expected, l->device);
+	gl_texture_finish(&l->facets, l->device);
 }
 
 // ---- the technique ------------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ extern const struct technique technique_direct;
 // comes straight from every light.
 struct direct_lighting {
 	struct gl_device *device;
-	struct gl_texture scale, arrived, expected; // of a band; only if lamps' points are shared
+	struct gl_texture scale, arrived, expected, facets; // of a band; only if lamps' points are shared, facets if any are
 	struct deferred_pass passes[DIRECT_PASSES_MAX];
 	uint32_t pass_count;
 };
@@ -30,8 +30,7 @@ enum status direct_lighting_init(struct direct_lighting *lighting, struct device
 				 const struct resident_scene *scene, const struct plan *plan, struct error *err);
 void direct_lighting_finish(struct direct_lighting *lighting); // a zeroed one is fine
 
-// Whether the plan lets emissive surfaces light others by the voxels alone, where cones find them: vct.emitters=cones, or
-// auto where they are too many, or textured, to be aimed at.
+// Whether the plan lets emissive surfaces light others by the voxels alone, where cones find them: vct.emitters=cones.
 bool direct_lamps_in_volume(const struct plan *plan, const struct resident_scene *scene);
 
 // The options of shaders/direct/lighting.glsl as macros, for any program that includes it.
