@@ -12,11 +12,11 @@ layout(push_constant) uniform Push {
 	float diffuse;
 	float tilt;        // of the shading normal towards +x, radians
 	uint seed;
-	uint mode;         // 0: sample; 1: evaluate the grid of directions
+	uint mode;         // 0: sample; 1: evaluate the grid of directions; 2: both ways between two random directions
 	uint side;         // mode 1: directions are side × side, (z, phi) evenly
 } push;
 layout(std430, set = 0, binding = 1) writeonly buffer Out {
-	vec4 results[];    // mode 0: direction and pdf, then weight; mode 1: value and pdf
+	vec4 results[];    // mode 0: direction and pdf, then weight; mode 1: value and pdf; mode 2: diffuse there and back, facets likewise
 };
 
 void main()
@@ -39,6 +39,19 @@ void main()
 		vec3 w = bsdf_sample(b, sample_2d(rnd, 0u).x, sample_2d(rnd, 1u), weight, pdf);
 		results[2u * i] = vec4(w, pdf);
 		results[2u * i + 1u] = vec4(weight, 0.0);
+	} else if (push.mode == 2u) {
+		s.shading = s.geometric;
+		sampler_state rnd = sampler_make(i, 0u, 0u, push.seed, 0u);
+		vec3 v = cosine_hemisphere(sample_2d(rnd, 0u));
+		vec3 l = cosine_hemisphere(sample_2d(rnd, 1u));
+		bsdf there = bsdf_make(s, -v);
+		bsdf back = bsdf_make(s, -l);
+		vec3 in_there = into_frame(there, l);
+		vec3 in_back = into_frame(back, v);
+		// By the cosine, which is the light's, and not the BSDF's.
+		results[i] = vec4(diffuse_lobe(there, in_there).r / in_there.z, diffuse_lobe(back, in_back).r / in_back.z,
+				  ggx_eval(there.view, in_there, there.alpha, s.f0, s.f90).r / in_there.z,
+				  ggx_eval(back.view, in_back, back.alpha, s.f0, s.f90).r / in_back.z);
 	} else {
 		float z = (float(i / push.side) + 0.5) / float(push.side);
 		float phi = 2.0 * PI * (float(i % push.side) + 0.5) / float(push.side);

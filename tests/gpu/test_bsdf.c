@@ -131,6 +131,26 @@ static bool test_config(struct shader_run *r, const struct config *c, double sig
 	return good;
 }
 
+// The diffuse part and single scattering are the same both ways (Helmholtz); the factor that makes up for multiple
+// scattering knows one direction, and does not claim to be.
+static bool test_reciprocity(struct shader_run *r, const struct config *c, struct error *err)
+{
+	const uint32_t count = 1u << 16;
+	double worst[2] = {0, 0};
+	if (run(r, c, 1, 2, count, err) != STATUS_OK)
+		return false;
+	for (uint32_t i = 0; i < count; i++)
+		for (int k = 0; k < 2; k++) {
+			const double a = (double)results[i][2 * k], b = (double)results[i][2 * k + 1];
+			if (a > 1e-6 || b > 1e-6)
+				worst[k] = fmax(worst[k], fabs(a - b) / fmax(a, b));
+		}
+	const bool good = worst[0] < 1e-5 && worst[1] < 1e-4;
+	printf("%s reciprocity, roughness %.2f F0 %.2f diffuse %.2f: diffuse part %.1e, single scattering %.1e\n",
+	       good ? "ok" : "FAIL", (double)c->roughness, (double)c->f0, (double)c->diffuse, worst[0], worst[1]);
+	return good;
+}
+
 int main(void)
 {
 	struct shader_run r;
@@ -144,6 +164,8 @@ int main(void)
 	}
 	for (size_t i = 0; s == STATUS_OK && i < CONFIGS; i++)
 		good = test_config(&r, &configs[i], significance, &err) && good;
+	for (size_t i = 0; s == STATUS_OK && i < CONFIGS; i++)
+		good = test_reciprocity(&r, &configs[i], &err) && good;
 	shader_run_finish(&r);
 	if (s != STATUS_OK || err.code != STATUS_OK)
 		printf("FAIL: %s\n", err.text);
