@@ -40,7 +40,7 @@ struct command {
 };
 
 extern const struct command ping_command, stats_command, load_command, unload_command, scenes_command, describe_command,
-    render_command, sweep_command, compare_command, doctor_command;
+    render_command, sweep_command, inspect_command, compare_command, doctor_command;
 
 // The options that every command takes, to be put into its table, and their handling.
 enum { OPTION_CONNECT = 1000, OPTION_JSON, OPTION_HELP };

@@ -4,8 +4,8 @@
 #include <string.h>
 
 static const struct command *const commands[] = {
-    &ping_command,     &doctor_command, &load_command,  &unload_command,  &scenes_command,
-    &describe_command, &render_command, &sweep_command, &compare_command, &stats_command,
+    &ping_command,   &doctor_command, &load_command,    &unload_command,  &scenes_command, &describe_command,
+    &render_command, &sweep_command,  &compare_command, &inspect_command, &stats_command,
 };
 
 static enum exit_code print_help(void)

@@ -68,6 +68,12 @@ static const struct option render_table[] = {
     {NULL, 0, NULL, 0},
 };
 
+static const struct option inspect_table[] = {
+    SHARED_OPTIONS,
+    {"time", required_argument, NULL, OPTION_TIME},
+    {NULL, 0, NULL, 0},
+};
+
 static const struct option sweep_table[] = {
     SHARED_OPTIONS,
     {"orbit", required_argument, NULL, OPTION_ORBIT},
@@ -395,17 +401,21 @@ static void settle_samples(struct candil_render_request *request)
 		request->samples = noisy ? usual.samples : 1;
 }
 
-static bool parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
-		  struct sweep_texts *texts, enum exit_code *code)
+static void init(struct render_options *options)
 {
-	const struct option *long_options = texts ? sweep_table : render_table;
-	struct given given = {0};
-	int option, index = 0;
 	memset(options, 0, sizeof(*options));
 	candil_render_request_init(&options->request);
 	options->request.samples = 0;
 	options->request.options = options->settings;
 	edit_options_init(&options->edits);
+}
+
+// Into options that were begun with init. `format`: of an output whose name says none; NULL: it must.
+static bool parse(struct cli *cli, const struct command *self, int argc, char **argv, const struct option *long_options,
+		  const char *format, struct render_options *options, struct sweep_texts *texts, enum exit_code *code)
+{
+	struct given given = {.format = format};
+	int option, index = 0;
 	while ((option = getopt_long(argc, argv, "ho:", long_options, &index)) != -1) {
 		char whole[256];
 		snprintf(whole, sizeof(whole), "%s", optarg ? optarg : "");
@@ -443,12 +453,26 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			  enum exit_code *code)
 {
-	return parse(cli, self, argc, argv, options, NULL, code);
+	init(options);
+	return parse(cli, self, argc, argv, render_table, NULL, options, NULL, code);
 }
 
 bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			 struct sweep_texts *texts, enum exit_code *code)
 {
 	*texts = (struct sweep_texts){0};
-	return parse(cli, self, argc, argv, options, texts, code);
+	init(options);
+	return parse(cli, self, argc, argv, sweep_table, NULL, options, texts, code);
+}
+
+bool inspect_options_parse(struct cli *cli, const struct command *self, int argc, char **argv,
+			   struct render_options *options, enum exit_code *code)
+{
+	init(options);
+	options->request.samples = 1;
+	if (!parse(cli, self, argc, argv, inspect_table, "png", options, NULL, code))
+		return false;
+	if (options->request.technique == CANDIL_TECHNIQUE_AUTO)
+		options->request.technique = CANDIL_TECHNIQUE_VCT;
+	return true;
 }

@@ -1,6 +1,7 @@
 #include "clients/cli/report.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 static bool is_simulated(const struct candil_effect_report *effect)
@@ -57,7 +58,7 @@ static void print_effects(const struct candil_accepted *accepted, bool simulated
 		fputc('\n', stream);
 }
 
-static void print_stages(const struct candil_done *done, FILE *stream)
+void report_print_stages(const struct candil_done *done, FILE *stream)
 {
 	fprintf(stream, "time       %.1f ms", (double)done->elapsed_us * 1e-3);
 	for (uint32_t i = 0; i < done->stage_count; i++)
@@ -74,7 +75,7 @@ void report_print(const struct report *r, FILE *stream)
 	fprintf(stream, "technique  %s, %" PRIu32 " sample%s, depth %" PRIu32 ", on %s\n",
 		candil_technique_name(r->accepted.technique), done->samples, cli_s(done->samples), r->accepted.depth,
 		done->device[0] ? done->device : r->accepted.device);
-	print_stages(done, stream);
+	report_print_stages(done, stream);
 	print_effects(&r->accepted, true, stream);
 	print_effects(&r->accepted, false, stream);
 	if (done->estimated_relmse == 0)
@@ -161,13 +162,26 @@ static json_t *effects_json(const struct candil_accepted *accepted)
 	return effects;
 }
 
-static json_t *stages_json(const struct candil_done *done)
+json_t *report_stages_json(const struct candil_done *done)
 {
 	json_t *stages = json_array();
 	for (uint32_t i = 0; i < done->stage_count; i++)
 		json_array_append_new(stages, json_pack("{s:o,s:o}", "name", cli_json_text(done->stages[i].name), "us",
 							cli_json_u64(done->stages[i].us)));
 	return stages;
+}
+
+json_t *report_figures_json(const struct candil_done *done)
+{
+	json_t *figures = json_array();
+	for (uint32_t i = 0; i < done->figure_count; i++) {
+		const struct candil_figure *f = &done->figures[i];
+		const bool whole = fabs(f->value) < 0x1p53 && f->value == floor(f->value);
+		json_array_append_new(figures, json_pack("{s:o,s:o,s:o}", "name", cli_json_text(f->name), "value",
+							 whole ? json_integer((json_int_t)f->value) : json_real(f->value),
+							 "unit", cli_json_text(f->unit)));
+	}
+	return figures;
 }
 
 static void put_number(json_t *object, const char *key, uint64_t value)
@@ -207,7 +221,8 @@ json_t *report_json(const struct report *r)
 	for (uint32_t i = 0; i < r->accepted.note_count; i++)
 		json_array_append_new(notes, cli_json_text(r->accepted.notes[i]));
 	json_object_set_new(o, "notes", notes);
-	json_object_set_new(o, "stages", stages_json(done));
+	json_object_set_new(o, "stages", report_stages_json(done));
+	json_object_set_new(o, "figures", report_figures_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);
 	json_object_set_new(o, "estimated_relmse",
 			    done->estimated_relmse >= 0 ? json_real(done->estimated_relmse) : json_null());

@@ -20,7 +20,15 @@ struct report {
 	"\"name\", \"eye\",\n" \
 	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
 	"\"effects\": [{\"name\", \"state\", \"why\"}], \"stages\": [{\"name\", \"us\"}], \"elapsed_us\",\n" \
-	"\"estimated_relmse\" (null: unknown), \"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\"}\n"
+	"\"estimated_relmse\" (null: unknown), \"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
+	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
+
+// [{"name", "us"}] and [{"name", "value", "unit"}] of a finished render.
+json_t *report_stages_json(const struct candil_done *done);
+json_t *report_figures_json(const struct candil_done *done);
+
+// "time       12.3 ms: queue 0.0, …", a line.
+void report_print_stages(const struct candil_done *done, FILE *stream);
 
 void report_print(const struct report *report, FILE *stream);
 json_t *report_json(const struct report *report);

@@ -370,6 +370,13 @@ struct candil_stage {
 	uint64_t us;
 };
 
+// What the technique counted or measured; PROTOCOL.md lists the names.
+struct candil_figure {
+	char name[24];
+	double value; // finite
+	char unit[16];
+};
+
 struct candil_done {
 	uint32_t samples;
 	uint32_t stage_count;
@@ -381,6 +388,8 @@ struct candil_done {
 	uint32_t slices, retries;
 	char device[128];
 	char reason[64]; // why it ended: "samples"
+	uint32_t figure_count;
+	struct candil_figure figures[32];
 };
 
 // An encoded image file, whole: EXR or PNG bytes, to be written to a file as they are.

@@ -330,6 +330,21 @@ static void read_progress(const candil_Progress *from, struct candil_progress *t
 	to->elapsed_us = from->elapsed_us;
 }
 
+static void read_figures(const candil_Done *from, struct candil_done *to)
+{
+	_Static_assert(COUNT(to->figures) == COUNT(from->figures), "candil.h and candil.options differ");
+	to->figure_count = 0;
+	for (size_t i = 0; i < from->figures_count; i++) {
+		struct candil_figure *figure = &to->figures[to->figure_count];
+		if (!isfinite(from->figures[i].value))
+			continue;
+		TEXT(figure->name, from->figures[i].name);
+		TEXT(figure->unit, from->figures[i].unit);
+		figure->value = from->figures[i].value;
+		to->figure_count++;
+	}
+}
+
 static void read_done(const candil_Done *from, struct candil_done *to)
 {
 	_Static_assert(COUNT(to->stages) == COUNT(from->stages), "candil.h and candil.options differ");
@@ -347,6 +362,7 @@ static void read_done(const candil_Done *from, struct candil_done *to)
 	to->retries = from->retries;
 	TEXT(to->device, from->device);
 	TEXT(to->reason, from->reason);
+	read_figures(from, to);
 }
 
 static void read_stats(const candil_StatsReply *from, struct candil_stats *to)

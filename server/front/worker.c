@@ -275,8 +275,15 @@ static bool accepted_holds(candil_Accepted *accepted)
 
 static bool done_holds(candil_Done *done)
 {
-	if (done->stages_count > sizeof done->stages / sizeof *done->stages)
+	if (done->stages_count > sizeof done->stages / sizeof *done->stages ||
+	    done->figures_count > sizeof done->figures / sizeof *done->figures)
 		return false;
+	for (size_t i = 0; i < done->figures_count; i++) {
+		text_clean(done->figures[i].name, sizeof done->figures[i].name);
+		text_clean(done->figures[i].unit, sizeof done->figures[i].unit);
+		if (!isfinite(done->figures[i].value))
+			return false;
+	}
 	text_clean(done->device, sizeof done->device);
 	text_clean(done->reason, sizeof done->reason);
 	for (size_t i = 0; i < done->stages_count; i++)

@@ -7,6 +7,7 @@
 
 #include "protocol/limits.h"
 #include "server/worker/plan_options.h"
+#include "shaders/shared/vct_show.h"
 
 #define PI 3.14159265358979323846
 
@@ -96,6 +97,14 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 {
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_BOUNCES)
 		return "direct shows light that comes straight from its source: pt and vct follow it further";
+	if (p->technique != candil_Technique_TECHNIQUE_VCT || p->vct_show == VCT_SHOW_NONE)
+		return NULL;
+	if (effect == candil_Effect_EFFECT_NORMAL_MAPS)
+		return "voxels have the mesh's own normals";
+	const bool light = p->vct_show == VCT_SHOW_RADIANCE || p->vct_show == VCT_SHOW_IRRADIANCE;
+	if (!light && (effect == candil_Effect_EFFECT_LIGHTS || effect == candil_Effect_EFFECT_ENVIRONMENT ||
+		       effect == candil_Effect_EFFECT_BOUNCES))
+		return "what vct.show asks for needs no light";
 	return NULL;
 }
 
@@ -239,11 +248,14 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, str
 		if (s != STATUS_OK)
 			return s;
 	}
+	enum status s = plan_options_check(p, err);
+	if (s != STATUS_OK)
+		return s;
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT)
 		p->depth = 1;
 	if (p->technique == candil_Technique_TECHNIQUE_VCT)
 		p->depth = p->vct_bounces + 1;
-	enum status s = plan_camera(r, scene, p, err);
+	s = plan_camera(r, scene, p, err);
 	if (s != STATUS_OK)
 		return s;
 	plan_effects(r, scene->facts, p);

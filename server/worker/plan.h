@@ -60,6 +60,10 @@ struct plan {
 	float vct_step; // from sample to sample, of the cone's breadth
 	float vct_start; // from a surface to the first sample, cells of the pyramid's finest level
 	float vct_dither; // of the start
+	uint32_t vct_show; // VCT_SHOW_… of shaders/shared/vct_show.h: the voxels in the picture's place
+	uint32_t vct_level; // of them: 0 the voxels, n level n - 1 of the pyramid
+	uint32_t vct_axis; // of a slice: 0 x, 1 y, 2 z
+	uint32_t vct_slice; // its cell along that axis; NONE: the camera's view
 	uint32_t effects; // bits 1 << candil_Effect: what runs
 	uint32_t aovs; // AOV_*
 	struct plan_camera camera;

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "protocol/limits.h"
+#include "shaders/shared/vct.h"
+#include "shaders/shared/vct_show.h"
 #include "shaders/shared/voxel.h"
 
 // An option is a whole number or a real one from least to most, or, where `words` are given, one of them: its place is the
@@ -30,6 +32,8 @@ static const char *const covers[] = {"sum", "product", NULL};
 static const char *const owns[] = {"out", "in", NULL};
 static const char *const lamberts[] = {"plain", "weighted", NULL};
 static const char *const volume_shadows[] = {"rays", "march", "cones", "volume", NULL};
+static const char *const shows[] = {"none", "albedo", "normal", "emission", "irradiance", "radiance", "coverage", NULL};
+static const char *const axes[] = {"x", "y", "z", NULL};
 static const char *const voxel_kinds[] = {"texture", NULL};
 static const char *const resolution_words[] = {"16", "32", "64", "128", "256", "512", NULL};
 static const uint32_t resolutions[] = {16, 32, 64, 128, 256, 512};
@@ -63,6 +67,10 @@ static const struct option_rule options[] = {
     {"vct.step", 0.1, 4, NULL, NULL, true, FIELD(vct_step)},
     {"vct.start", 0.25, 8, NULL, NULL, true, FIELD(vct_start)},
     {"vct.dither", 0, 1, NULL, NULL, true, FIELD(vct_dither)},
+    {"vct.show", 0, 0, shows, NULL, false, FIELD(vct_show)},
+    {"vct.level", 0, VCT_LEVELS_MAX, NULL, NULL, false, FIELD(vct_level)},
+    {"vct.axis", 0, 0, axes, NULL, false, FIELD(vct_axis)},
+    {"vct.slice", 0, VOXEL_RESOLUTION_MAX - 1, NULL, NULL, false, FIELD(vct_slice)},
 };
 
 void plan_options_default(struct plan *p)
@@ -76,6 +84,7 @@ void plan_options_default(struct plan *p)
 	p->vct_step = 0.5f;
 	p->vct_start = 1;
 	p->vct_dither = 0;
+	p->vct_slice = NONE;
 }
 
 static enum status option_word(const struct option_rule *rule, const char *text, uint32_t *value, struct error *err)
@@ -125,14 +134,45 @@ static enum status take(const struct option_rule *rule, const char *text, struct
 	return s;
 }
 
+// Those of the same technique, for all together would not fit the sentence.
+static enum status no_such_option(const char *name, struct error *err)
+{
+	const char *dot = strchr(name, '.');
+	const size_t technique = dot ? (size_t)(dot - name) + 1 : 0;
+	char known[LIMIT_TEXT + 1] = "";
+	for (size_t i = 0; technique && i < sizeof options / sizeof *options; i++) {
+		const size_t used = strlen(known);
+		if (!strncmp(options[i].name, name, technique))
+			snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", options[i].name + technique);
+	}
+	if (known[0])
+		return error_set(err, STATUS_BAD_ARGUMENT, "there is no option '%s': known are %.*s%s", name, (int)technique,
+				 name, known);
+	return error_set(err, STATUS_BAD_ARGUMENT,
+			 "there is no option '%s': they begin with direct., pt. or vct., and with a wrong name behind that "
+			 "the rest is told",
+			 name);
+}
+
 enum status plan_option(const candil_Option *o, struct plan *p, struct error *err)
 {
-	char known[LIMIT_TEXT + 1] = "";
-	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
 		if (!strcmp(options[i].name, o->name))
 			return take(&options[i], o->value, p, err);
-		const size_t used = strlen(known);
-		snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", options[i].name);
-	}
-	return error_set(err, STATUS_BAD_ARGUMENT, "there is no option '%s': known are %s", o->name, known);
+	return no_such_option(o->name, err);
+}
+
+enum status plan_options_check(const struct plan *p, struct error *err)
+{
+	const bool lit_by_level = p->vct_show == VCT_SHOW_RADIANCE || p->vct_show == VCT_SHOW_COVERAGE;
+	if (p->technique != candil_Technique_TECHNIQUE_VCT)
+		return STATUS_OK;
+	if (p->vct_show == VCT_SHOW_NONE && (p->vct_level > 0 || p->vct_slice != NONE))
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "vct.level and vct.slice say where vct.show looks: say what with vct.show, too");
+	if (p->vct_level > 0 && !lit_by_level)
+		return error_set(
+		    err, STATUS_BAD_ARGUMENT,
+		    "the levels above 0 hold radiance and coverage: take one of these for vct.show, or vct.level=0");
+	return STATUS_OK;
 }

@@ -9,4 +9,7 @@ void plan_options_default(struct plan *plan);
 // Take one option over into the plan. STATUS_BAD_ARGUMENT for a name or a value that does not exist, with those that do.
 enum status plan_option(const candil_Option *option, struct plan *plan, struct error *err);
 
+// Whether what all options say together can be. STATUS_BAD_ARGUMENT if not.
+enum status plan_options_check(const struct plan *plan, struct error *err);
+
 #endif

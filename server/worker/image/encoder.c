@@ -30,6 +30,17 @@ struct encoder {
 	bool stopping;
 };
 
+static void fill_figures(const struct frame *f, candil_Done *done)
+{
+	const size_t capacity = sizeof done->figures / sizeof done->figures[0];
+	for (uint32_t i = 0; i < f->figure_count && i < capacity; i++) {
+		candil_Figure *figure = &done->figures[done->figures_count++];
+		snprintf(figure->name, sizeof figure->name, "%s", f->figures[i].name);
+		snprintf(figure->unit, sizeof figure->unit, "%s", f->figures[i].unit);
+		figure->value = f->figures[i].value;
+	}
+}
+
 static void fill_image(const struct encoder *e, const struct encoder_task *task, size_t bytes, struct ipc_image *image)
 {
 	const struct frame *f = task->frame;
@@ -49,6 +60,7 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 		snprintf(stage->name, sizeof stage->name, "%s", f->stages[i].name);
 		stage->us = f->stages[i].us;
 	}
+	fill_figures(f, done);
 	done->estimated_relmse = f->estimated_relmse;
 	done->non_finite_samples = f->non_finite_samples;
 	done->rays = f->rays;

@@ -82,3 +82,13 @@ void frame_add_stage(struct frame *frame, const char *name, uint64_t us)
 	snprintf(s->name, sizeof s->name, "%s", name);
 	s->us = us;
 }
+
+void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit)
+{
+	if (frame->figure_count >= FRAME_FIGURES_MAX)
+		return;
+	struct frame_figure *f = &frame->figures[frame->figure_count++];
+	snprintf(f->name, sizeof f->name, "%s", name);
+	snprintf(f->unit, sizeof f->unit, "%s", unit);
+	f->value = value;
+}

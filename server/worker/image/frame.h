@@ -9,10 +9,18 @@
 
 #define FRAME_METADATA_MAX 32u
 #define FRAME_STAGES_MAX 16u
+#define FRAME_FIGURES_MAX 32u
 
 struct frame_stage {
 	char name[24];
 	uint64_t us;
+};
+
+// Something measured or counted, by name: "entries" 1234 "".
+struct frame_figure {
+	char name[24];
+	double value; // finite
+	char unit[16];
 };
 
 struct frame {
@@ -31,6 +39,8 @@ struct frame {
 	uint64_t rays;
 	struct frame_stage stages[FRAME_STAGES_MAX];
 	uint32_t stage_count;
+	struct frame_figure figures[FRAME_FIGURES_MAX];
+	uint32_t figure_count;
 
 	// Goes into the file as candil/KEY = VALUE.
 	struct {
@@ -47,5 +57,6 @@ void frame_destroy(struct frame *frame);
 // Append; silently full at the maximum. Values are printf-formatted and cut to fit.
 void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 void frame_add_stage(struct frame *frame, const char *name, uint64_t us);
+void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit);
 
 #endif

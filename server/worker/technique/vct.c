@@ -10,11 +10,14 @@
 #include "server/worker/technique/direct.h"
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/technique/vct_cones.h"
+#include "server/worker/technique/vct_figures.h"
+#include "server/worker/technique/vct_show.h"
 #include "server/worker/technique/vct_volume.h"
 #include "shaders/gl/vct_coarse_comp.h"
 #include "shaders/gl/vct_cones_comp.h"
 #include "shaders/gl/vct_direct_comp.h"
 #include "shaders/gl/vct_fine_comp.h"
+#include "shaders/shared/vct_show.h"
 
 #define BUILD_SHARE 0.5 // of the job's fraction, that making the volume counts for
 
@@ -22,6 +25,8 @@ struct technique_job {
 	struct direct_lighting lighting;
 	struct deferred *deferred;
 	struct vct_volume *volume; // NULL: nothing comes but straight from the lights
+	struct vct_show *show; // or the voxels themselves; NULL: the scene
+	struct resident_scene *scene;
 	struct gl_device *device;
 	void (*bind_lamps)(void *user,
 			   const struct deferred_area *area); // of the light pass, with shadows out of the volume
@@ -149,8 +154,11 @@ static enum status make_half(struct technique_job *j, const struct plan *plan, s
 static uint64_t vct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
 	struct vct_options options;
-	uint64_t bytes = deferred_bytes(devices, plan) + direct_lighting_bytes(devices, scene, plan);
+	uint64_t bytes = deferred_bytes(devices, plan);
 	options_of(plan, scene, &options);
+	if (plan->vct_show != VCT_SHOW_NONE)
+		return bytes + vct_show_bytes_guess(scene, plan, &options);
+	bytes += direct_lighting_bytes(devices, scene, plan);
 	if (needs_volume(plan, scene))
 		bytes += vct_volume_bytes_guess(scene, &options);
 	return bytes;
@@ -175,32 +183,53 @@ static void vct_end(struct technique_job *job)
 	gl_texture_finish(&job->facets, job->device);
 	direct_lighting_finish(&job->lighting);
 	vct_volume_release(job->volume);
+	vct_show_destroy(job->show);
 	free(job);
+}
+
+// The passes of the picture, and what they read.
+static enum status make_passes(struct technique_job *j, struct devices *devices, const struct plan *plan,
+			       struct deferred_pass *passes, uint32_t *count, struct error *err)
+{
+	struct vct_options options;
+	options_of(plan, j->scene, &options);
+	if (plan->vct_show != VCT_SHOW_NONE) {
+		enum status s = vct_show_create(j->scene, j->device, plan, &options, &j->show, err);
+		if (s == STATUS_OK)
+			vct_show_pass(j->show, &passes[0]);
+		*count = 1;
+		return s;
+	}
+	enum status s = direct_lighting_init(&j->lighting, devices, j->scene, plan, err);
+	if (s != STATUS_OK)
+		return s;
+	*count = j->lighting.pass_count;
+	memcpy(passes, j->lighting.passes, *count * sizeof *passes);
+	if (!needs_volume(plan, j->scene))
+		return STATUS_OK;
+	s = vct_volume_acquire(j->scene, j->device, plan, &options, &j->volume, err);
+	if (s == STATUS_OK)
+		s = make_half(j, plan, err);
+	if (s != STATUS_OK)
+		return s;
+	if (plan->vct_shadows != VCT_SHADOWS_RAYS)
+		take_shadows(j, &passes[0]);
+	*count = cone_passes(j, plan, passes, *count);
+	return STATUS_OK;
 }
 
 static enum status vct_begin(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			     struct technique_job **job, struct error *err)
 {
 	struct deferred_pass passes[DEFERRED_PASSES_MAX];
-	struct vct_options options;
+	uint32_t count = 0;
 	struct technique_job *j = calloc(1, sizeof *j);
 	if (!j)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	options_of(plan, scene, &options);
+	j->scene = scene;
 	enum status s = devices_gl(devices, &j->device, err);
 	if (s == STATUS_OK)
-		s = direct_lighting_init(&j->lighting, devices, scene, plan, err);
-	uint32_t count = j->lighting.pass_count;
-	memcpy(passes, j->lighting.passes, count * sizeof *passes);
-	if (s == STATUS_OK && needs_volume(plan, scene)) {
-		s = vct_volume_acquire(scene, j->device, plan, &options, &j->volume, err);
-		if (s == STATUS_OK)
-			s = make_half(j, plan, err);
-		if (s == STATUS_OK && plan->vct_shadows != VCT_SHADOWS_RAYS)
-			take_shadows(j, &passes[0]);
-		if (s == STATUS_OK)
-			count = cone_passes(j, plan, passes, count);
-	}
+		s = make_passes(j, devices, plan, passes, &count, err);
 	if (s == STATUS_OK)
 		s = deferred_create(devices, scene, plan, scene_bindings_trace(), passes, count, &j->deferred, err);
 	if (s != STATUS_OK) {
@@ -214,20 +243,34 @@ static enum status vct_begin(struct devices *devices, struct resident_scene *sce
 static enum status vct_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status s = STATUS_OK;
+	if (j->show && !vct_show_finished(j->show)) {
+		s = vct_show_step(j->show, deferred_timer(j->deferred), budget_us, err);
+		*result = (struct step_result){.fraction = BUILD_SHARE * vct_show_fraction(j->show)};
+		return s;
+	}
 	if (j->volume && !vct_volume_finished(j->volume)) {
 		s = vct_volume_step(j->volume, deferred_timer(j->deferred), budget_us, err);
 		*result = (struct step_result){.fraction = BUILD_SHARE * vct_volume_fraction(j->volume)};
 		return s;
 	}
 	s = deferred_step(j->deferred, budget_us, result, err);
-	if (j->volume)
+	if (j->volume || j->show)
 		result->fraction = BUILD_SHARE + (1 - BUILD_SHARE) * result->fraction;
 	return s;
 }
 
 static enum status vct_read(struct technique_job *job, struct frame **frame, struct error *err)
 {
-	return deferred_read(job->deferred, frame, err);
+	enum status s = deferred_read(job->deferred, frame, err);
+	if (s != STATUS_OK)
+		return s;
+	if (job->volume && vct_volume_finished(job->volume))
+		vct_figures(*frame, job->volume->voxels, job->volume, job->scene->blob->origin);
+	if (job->show && vct_show_finished(job->show))
+		s = vct_show_figures(job->show, *frame, err);
+	if (s != STATUS_OK)
+		frame_destroy(*frame);
+	return s;
 }
 
 const struct technique technique_vct = {.name = "vct",

@@ -1,0 +1,369 @@
+// inspect: the voxels of a scene as pictures and figures.
+#include <errno.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clients/cli/inspect_pictures.h"
+#include "clients/cli/interrupt.h"
+#include "clients/cli/output.h"
+#include "clients/cli/progress.h"
+#include "clients/cli/render_options.h"
+#include "clients/cli/report.h"
+#include "clients/cli/target.h"
+#include "clients/cli/view.h"
+
+#define OWN_OPTIONS 4u // that a picture adds to --set's: vct.show, .level, .axis, .slice
+#define MIB (1.0 / 1048576.0)
+
+struct inspect {
+	const struct cli *cli;
+	struct render_options options;
+	struct target target;
+	struct progress progress;
+	struct inspect_list list;
+	uint32_t done; // pictures that are written
+	struct candil_accepted accepted; // of the first
+	bool framed; // the scene has no camera
+};
+
+static enum exit_code fail(struct inspect *inspect, const struct candil_error *error)
+{
+	progress_clear(&inspect->progress);
+	return cli_fail(inspect->cli, error, stdout);
+}
+
+static enum exit_code fail_output(struct inspect *inspect, const char *name)
+{
+	char what[256];
+	snprintf(what, sizeof(what), "cannot write %.200s", name);
+	progress_clear(&inspect->progress);
+	return cli_fail_errno(inspect->cli, what, stdout);
+}
+
+static const char *extension(const struct inspect *inspect)
+{
+	return inspect->options.request.format == CANDIL_FORMAT_PNG ? "png" : "exr";
+}
+
+// ---- the pictures ----------------------------------------------------------------------------------------------------
+
+static bool write_image(const struct inspect *inspect, struct inspect_picture *p, const struct candil_image *image)
+{
+	char name[PATH_MAX];
+	struct output output;
+	if (!inspect_name(p, inspect->options.output, extension(inspect), name, sizeof(name))) {
+		errno = ENAMETOOLONG;
+		return false;
+	}
+	bool good = output_open(&output, name) && output_write(&output, image->data, image->bytes);
+	int failure = errno;
+	output_close(&output);
+	errno = failure;
+	p->bytes = image->bytes;
+	return good;
+}
+
+static bool take_event(struct inspect *inspect, struct inspect_picture *p, const struct candil_event *event)
+{
+	switch (event->kind) {
+	case CANDIL_EVENT_ACCEPTED:
+		if (inspect->done == 0)
+			inspect->accepted = event->u.accepted;
+		return true;
+	case CANDIL_EVENT_PROGRESS:
+		progress_images(&inspect->progress, (inspect->done + event->u.progress.fraction) / inspect->list.count,
+				inspect->done, inspect->list.count);
+		return true;
+	case CANDIL_EVENT_IMAGE:
+		return !event->u.image.final || write_image(inspect, p, &event->u.image);
+	case CANDIL_EVENT_DONE:
+		p->done = event->u.done;
+		return true;
+	default:
+		return true;
+	}
+}
+
+// Submit a request and see it through, as render does.
+static enum exit_code see_through(struct inspect *inspect, struct inspect_picture *p,
+				  const struct candil_render_request *request)
+{
+	candil_client *client = inspect->target.client;
+	struct candil_error error;
+	struct candil_event event = {0};
+	int failure = 0; // of the output: errno
+	uint32_t id;
+	candil_status status = candil_submit_render(client, request, &id, &error);
+	while (status == CANDIL_STATUS_OK && !event.ends_request) {
+		if (!interrupt_wait(client, &event, &status, &error)) {
+			if (status == CANDIL_STATUS_OK)
+				status = candil_cancel(client, id, &error);
+			continue;
+		}
+		if (event.id != id)
+			continue;
+		if (event.kind == CANDIL_EVENT_ERROR && !failure)
+			return fail(inspect, &event.u.error);
+		if (!failure && !take_event(inspect, p, &event)) {
+			failure = errno ? errno : EIO;
+			if (!event.ends_request)
+				status = candil_cancel(client, id, &error);
+		}
+	}
+	if (failure) {
+		errno = failure;
+		return fail_output(inspect, inspect->options.output);
+	}
+	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(inspect, &error);
+}
+
+static enum exit_code make_picture(struct inspect *inspect, struct inspect_picture *p)
+{
+	struct candil_render_request request = inspect->options.request;
+	struct candil_option options[sizeof(inspect->options.settings) / sizeof(*inspect->options.settings)];
+	char level[16], axis[] = "x", slice[16];
+	size_t count = request.option_count;
+	memcpy(options, inspect->options.settings, count * sizeof(*options));
+	snprintf(level, sizeof(level), "%" PRIu32, p->level);
+	snprintf(slice, sizeof(slice), "%" PRIu32, p->slice);
+	axis[0] = "xyz"[p->axis];
+	options[count++] = (struct candil_option){"vct.show", p->show};
+	options[count++] = (struct candil_option){"vct.level", level};
+	if (p->slice != INSPECT_NO_SLICE) {
+		options[count++] = (struct candil_option){"vct.axis", axis};
+		options[count++] = (struct candil_option){"vct.slice", slice};
+	}
+	request.options = options;
+	request.option_count = count;
+	request.width = p->width;
+	request.height = p->height;
+	enum exit_code code = see_through(inspect, p, &request);
+	inspect->done += code == EXIT_DONE;
+	return code;
+}
+
+static enum exit_code make_others(struct inspect *inspect)
+{
+	struct candil_error error = {.code = CANDIL_STATUS_UNSUPPORTED,
+				     .text = "the daemon tells nothing of its voxels: it is older than this candil"};
+	enum exit_code code = EXIT_DONE;
+	if (!inspect_others(&inspect->list, &inspect->options.request, &inspect->target.info))
+		return fail(inspect, &error);
+	while (code == EXIT_DONE && inspect->done < inspect->list.count) {
+		if (interrupt_seen()) {
+			error =
+			    (struct candil_error){.code = CANDIL_STATUS_CANCELLED, .text = "cancelled between two requests"};
+			return fail(inspect, &error);
+		}
+		code = make_picture(inspect, &inspect->list.pictures[inspect->done]);
+	}
+	return code;
+}
+
+// ---- the answer ------------------------------------------------------------------------------------------------------
+
+static json_t *picture_json(const struct inspect *inspect, const struct inspect_picture *p)
+{
+	char name[PATH_MAX] = "";
+	inspect_name(p, inspect->options.output, extension(inspect), name, sizeof(name));
+	json_t *o = json_pack("{s:o,s:s,s:s,s:o}", "image", cli_json_text(name), "kind", p->kind, "show", p->show, "level",
+			      cli_json_u64(p->level));
+	if (p->slice != INSPECT_NO_SLICE) {
+		json_object_set_new(o, "axis", json_pack("s#", &"xyz"[p->axis], 1));
+		json_object_set_new(o, "slice", cli_json_u64(p->slice));
+	}
+	json_object_set_new(o, "width", cli_json_u64(p->width));
+	json_object_set_new(o, "height", cli_json_u64(p->height));
+	json_object_set_new(o, "bytes", cli_json_u64(p->bytes));
+	json_object_set_new(o, "elapsed_us", cli_json_u64(p->done.elapsed_us));
+	json_object_set_new(o, "stages", report_stages_json(&p->done));
+	return o;
+}
+
+static json_t *answer_json(const struct inspect *inspect)
+{
+	const struct candil_done *first = &inspect->list.pictures[0].done;
+	json_t *images = json_array();
+	for (uint32_t i = 0; i < inspect->list.count; i++)
+		json_array_append_new(images, picture_json(inspect, &inspect->list.pictures[i]));
+	return json_pack("{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->options.scene),
+			 "scene_hash", cli_json_text(inspect->target.info.hash), "technique",
+			 candil_technique_name(inspect->accepted.technique), "device", cli_json_text(first->device),
+			 "format", candil_format_name(inspect->options.request.format), "figures",
+			 report_figures_json(first), "stages", report_stages_json(first), "elapsed_us",
+			 cli_json_u64(first->elapsed_us), "images", images);
+}
+
+// PREFIX.json, whole or not at all.
+static enum exit_code write_json(struct inspect *inspect)
+{
+	char name[PATH_MAX];
+	struct output output;
+	json_t *object = answer_json(inspect);
+	char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
+	json_decref(object);
+	if (!text || snprintf(name, sizeof(name), "%s.json", inspect->options.output) >= (int)sizeof(name)) {
+		errno = text ? ENAMETOOLONG : ENOMEM;
+		free(text);
+		return fail_output(inspect, inspect->options.output);
+	}
+	bool good = output_open(&output, name) && output_write(&output, text, strlen(text));
+	int failure = errno;
+	output_close(&output);
+	free(text);
+	errno = failure;
+	return good ? EXIT_DONE : fail_output(inspect, name);
+}
+
+static void print_answer(const struct inspect *inspect)
+{
+	const struct candil_done *done = &inspect->list.pictures[0].done;
+	printf("images     %" PRIu32 ", %s-….%s; figures in %s.json\n", inspect->list.count, inspect->options.output,
+	       extension(inspect), inspect->options.output);
+	printf("grid       %g x %g x %g voxels of %.6g m, %.0f entries\n", inspect_figure(done, "grid.x"),
+	       inspect_figure(done, "grid.y"), inspect_figure(done, "grid.z"), inspect_figure(done, "voxel"),
+	       inspect_figure(done, "entries"));
+	for (uint32_t i = 0, told = 0; i < done->figure_count; i++) {
+		const struct candil_figure *f = &done->figures[i];
+		if (strncmp(f->name, "occupied.", 9) == 0)
+			printf("%s%.3g %%", told++ ? ", " : "occupied   by level, from the voxels up: ", 100 * f->value);
+	}
+	printf("\nmemory     %.2f MiB: voxels %.2f, light %.2f, pyramid %.2f\n", inspect_figure(done, "bytes.all") * MIB,
+	       inspect_figure(done, "bytes.voxels") * MIB, inspect_figure(done, "bytes.light") * MIB,
+	       inspect_figure(done, "bytes.pyramid") * MIB);
+	report_print_stages(done, stdout);
+	if (inspect->framed)
+		puts("camera     the scene has none: its bounds are framed");
+}
+
+static enum exit_code answer(struct inspect *inspect)
+{
+	progress_clear(&inspect->progress);
+	if (inspect->cli->json)
+		return cli_print_json(answer_json(inspect), stdout, EXIT_DONE);
+	enum exit_code code = write_json(inspect);
+	if (code != EXIT_DONE || inspect->options.quiet)
+		return code;
+	print_answer(inspect);
+	return cli_flush(stdout, EXIT_DONE);
+}
+
+// ---- the command -----------------------------------------------------------------------------------------------------
+
+// What of a parsed command line inspect cannot take; NULL: nothing.
+static const char *settle(const struct inspect *inspect)
+{
+	const struct candil_render_request *r = &inspect->options.request;
+	static const char *const own[] = {"vct.show", "vct.level", "vct.axis", "vct.slice"};
+	if (strcmp(inspect->options.output, "-") == 0)
+		return "-o PREFIX is what the files' names begin with: there are several";
+	if (r->technique != CANDIL_TECHNIQUE_VCT)
+		return "--technique vct alone has voxels to inspect";
+	if (r->option_count + OWN_OPTIONS > sizeof(inspect->options.settings) / sizeof(*inspect->options.settings))
+		return "--set can be given 12 times at most";
+	for (size_t i = 0; i < r->option_count; i++)
+		for (size_t k = 0; k < sizeof(own) / sizeof(*own); k++)
+			if (strcmp(r->options[i].name, own[k]) == 0)
+				return "vct.show, vct.level, vct.axis and vct.slice are set by inspect: candil render takes "
+				       "them";
+	return NULL;
+}
+
+// Before anything is computed: whether the first file can be written.
+static enum exit_code probe_output(struct inspect *inspect)
+{
+	char name[PATH_MAX];
+	struct output output = {.fd = -1};
+	bool good =
+	    inspect_name(&inspect->list.pictures[0], inspect->options.output, extension(inspect), name, sizeof(name));
+	errno = ENAMETOOLONG;
+	good = good && output_open(&output, name);
+	int failure = errno;
+	output_close(&output);
+	errno = failure;
+	return good ? EXIT_DONE : fail_output(inspect, inspect->options.output);
+}
+
+static enum exit_code do_inspect(struct inspect *inspect)
+{
+	struct candil_render_request *r = &inspect->options.request;
+	struct candil_error error;
+	inspect_first(&inspect->list, r);
+	enum exit_code code = probe_output(inspect);
+	if (code != EXIT_DONE)
+		return code;
+	progress_say(&inspect->progress, "loading the scene");
+	candil_status status =
+	    target_open(&inspect->target, inspect->cli->address, inspect->options.scene, &inspect->options.load, &error);
+	if (status != CANDIL_STATUS_OK)
+		return fail(inspect, &error);
+	r->scene = inspect->target.scene;
+	inspect->framed = !r->has_camera && !r->camera_name && inspect->target.info.camera_count == 0;
+	if (inspect->framed)
+		view_frame_bounds(&inspect->target.info, r);
+	progress_say(&inspect->progress, "making voxels");
+	code = make_picture(inspect, &inspect->list.pictures[0]);
+	if (code == EXIT_DONE)
+		code = make_others(inspect);
+	return code == EXIT_DONE ? answer(inspect) : code;
+}
+
+static enum exit_code run_inspect(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	// Large, and not needed twice.
+	static struct inspect inspect;
+	enum exit_code code = EXIT_DONE;
+	memset(&inspect, 0, sizeof(inspect));
+	inspect.cli = cli;
+	if (!inspect_options_parse(cli, self, argc, argv, &inspect.options, &code))
+		return code;
+	const char *wrong = settle(&inspect);
+	if (wrong)
+		return cli_usage(self, "%s", wrong);
+	progress_init(&inspect.progress, inspect.options.quiet);
+	interrupt_begin();
+	code = do_inspect(&inspect);
+	target_close(&inspect.target);
+	interrupt_end();
+	return code;
+}
+
+const struct command inspect_command = {
+    .name = "inspect",
+    .summary = "show the voxels of a scene, as pictures and figures",
+    .help =
+	"Usage: candil inspect SCENE -o PREFIX [options]\n\n"
+	"The voxels that vct follows light through, cell by cell, as they are: nothing is filtered. Files:\n\n"
+	"  PREFIX-view-radiance.png   the first occupied cell along each pixel's ray: the light that it sends, W/(m² sr).\n"
+	"                             Lamps that vct aims at one by one are dark: cones are not to find them again\n"
+	"  PREFIX-view-albedo.png     its diffuse albedo\n"
+	"  PREFIX-view-normal.png     its normal, 0.5 + 0.5 times x, y, z, as the file's triangles wind\n"
+	"  PREFIX-view-coverage.png   the share of its faces across x, y, z that surfaces hide, in red, green, blue\n"
+	"  PREFIX-level-N-radiance.png  the same view of level N: cells of 2^N voxels along each side\n"
+	"  PREFIX-slice-A-radiance.png, PREFIX-slice-A-coverage.png\n"
+	"                             the slice through the middle of the scene's bounds across A = x, y or z, seen "
+	"against\n"
+	"                             that axis: x from +x with +y up, y from +y with -z up, z from +z with +y up. A cell\n"
+	"                             is a whole number of pixels\n"
+	"  PREFIX.json                figures and times; with --json they go to standard output instead\n\n"
+	"Options are those of candil render but --progressive: --set vct.resolution=256, --size WxH (which slices do not\n"
+	"exceed, unless they have more cells), --camera, --format exr, --exposure EV, --light and so on; --spp is 1.\n"
+	"A cell that holds the eye is looked through. `candil render --set "
+	"vct.show=none|albedo|normal|emission|irradiance|\n"
+	"radiance|coverage`, with vct.level=N, and vct.axis=x|y|z with vct.slice=K, makes any one of these pictures.\n\n"
+	"--json: {\"scene\", \"scene_hash\", \"technique\", \"device\", \"format\", \"figures\": [{\"name\", \"value\", "
+	"\"unit\"}],\n"
+	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\", \"images\": [{\"image\", \"kind\": \"view\"|\"level\"|\"slice\", "
+	"\"show\",\n"
+	"\"level\", \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", \"elapsed_us\", \"stages\"}]}. "
+	"Stages "
+	"beside\n"
+	"the figures are the first image's, for which the voxels were made, if the daemon had none yet. Figures: grid.x,\n"
+	"grid.y, grid.z (cells), low.x, low.y, low.z (the grid's low corner), voxel (a cell's side), entries (voxels of\n"
+	"surface, two at most a cell: by the way they face), occupied.0, occupied.1… (share of a level's cells), bytes.…,\n"
+	"levels, cones, bounces.\n"
+	"Exit codes: 0 every file is written; others as in candil --help. Files already written stay.\n",
+    .run = run_inspect,
+};
