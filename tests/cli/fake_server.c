@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include <math.h>
 #include <pb_encode.h>
 #include <stdio.h>
 #include <string.h>
@@ -66,9 +67,16 @@ void put_image(int fd, uint32_t id, uint32_t side, uint64_t bytes, bool final)
 
 void put_done(int fd, uint32_t id)
 {
-	candil_Done done = {.samples = 4, .rays = 77, .estimated_relmse = 0.25, .stages_count = 1};
+	candil_Done done = {.samples = 4, .rays = 77, .estimated_relmse = 0.25, .stages_count = 1, .figures_count = 3};
 	strcpy(done.stages[0].name, "trace");
 	done.stages[0].us = 1234;
+	strcpy(done.figures[0].name, "levels");
+	done.figures[0].value = NAN;
+	strcpy(done.figures[1].name, "voxel");
+	strcpy(done.figures[1].unit, "m");
+	done.figures[1].value = 0.25;
+	strcpy(done.figures[2].name, "entries");
+	done.figures[2].value = 1e300;
 	put_message(fd, MESSAGE_DONE, id, candil_Done_fields, &done);
 }
 

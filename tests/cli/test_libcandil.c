@@ -94,6 +94,12 @@ static void test_image_is_put_together_from_chunks(void **state)
 	event = expect(&f, CANDIL_EVENT_DONE, id);
 	assert_true(event.ends_request);
 	assert_int_equal(event.u.done.stages[0].us, 1234);
+	// What is no number is passed over.
+	assert_int_equal(event.u.done.figure_count, 2);
+	assert_string_equal(event.u.done.figures[0].name, "voxel");
+	assert_string_equal(event.u.done.figures[0].unit, "m");
+	assert_true(event.u.done.figures[0].value == 0.25);
+	assert_true(event.u.done.figures[1].value == 1e300);
 	free(bytes);
 	stop(&f);
 }

@@ -7,11 +7,12 @@
 //   FAKE_MEMORY_PIXELS=N there is memory for jobs of N pixels together
 //   FAKE_SPARSE=N      images from 2^20 pixels on are N zeros a pixel
 //   FAKE_TRACE=FILE    the job of each step is added to it, a line a step
-//   FAKE_COUNTS        count more stages than there are
+//   FAKE_COUNTS        "stages" or "figures": count more of them than there are; "value": a figure that is no number
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
 //   FAKE_OTHER_BUILD   be of another build
 #include <fcntl.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -164,6 +165,14 @@ static int make_image(const candil_ImageFrame *frame, unsigned seed)
 	return fake_memfd(frame->bytes, seed, true);
 }
 
+static void fill_counts(candil_Done *done, const char *wrong)
+{
+	done->stages_count = wrong && !strcmp(wrong, "stages") ? 60000 : 1;
+	done->figures_count = wrong && !strcmp(wrong, "figures") ? 60000 : 1;
+	snprintf(done->figures[0].name, sizeof done->figures[0].name, "pixels");
+	done->figures[0].value = wrong && !strcmp(wrong, "value") ? NAN : 16;
+}
+
 static void on_read(const struct ipc_read *message)
 {
 	struct ipc_image image = {.head = {.op = IPC_IMAGE, .job = message->head.job}};
@@ -179,7 +188,7 @@ static void on_read(const struct ipc_read *message)
 		image.frame.samples = job->samples;
 		image.frame.bytes = (uint64_t)job->render.width * job->render.height;
 		image.done.samples = job->samples;
-		image.done.stages_count = getenv("FAKE_COUNTS") ? 60000 : 1;
+		fill_counts(&image.done, getenv("FAKE_COUNTS"));
 		snprintf(image.done.stages[0].name, sizeof image.done.stages[0].name, "trace");
 		snprintf(image.done.device, sizeof image.done.device, "fake");
 		fd = make_image(&image.frame, (unsigned)job->render.seed + (unsigned)job->render.camera.eye.x);

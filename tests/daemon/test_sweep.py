@@ -30,6 +30,8 @@ class SweepCase(FakeCase):
         kinds = [reply.kind for reply in replies]
         self.assertEqual(kinds[-1], wire.DONE, replies[-1])
         self.assertEqual((kinds.count(wire.ACCEPTED), kinds.count(wire.DONE), kinds[0]), (1, 1, wire.ACCEPTED))
+        # Stages are summed up, figures are the last image's.
+        self.assertEqual([(f.name, f.value) for f in replies[-1].body.figures], [("pixels", 16)])
         found = wire.images(replies)
         self.assertEqual([(frame.index, frame.final) for frame, _ in found], [(i, True) for i in range(count)])
         for i, (_, data) in enumerate(found):

@@ -103,7 +103,7 @@ class Memory(FakeCase):
 
 
 class Counts(FakeCase):
-    environment = {"FAKE_COUNTS": "1"}
+    environment = {"FAKE_COUNTS": "stages"}
 
     def test_out_of_bounds(self):
         connection = self.with_box()
@@ -111,6 +111,14 @@ class Counts(FakeCase):
         self.assert_error(reply, "worker-lost")
         self.assertIn("nonsense", reply.body.message)
         self.assert_serves()
+
+
+class MoreFigures(Counts):
+    environment = {"FAKE_COUNTS": "figures"}
+
+
+class NoNumber(Counts):
+    environment = {"FAKE_COUNTS": "value"}
 
 
 class IgnoredChildren(FakeCase):

@@ -47,6 +47,7 @@ def client():
     image = pb.ImageFrame(final=True, format=pb.FORMAT_PNG, width=64, height=64, samples=16, bytes=8)
     done = pb.Done(samples=16, elapsed_us=10, device="d", reason="samples")
     done.stages.add(name="trace", us=9)
+    done.figures.add(name="voxel", value=0.25, unit="m")
     # The library numbers its requests from 1 on, the hello included: cover the neighbours.
     for first in (1, 2):
         yield f"render{first}", hello + message(0x86, accepted.SerializeToString(), first) + \
