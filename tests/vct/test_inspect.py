@@ -222,7 +222,7 @@ class Command(unittest.TestCase):
         answer = json.loads(out)
         self.assertFalse(os.path.exists(os.path.join(folder.name, "i.json")))
         self.assertEqual(figures(answer)["entries"], 2 * (30 ** 3 - 29 ** 3))
-        self.assertIn("show", stages(answer))
+        self.assertLessEqual({"show", "count"}, stages(answer))
         images = {os.path.basename(i["image"]): i for i in answer["images"]}
         names = {f"i-view-{s}.exr" for s in ("radiance", "albedo", "normal", "coverage")}
         names |= {f"i-slice-{a}-{s}.exr" for a in "xyz" for s in ("radiance", "coverage")}

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/clock.h"
 #include "server/worker/technique/vct_figures.h"
 #include "shaders/gl/vct_show_comp.h"
 #include "shaders/shared/vct_show.h"
@@ -165,8 +166,11 @@ void vct_show_pass(struct vct_show *s, struct deferred_pass *pass)
 
 enum status vct_show_figures(const struct vct_show *s, struct frame *frame, struct error *err)
 {
+	const uint64_t start = clock_us();
 	vct_figures(frame, s->voxels, s->volume, s->scene->blob->origin);
-	return vct_figures_occupied(frame, s->voxels, top_of(s), err);
+	enum status r = vct_figures_occupied(frame, s->voxels, top_of(s), err);
+	frame_add_stage(frame, "count", clock_us() - start);
+	return r;
 }
 
 uint64_t vct_show_bytes_guess(const struct resident_scene *scene, const struct plan *plan, const struct vct_options *options)

@@ -24,7 +24,7 @@ double vct_show_fraction(const struct vct_show *show); // 0…1
 // The one pass of the picture. `show` must outlive it.
 void vct_show_pass(struct vct_show *show, struct deferred_pass *pass);
 
-// All figures, occupancy among them.
+// All figures, occupancy among them, and the stage "count" that this took.
 enum status vct_show_figures(const struct vct_show *show, struct frame *frame, struct error *err);
 
 // Device memory of what is shown, before it is made.
