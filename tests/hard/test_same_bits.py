@@ -8,6 +8,7 @@ import numpy
 
 import make
 from render import Daemon, Failed
+from writers import Gltf
 
 SIZE = (64, 48)
 
@@ -83,6 +84,36 @@ class SameBits(unittest.TestCase):
             odd = {bits(daemon, spp=7, arguments=["--first-sample", "5"], options={"pt.batch": n}) for n in (1, 7)}
         self.assertEqual(len(seen), 1)
         self.assertEqual(len(odd), 1)
+
+
+class Raster(unittest.TestCase):
+    """What one job leaves on the device is nothing to the next."""
+
+    def test_voxels_do_not_remember_a_seed(self):
+        seen = []
+        for before in ((), (1, 5)):
+            with Daemon() as daemon:
+                daemon.candil("load", scene, "--name", "room")
+                for seed in (*before, 2):
+                    picture = daemon.render("room", size=SIZE, spp=1, options={"vct.resolution": 32},
+                                            arguments=["--technique", "vct", "--seed", str(seed)])
+                seen.append(picture.radiance.tobytes())
+        self.assertEqual(seen[0], seen[1])
+
+    def test_an_empty_scene_stays_empty_beside_others(self):
+        g = Gltf()
+        g.camera((0, 1, 3.5), (0, 1, 0), 40)
+        empty = g.save(folder.name, "empty.gltf")
+        with Daemon() as daemon:
+            daemon.candil("load", scene, "--name", "room")
+            daemon.candil("load", empty, "--name", "empty")
+            for technique in ("direct", "vct"):
+                options = {"vct.resolution": 32} if technique == "vct" else {}
+                daemon.render("room", size=SIZE, spp=2, options=options, arguments=["--technique", technique])
+                picture = daemon.render("empty", size=SIZE, spp=4, options=options,
+                                        arguments=["--technique", technique, "--background", "1,1,1"])
+                self.assertEqual(float(picture.radiance.min()), 1, technique)
+                self.assertEqual(float(picture.radiance.max()), 1, technique)
 
 
 class LongLoops(unittest.TestCase):

@@ -34,10 +34,13 @@ static void advance(struct deferred *d, uint32_t units)
 	d->aov_done = true;
 }
 
-// Units that should take `us`, at least one.
+// Units that should take `us`, at least one if there is one: a scene without triangles has none to draw, and whatever
+// buffers another scene's job left bound must not be read in its stead.
 static uint32_t affordable(const struct deferred *d, const struct deferred_work *w, double us)
 {
 	const uint32_t left = deferred_units(d, w) - d->unit;
+	if (left == 0)
+		return 0;
 	double n = w->kind == DEFERRED_DRAW ? FIRST_TRIANGLES : FIRST_TILES;
 	if (w->unit_us > 0)
 		n = us / w->unit_us;
@@ -69,8 +72,10 @@ static enum status run_piece(struct deferred *d, double us, struct error *err)
 	enum status s = gl_wait(d->device, w->stage, err);
 	if (s == STATUS_OK && w->kind == DEFERRED_SUM)
 		s = take_counters(d, err);
-	const double measured = (double)(clock_us() - start) / units;
-	w->unit_us = w->unit_us > 0 ? 0.5 * (w->unit_us + measured) : measured;
+	if (units > 0) {
+		const double measured = (double)(clock_us() - start) / units;
+		w->unit_us = w->unit_us > 0 ? 0.5 * (w->unit_us + measured) : measured;
+	}
 	advance(d, units);
 	return s;
 }
@@ -80,7 +85,8 @@ static double fraction(struct deferred *d)
 	if (finished(d))
 		return 1;
 	const double works = d->aov_done ? d->work_count : 2;
-	const double unit = d->work < works ? (double)d->unit / deferred_units(d, deferred_current(d)) : 0;
+	const uint32_t units = d->work < works ? deferred_units(d, deferred_current(d)) : 0;
+	const double unit = units > 0 ? (double)d->unit / units : 0;
 	return (d->sample + (d->band + (d->work + unit) / works) / d->band_count) / d->plan.samples;
 }
 

@@ -107,7 +107,8 @@ static void record_draw(const struct deferred *d, const struct deferred_work *wo
 	}
 	set_uniforms(d, 0, 0);
 	glUniform1ui(DEFERRED_TRIANGLE, first);
-	glDrawArrays(GL_TRIANGLES, (GLint)(3 * first), (GLsizei)(3 * count));
+	if (count > 0)
+		glDrawArrays(GL_TRIANGLES, (GLint)(3 * first), (GLsizei)(3 * count));
 	glBindFramebuffer(GL_FRAMEBUFFER, 0);
 	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
@@ -154,7 +155,7 @@ enum status deferred_warm_up(struct deferred *d, struct deferred_work *work, str
 {
 	bind_common(d, work->program);
 	if (work->kind == DEFERRED_DRAW) {
-		record_draw(d, work, 0, 1);
+		record_draw(d, work, 0, scene_count(d->scene, BLOB_TRIANGLES) > 0);
 	} else {
 		record_tiles(d, work, 0, 0);
 		set_uniforms(d, 0, 0);

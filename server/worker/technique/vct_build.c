@@ -17,6 +17,7 @@
 #define DISPATCH_ITEMS (65535u * VCT_GROUP)
 #define COARSEST_CELLS 8u // along the longest axis, of the coarsest level that cones read: coarser ones blur whole rooms
 #define SCALED_MOST 512.0f // the pyramid's radiance where it is largest: half floats hold 128 times as much
+#define DIMMEST 1e-34f // W/(m² sr): what is largest and still less is not scaled up so far, for the factor is a float too
 
 static const struct gl_source cells_source = {.name = "vct_cells", .compute = source_vct_cells_comp};
 static const struct gl_source light_source = {.name = "vct_light", .compute = source_vct_light_comp};
@@ -241,7 +242,7 @@ static enum status take_scale(struct vct_volume *v, struct error *err)
 		most = v->emission_most;
 	for (int i = 0; i < 3; i++)
 		most = v->options.background[i] > most ? v->options.background[i] : most;
-	v->params.scale = most > 0 ? SCALED_MOST / most : 1;
+	v->params.scale = most > 0 ? SCALED_MOST / fmaxf(most, DIMMEST) : 1;
 	write_params(v);
 	glCopyNamedBufferSubData(v->direct.name, v->total.name, 0, 0, (GLsizeiptr)bytes);
 	return STATUS_OK;

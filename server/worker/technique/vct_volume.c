@@ -115,6 +115,8 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	// The volume outlives the job: what samples there are is the picture's business.
 	of_light.samples = 1;
 	struct pt_job job;
+	// The volume serves requests of any seed, so that it may not depend on who came first.
+	of_light.seed = 0;
 	// Entries are diffuse, and have the geometry's own normals.
 	of_light.effects &= ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS);
 	if (v->options.emission)
