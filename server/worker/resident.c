@@ -105,6 +105,15 @@ static bool is_on_device(const struct resident_scene *scene)
 	return false;
 }
 
+static bool trim_derived(const struct resident_scenes *scenes)
+{
+	bool any = false;
+	for (const struct resident_scene *s = scenes->first; s; s = s->next)
+		for (struct derived *d = s->derived; d; d = d->next)
+			any |= d->trim && d->trim(d);
+	return any;
+}
+
 bool resident_evict(struct resident_scenes *scenes)
 {
 	struct resident_scene *oldest = NULL;
@@ -112,7 +121,7 @@ bool resident_evict(struct resident_scenes *scenes)
 		if (s->jobs == 0 && is_on_device(s) && (!oldest || s->used < oldest->used))
 			oldest = s;
 	if (!oldest)
-		return false;
+		return trim_derived(scenes);
 	log_line(LOG_INFO, "scene %llu%s makes room", (unsigned long long)oldest->id, oldest->base ? ", edited," : "");
 	if (oldest->base) {
 		destroy(scenes, oldest);

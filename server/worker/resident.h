@@ -19,6 +19,7 @@ struct derived {
 	struct derived *next;
 	const void *kind; // the address of something that only its maker has
 	void (*destroy)(struct derived *derived);
+	bool (*trim)(struct derived *derived); // free some of what no job uses; false: there is none. NULL: never any
 };
 
 struct resident_scene {
@@ -91,8 +92,8 @@ const void *resident_data(const struct resident_scene *scene, uint32_t binding, 
 struct derived *resident_derived(const struct resident_scene *scene, const void *kind);
 void resident_derive(struct resident_scene *scene, struct derived *derived);
 
-// Take the least recently used scene that no job needs off the device; its blob stays mapped, a variant goes altogether.
-// False if there is none: then all that is on the device is in use.
+// Take the least recently used scene that no job needs off the device; its blob stays mapped, a variant goes altogether. If
+// there is none, what techniques derived from the others and no job uses. False: all that is on the device is in use.
 bool resident_evict(struct resident_scenes *scenes);
 
 void resident_finish(struct resident_scenes *scenes);

@@ -149,6 +149,16 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 	return answer_front(s, &answer, sizeof answer);
 }
 
+// What a job finds out to need only while it works, voxels above all, is made room for as at its beginning.
+static enum status step(struct server *s, struct job *job, uint32_t budget_us, struct step_result *result, struct error *err)
+{
+	enum status r;
+	do
+		r = job->technique->step(job->work, budget_us, result, err);
+	while (r == STATUS_MEMORY && resident_evict(&s->scenes));
+	return r;
+}
+
 static enum status on_step(struct server *s, const struct ipc_step *m)
 {
 	struct ipc_stepped answer = {.head = {.op = IPC_STEPPED, .job = m->head.job}};
@@ -157,8 +167,8 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	const uint64_t start = clock_us();
 	if (!job)
 		error_set(&answer.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
-	else if (job->technique->step(job->work, m->budget_us, &result, &answer.error) == STATUS_OK)
-		answer.error.code = STATUS_OK;
+	else if (step(s, job, m->budget_us, &result, &answer.error) == STATUS_OK)
+		answer.error = (struct error){.code = STATUS_OK};
 	answer.samples_done = result.samples_done;
 	answer.finished = result.finished;
 	answer.fraction = result.fraction;

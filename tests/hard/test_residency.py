@@ -49,6 +49,29 @@ class Residency(unittest.TestCase):
                 self.assertEqual(refused.exception.status, 6)
                 self.assertGreater(float(daemon.render(make.cornell(folder), size=(32, 32), spp=1).radiance.max()), 0)
 
+    def test_voxels_push_out_what_nobody_renders(self):
+        """How many voxels there are turns out in the midst of a job. Then, too, idle scenes make room."""
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
+            with Daemon("--memory-budget", "42") as daemon:
+                daemon.candil("load", textured(folder, "idle.gltf", 60), "--name", "idle")
+                daemon.candil("load", make.cornell(folder), "--name", "room")
+                daemon.render("idle", size=(32, 32), spp=1, arguments=["--background", "1,1,1"])
+                self.assertGreater(daemon.stats()["device_bytes"], 16 << 20)
+                picture = daemon.render("room", size=(32, 32), spp=1, arguments=["--technique", "vct"])
+                self.assertGreater(float(picture.radiance.min()), 0)
+                self.assertLessEqual(daemon.stats()["device_bytes"], 42 << 20)
+
+    def test_voxels_that_no_job_uses_make_room_for_a_job_of_their_scene(self):
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
+            with Daemon("--memory-budget", "40") as daemon:
+                daemon.candil("load", make.cornell(folder), "--name", "room")
+                daemon.render("room", size=(32, 32), spp=1, arguments=["--technique", "vct"])
+                held = daemon.stats()["device_bytes"]
+                self.assertGreater(held, 10 << 20)
+                # It fits the budget, but not beside the voxels.
+                picture = daemon.render("room", size=(768, 768), spp=1)
+                self.assertGreater(float(picture.radiance.max()), 0)
+
 
 if __name__ == "__main__":
     unittest.main()

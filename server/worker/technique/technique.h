@@ -47,7 +47,7 @@ struct technique {
 				    struct error *err);
 
 	// Work for about budget_us of device time, at least one indivisible piece. Calls continue where the last one
-	// stopped.
+	// stopped. After STATUS_MEMORY too, if more of it has become free.
 	enum status (*step)(struct technique_job *job, uint32_t budget_us, struct step_result *result, struct error *err);
 
 	// Copy what has been accumulated into `frame` (host memory, made by this call, freed by the caller with

@@ -194,6 +194,12 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&v->cells, v->device, ((uint64_t)v->voxels->grid.entries + 1) * sizeof(uint32_t), NULL,
 				   err);
+	if (s != STATUS_OK) {
+		// All or none: it is tried again when others have made room.
+		gl_buffer_finish(&v->direct, v->device);
+		gl_buffer_finish(&v->total, v->device);
+		return s;
+	}
 	enter(v, v->voxels->grid.entries > 0 ? VCT_LIST : VCT_DONE);
 	return s;
 }

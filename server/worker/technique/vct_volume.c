@@ -44,19 +44,6 @@ static void shelf_destroy(struct derived *derived)
 	free(s);
 }
 
-static struct shelf *shelf_of(struct resident_scene *scene)
-{
-	struct shelf *s = (struct shelf *)resident_derived(scene, &kind);
-	if (s)
-		return s;
-	s = calloc(1, sizeof *s);
-	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy};
-		resident_derive(scene, &s->derived);
-	}
-	return s;
-}
-
 static void drop(struct shelf *s, struct vct_volume *v)
 {
 	struct vct_volume **at = &s->first;
@@ -66,10 +53,10 @@ static void drop(struct shelf *s, struct vct_volume *v)
 	destroy(v);
 }
 
-// All that nobody uses, but the latest `kept`.
-static void drop_idle(struct shelf *s, uint32_t kept)
+// All that nobody uses, but the latest `kept`. False: there was none.
+static bool drop_idle(struct shelf *s, uint32_t kept)
 {
-	for (;;) {
+	for (bool any = false;; any = true) {
 		struct vct_volume *oldest = NULL;
 		uint32_t idle = 0;
 		for (struct vct_volume *v = s->first; v; v = v->next) {
@@ -79,9 +66,27 @@ static void drop_idle(struct shelf *s, uint32_t kept)
 			oldest = !oldest || v->used < oldest->used ? v : oldest;
 		}
 		if (idle <= kept)
-			return;
+			return any;
 		drop(s, oldest);
 	}
+}
+
+static bool trim(struct derived *derived)
+{
+	return drop_idle((struct shelf *)derived, 0);
+}
+
+static struct shelf *shelf_of(struct resident_scene *scene)
+{
+	struct shelf *s = (struct shelf *)resident_derived(scene, &kind);
+	if (s)
+		return s;
+	s = calloc(1, sizeof *s);
+	if (s) {
+		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim};
+		resident_derive(scene, &s->derived);
+	}
+	return s;
 }
 
 static float brightest(const struct resident_scene *scene)

@@ -229,6 +229,9 @@ static enum status make_parts(struct voxels *v, struct error *err)
 	enum status r = STATUS_OK;
 	for (unsigned i = 0; r == STATUS_OK && i < VOXEL_PARTS; i++)
 		r = gl_buffer_init(&v->parts[i], v->device, each, NULL, err);
+	// All or none: it is tried again when others have made room.
+	for (unsigned i = 0; r != STATUS_OK && i < VOXEL_PARTS; i++)
+		gl_buffer_finish(&v->parts[i], v->device);
 	return r;
 }
 
@@ -282,24 +285,31 @@ out:
 static enum status give_up_fixed(struct voxels *v, struct error *err)
 {
 	struct voxel_build *b = v->build;
+	struct voxel_ranges all;
+	struct gl_buffer items;
+	enum status r = voxel_ranges_init(&all, b->scene, VOXELS_ALL, err);
+	if (r == STATUS_OK)
+		r = gl_buffer_init(&items, v->device, VOXEL_ITEMS_CHUNK * sizeof(struct voxel_item), NULL, err);
+	if (r != STATUS_OK) {
+		voxel_ranges_finish(&all);
+		return r;
+	}
 	voxels_release(b->fixed);
 	b->fixed = NULL;
 	voxel_ranges_finish(&b->ranges);
+	b->ranges = all;
+	gl_buffer_finish(&b->items, v->device);
+	b->items = items;
 	for (unsigned i = 0; i < VOXEL_PARTS; i++)
 		gl_buffer_finish(&v->parts[i], v->device);
-	gl_buffer_finish(&b->items, v->device);
 	gl_buffer_clear(&v->words);
 	b->area_bits = VOXEL_AREA_BITS;
 	b->emission_bits = VOXEL_EMISSION_BITS;
 	b->word = 0;
 	b->phase = VOXEL_MARK;
 	b->chunk_is_all = false;
-	enum status r = voxel_ranges_init(&b->ranges, b->scene, VOXELS_ALL, err);
-	if (r == STATUS_OK)
-		r = gl_buffer_init(&b->items, v->device, VOXEL_ITEMS_CHUNK * sizeof(struct voxel_item), NULL, err);
-	if (r == STATUS_OK)
-		rewind_items(b);
-	return r;
+	rewind_items(b);
+	return STATUS_OK;
 }
 
 // Whether sums were full; then they are made again, coarser.

@@ -42,19 +42,6 @@ static void shelf_destroy(struct derived *derived)
 	free(s);
 }
 
-static struct voxel_shelf *shelf_of(struct resident_scene *scene)
-{
-	struct voxel_shelf *s = (struct voxel_shelf *)resident_derived(scene, &kind);
-	if (s)
-		return s;
-	s = calloc(1, sizeof *s);
-	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy};
-		resident_derive(scene, &s->derived);
-	}
-	return s;
-}
-
 static void drop(struct voxel_shelf *s, struct voxels *v)
 {
 	struct voxels **at = &s->first;
@@ -79,6 +66,24 @@ static bool drop_oldest(struct voxel_shelf *s, uint32_t kept)
 		return false;
 	drop(s, oldest);
 	return true;
+}
+
+static bool trim(struct derived *derived)
+{
+	return drop_oldest((struct voxel_shelf *)derived, 0);
+}
+
+static struct voxel_shelf *shelf_of(struct resident_scene *scene)
+{
+	struct voxel_shelf *s = (struct voxel_shelf *)resident_derived(scene, &kind);
+	if (s)
+		return s;
+	s = calloc(1, sizeof *s);
+	if (s) {
+		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim};
+		resident_derive(scene, &s->derived);
+	}
+	return s;
 }
 
 static uint32_t effects_that_color(const struct plan *plan)
