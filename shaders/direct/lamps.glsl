@@ -44,7 +44,11 @@ vec3 triangle_irradiance(triangle tri, vec3 position, vec3 x, vec3 y, vec3 n)
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
 	float away = dot(k.normal, position - k.v0);
-	if (!(away > 0.0 || ((m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u && away < 0.0)))
+	// In its own plane nothing comes from a triangle. Rounding must not lift a point of it over its face: all of the hemisphere
+	// would be lamp.
+	vec3 reach = max(max(abs(position), abs(k.v0)), max(abs(k.v1), abs(k.v2)));
+	float rounding = 4e-6 * max(reach.x, max(reach.y, reach.z));
+	if (!(away > rounding || ((m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u && away < -rounding)))
 		return vec3(0.0);
 	mat3 into = transpose(mat3(x, y, n));
 	vec3 a = into * (k.v0 - position);

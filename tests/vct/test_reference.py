@@ -1,0 +1,38 @@
+"""What cones are worth: our Cornell box against the path tracer with as many scattering events."""
+import tempfile
+import unittest
+
+import judge
+import make
+from render import Daemon
+
+SIZE = (128, 128)
+BOUNCES = 2
+
+
+class Reference(unittest.TestCase):
+    def test_error_is_at_most_half_of_what_a_constant_leaves(self):
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+            scene = make.cornell(folder)
+            reference = daemon.render(scene, size=SIZE, spp=192, options={"pt.depth": BOUNCES + 1}).radiance
+            first = daemon.render(scene, size=SIZE, spp=4, arguments=["--technique", "direct", "--aov", "albedo,id"])
+            # The lamp is the one thing brighter than 4.
+            mask = (first.channels["id"] > 0) & (first.radiance.max(axis=2) < 4)
+            flat, constant = judge.fitted(first.radiance, judge.albedo(first), reference, mask)
+            bar = judge.relmse(flat, reference, mask)
+            print(f"direct: relMSE {judge.relmse(first.radiance, reference, mask):.4f}; + {constant:.3f} x albedo: {bar:.4f}, "
+                  f"mean {100 * judge.mean_error(flat, reference, mask):+.1f} %")
+            errors = {}
+            for resolution in (64, 128):
+                picture = daemon.render(scene, size=SIZE, spp=4, arguments=["--technique", "vct"],
+                                        options={"vct.resolution": resolution, "vct.bounces": BOUNCES}).radiance
+                errors[resolution] = judge.relmse(picture, reference, mask)
+                mean = judge.mean_error(picture, reference, mask)
+                print(f"vct, {resolution}: relMSE {errors[resolution]:.4f}, mean {100 * mean:+.1f} %")
+            self.assertLess(errors[128], 0.5 * bar)
+            self.assertLess(abs(mean), 0.05)
+            self.assertLess(errors[128], errors[64])
+
+
+if __name__ == "__main__":
+    unittest.main()
