@@ -48,6 +48,7 @@
 #define LIMIT_COORDINATE 1e12 // of a camera's position, metres
 #define LIMIT_EXPOSURE_EV 64.0 // either way
 #define LIMIT_PROGRESS_MS 3600000u
+#define LIMIT_DEADLINE_MS 86400000u // of a request: a day
 #define LIMIT_EDIT_LIGHTS 32u // of one request
 #define LIMIT_EDIT_MATERIALS 32u
 #define LIMIT_EDIT_NODES 32u

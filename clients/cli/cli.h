@@ -19,7 +19,7 @@ enum exit_code {
 	EXIT_SCENE = 4,
 	EXIT_DEVICE = 5,
 	EXIT_MEMORY = 6,
-	EXIT_DEADLINE = 7, // reserved: no request has one yet
+	EXIT_DEADLINE = 7, // the best picture by then is written, if there was one
 	EXIT_CANCELLED = 8,
 	EXIT_WORKER = 9,
 };

@@ -209,7 +209,7 @@ void edit_options_init(struct edit_options *o)
 
 bool edit_is_option(int option)
 {
-	return option >= OPTION_LIGHT && option <= OPTION_TIME;
+	return option >= OPTION_LIGHT && option <= OPTION_AT;
 }
 
 bool edit_option(int option, char *value, struct edit_options *o)
@@ -228,7 +228,7 @@ bool edit_option(int option, char *value, struct edit_options *o)
 	case OPTION_ANIMATION:
 		o->edits.animation = value;
 		return *value != '\0';
-	case OPTION_TIME:
+	case OPTION_AT:
 		return cli_parse_double(value, &o->edits.time_s);
 	default:
 		return false;
@@ -249,7 +249,7 @@ const char *edit_option_form(int option)
 		return "NAME: and then translate=x,y,z, rotate=x,y,z,DEGREES or scale=x,y,z between commas, up to 32 times";
 	case OPTION_ANIMATION:
 		return "the name of an animation";
-	case OPTION_TIME:
+	case OPTION_AT:
 		return "a number of seconds";
 	default:
 		return "something else";

@@ -1,4 +1,4 @@
-// --light, --replace-lights, --material, --node, --animation and --time: what one request changes of its scene. Shared by
+// --light, --replace-lights, --material, --node, --animation and --at: what one request changes of its scene. Shared by
 // render and sweep.
 #ifndef CANDIL_CLI_EDIT_OPTIONS_H
 #define CANDIL_CLI_EDIT_OPTIONS_H
@@ -12,7 +12,7 @@ enum {
 	OPTION_MATERIAL,
 	OPTION_NODE,
 	OPTION_ANIMATION,
-	OPTION_TIME,
+	OPTION_AT,
 };
 
 #define EDIT_OPTIONS \

@@ -111,16 +111,17 @@ static enum exit_code see_through(struct render *render)
 
 static enum exit_code say_report(struct render *render)
 {
+	const enum exit_code code = strcmp(render->report.done.reason, "time") == 0 ? EXIT_DEADLINE : EXIT_DONE;
 	progress_clear(&render->progress);
 	render->report.options = &render->options;
 	render->report.scene = &render->target.info;
 	render->report.images = render->output.count;
 	if (render->cli->json)
-		return cli_print_json(report_json(&render->report), render->stream, EXIT_DONE);
+		return cli_print_json(report_json(&render->report), render->stream, code);
 	if (render->options.quiet)
-		return EXIT_DONE;
+		return code;
 	report_print(&render->report, render->stream);
-	return cli_flush(render->stream, EXIT_DONE);
+	return cli_flush(render->stream, code);
 }
 
 static enum exit_code render_image(struct render *render)
@@ -164,7 +165,7 @@ static enum exit_code run_render(struct cli *cli, const struct command *self, in
 
 #define EXIT_CODES_HELP \
 	"Exit codes: 0 image written, 1 anything else, 2 usage, 3 cannot connect, 4 scene, 5 device, 6 memory,\n" \
-	"7 reserved for deadlines, 8 cancelled, 9 worker lost (candil --help says more).\n"
+	"7 the deadline passed (the best picture by then is written), 8 cancelled, 9 worker lost (candil --help says more).\n"
 
 const struct command render_command = {
     .name = "render",
@@ -180,10 +181,17 @@ const struct command render_command = {
 	    "  --spp N               samples per pixel; default 64, of direct 1\n"
 	    "  --first-sample N      index of the first sample; disjoint ranges can be merged\n"
 	    "  --seed N              another seed, another noise\n"
+	    "  --error E             end once the estimated relative MSE is at most E; then --spp is the most, default "
+	    "65536\n"
+	    "  --time MS             end with what is there so long after the request came; likewise\n"
 	    "  --camera NAME         of the scene; default: its first, else its bounds are framed\n"
 	    "  --camera ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV\n"
-	    "                        eye, target, up in metres; vertical angle in degrees\n" EDIT_OPTIONS_HELP
-	    "  --animation NAME      the scene as this animation of the file has it, --time S seconds after its start; "
+	    "                        eye, target, up in metres; vertical angle in degrees\n"
+	    "  --orthographic H      parallel rays, the picture being H metres high\n"
+	    "  --panorama            all directions: longitude across, latitude down, the target in the middle\n"
+	    "  --lens RADIUS,FOCUS   a lens instead of a pinhole, in metres: sharp at that distance along the view axis\n"
+	    "  --filter box|gauss|bh what a pixel takes of the light around its middle; default box\n" EDIT_OPTIONS_HELP
+	    "  --animation NAME      the scene as this animation of the file has it, --at S seconds after its start; "
 	    "default 0\n"
 	    "  --background r,g,b    radiance, W/(m² sr), that rays meet which leave the scene; default black\n"
 	    "  --effects LIST        auto, all or none, then +NAME or -NAME for textures, emitters, lights, environment,\n"

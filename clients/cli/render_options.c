@@ -6,6 +6,7 @@
 #include "clients/cli/scene_options.h"
 #include "protocol/limits.h"
 
+#define OPEN_SAMPLES 65536u
 #define ALL_EFFECTS ((1u << CANDIL_EFFECT_COUNT) - 1u)
 
 enum {
@@ -34,6 +35,12 @@ enum {
 	OPTION_KEYS,
 	OPTION_FRAMES,
 	OPTION_FPS,
+	OPTION_ERROR,
+	OPTION_TIME,
+	OPTION_FILTER,
+	OPTION_LENS,
+	OPTION_ORTHOGRAPHIC,
+	OPTION_PANORAMA,
 };
 
 // One option a line: formatted, the list could not be read.
@@ -58,12 +65,18 @@ enum {
 	{"float", no_argument, NULL, OPTION_FLOAT}, \
 	{"set", required_argument, NULL, OPTION_SET}, \
 	{"camera", required_argument, NULL, OPTION_CAMERA}, \
+	{"error", required_argument, NULL, OPTION_ERROR}, \
+	{"time", required_argument, NULL, OPTION_TIME}, \
+	{"filter", required_argument, NULL, OPTION_FILTER}, \
+	{"lens", required_argument, NULL, OPTION_LENS}, \
+	{"orthographic", required_argument, NULL, OPTION_ORTHOGRAPHIC}, \
+	{"panorama", no_argument, NULL, OPTION_PANORAMA}, \
 	{"quiet", no_argument, NULL, OPTION_QUIET}
 // clang-format on
 
 static const struct option render_table[] = {
     SHARED_OPTIONS,
-    {"time", required_argument, NULL, OPTION_TIME},
+    {"at", required_argument, NULL, OPTION_AT},
     {"progressive", no_argument, NULL, OPTION_PROGRESSIVE},
     {NULL, 0, NULL, 0},
 };
@@ -126,6 +139,16 @@ static const char *form_of(int option)
 		return "none, reinhard or filmic";
 	case OPTION_SET:
 		return "NAME=VALUE such as pt.depth=8, up to 16 times";
+	case OPTION_ERROR:
+		return "a relative MSE above 0 such as 1e-3";
+	case OPTION_TIME:
+		return "a whole number of milliseconds from 1 to 86400000";
+	case OPTION_FILTER:
+		return "box, gauss or bh";
+	case OPTION_LENS:
+		return "RADIUS,FOCUS, two lengths in metres such as 0.02,3.5";
+	case OPTION_ORTHOGRAPHIC:
+		return "the height of the picture in metres, above 0";
 	case OPTION_UP:
 		return "y or z";
 	case OPTION_UNIT:
@@ -254,6 +277,34 @@ static bool parse_view(const char *text, struct candil_render_request *r)
 	return false;
 }
 
+static bool parse_filter(const char *text, struct candil_render_request *r)
+{
+	static const char *const names[] = {"box", "gauss", "bh"};
+	for (int i = CANDIL_FILTER_BOX; i <= CANDIL_FILTER_BLACKMAN_HARRIS; i++) {
+		if (strcmp(text, names[i]) == 0) {
+			r->filter = (enum candil_filter)i;
+			return true;
+		}
+	}
+	return false;
+}
+
+static bool parse_lens(const char *text, struct candil_lens *lens)
+{
+	double v[2];
+	if (!cli_parse_doubles(text, v, 2))
+		return false;
+	lens->radius = v[0];
+	lens->focus = v[1];
+	return v[0] > 0 && v[1] > 0;
+}
+
+static bool parse_orthographic(const char *text, struct candil_lens *lens)
+{
+	lens->projection = CANDIL_PROJECTION_ORTHOGRAPHIC;
+	return cli_parse_double(text, &lens->height) && lens->height > 0;
+}
+
 static bool parse_setting(char *text, struct render_options *options)
 {
 	char *equals = strchr(text, '=');
@@ -300,6 +351,16 @@ static bool take_option(int option, char *value, struct render_options *options,
 	case OPTION_VIEW:
 		given->view = true;
 		return parse_view(value, r);
+	case OPTION_ERROR:
+		return cli_parse_double(value, &r->target_error) && r->target_error > 0;
+	case OPTION_TIME:
+		return cli_parse_u32(value, &r->deadline_ms) && r->deadline_ms > 0 && r->deadline_ms <= LIMIT_DEADLINE_MS;
+	case OPTION_FILTER:
+		return parse_filter(value, r);
+	case OPTION_LENS:
+		return parse_lens(value, &r->lens);
+	case OPTION_ORTHOGRAPHIC:
+		return parse_orthographic(value, &r->lens);
 	case OPTION_SET:
 		return parse_setting(value, options);
 	case OPTION_UP:
@@ -321,6 +382,9 @@ static bool take_flag(int option, struct render_options *options, struct given *
 		return true;
 	case OPTION_PROGRESSIVE:
 		options->request.progressive = true;
+		return true;
+	case OPTION_PANORAMA:
+		options->request.lens.projection = CANDIL_PROJECTION_PANORAMA;
 		return true;
 	case OPTION_QUIET:
 		options->quiet = true;
@@ -391,14 +455,16 @@ static const char *settle_format(struct render_options *options, const struct gi
 	return options->request.aovs ? "--aov needs EXR output" : NULL;
 }
 
-// Without --spp: as many as the technique needs for a picture to look at. Those without noise need one.
+// Without --spp: as many as the technique needs for a picture to look at. Those without noise need one, and where something else
+// is to end it there are as many as will ever do.
 static void settle_samples(struct candil_render_request *request)
 {
 	struct candil_render_request usual;
 	candil_render_request_init(&usual);
 	const bool noisy = request->technique != CANDIL_TECHNIQUE_DIRECT && request->technique != CANDIL_TECHNIQUE_VCT;
+	const bool open = request->target_error > 0 || request->deadline_ms > 0;
 	if (request->samples == 0)
-		request->samples = noisy ? usual.samples : 1;
+		request->samples = noisy && open ? OPEN_SAMPLES : noisy ? usual.samples : 1;
 }
 
 static void init(struct render_options *options)

@@ -82,6 +82,11 @@ void report_print(const struct report *r, FILE *stream)
 		fputs("error      none: every sample says the same\n", stream);
 	else if (done->estimated_relmse > 0)
 		fprintf(stream, "error      relative MSE about %.2e, estimated\n", done->estimated_relmse);
+	if (strcmp(done->reason, "error") == 0)
+		fprintf(stream, "ended      at the target error, after %" PRIu32 " sample%s\n", done->samples,
+			cli_s(done->samples));
+	if (strcmp(done->reason, "time") == 0)
+		fprintf(stream, "ended      at the deadline, after %" PRIu32 " sample%s\n", done->samples, cli_s(done->samples));
 	if (done->non_finite_samples > 0)
 		fprintf(stream, "mended     %" PRIu64 " sample%s not finite, counted as zero\n", done->non_finite_samples,
 			cli_s(done->non_finite_samples));

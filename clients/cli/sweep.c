@@ -39,6 +39,7 @@ struct sweep {
 	uint32_t picture_count, written, skipped;
 	struct picture *batch[CANDIL_SWEEP_CAMERAS]; // of the request that is under way
 	uint32_t batch_count, retries;
+	bool late; // an image ended at its deadline
 	uint64_t rays, elapsed_us;
 	char device[128];
 };
@@ -240,6 +241,7 @@ static bool take_event(struct sweep *sweep, const struct candil_event *event, ui
 	case CANDIL_EVENT_DONE:
 		sweep->rays += event->u.done.rays;
 		sweep->retries += event->u.done.retries;
+		sweep->late |= strcmp(event->u.done.reason, "time") == 0;
 		sweep->elapsed_us += event->u.done.elapsed_us;
 		memcpy(sweep->device, event->u.done.device, sizeof(sweep->device));
 		return true;
@@ -365,19 +367,22 @@ static json_t *summary_json(const struct sweep *sweep)
 
 static enum exit_code say_summary(struct sweep *sweep)
 {
+	const enum exit_code code = sweep->late ? EXIT_DEADLINE : EXIT_DONE;
 	progress_clear(&sweep->progress);
 	if (sweep->cli->json)
-		return cli_print_json(summary_json(sweep), stdout, EXIT_DONE);
+		return cli_print_json(summary_json(sweep), stdout, code);
 	if (sweep->options.quiet)
-		return EXIT_DONE;
+		return code;
 	printf("images     %u of %u cameras: %u written, %u there already\n", sweep->picture_count, sweep->count,
 	       sweep->written, sweep->skipped);
 	if (sweep->written > 0)
 		printf("time       %.1f ms, %.1f ms an image, on %s\n", (double)sweep->elapsed_us * 1e-3,
 		       (double)sweep->elapsed_us * 1e-3 / sweep->written, sweep->device);
+	if (sweep->late)
+		puts("ended      at the deadline, for at least one image");
 	if (sweep->retries > 0)
 		printf("retries    %u: the worker was lost and an image begun again\n", sweep->retries);
-	return cli_flush(stdout, EXIT_DONE);
+	return cli_flush(stdout, code);
 }
 
 // ---- the command -----------------------------------------------------------------------------------------------------
@@ -476,7 +481,7 @@ const struct command sweep_command = {
 	"                        evenly over those\n" EDIT_OPTIONS_HELP
 	"  --shard I/N           of N calls that share the work this is number I, from 1: cameras I-1, I-1+N, …\n"
 	"  --force               render images that are there already\n\n"
-	"and the options of candil render but --time and --progressive.\n\n"
+	"and the options of candil render but --at and --progressive.\n\n"
 	"An image appears under its name whole or not at all. One that is there, whole and of the size asked for, is\n"
 	"left alone: start a sweep that was cut short again, and it goes on. Whole is a PNG whose chunks lead to IEND at\n"
 	"its end, and an EXR whose offset table is filled and whose blocks end where the file ends. What the image\n"

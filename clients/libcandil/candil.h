@@ -297,6 +297,27 @@ struct candil_edits {
 	double time_s; // of the animation; a sweep's cameras say it instead
 };
 
+enum candil_projection {
+	CANDIL_PROJECTION_CAMERA = 0, // as the camera has it
+	CANDIL_PROJECTION_ORTHOGRAPHIC = 1, // parallel rays
+	CANDIL_PROJECTION_PANORAMA = 2, // all directions: longitude across, latitude down, the target in the middle
+};
+
+// How rays go through the camera, whichever it is. All zero: as the camera has it.
+struct candil_lens {
+	enum candil_projection projection;
+	double height; // orthographic: of the image, metres
+	double radius; // of a thin lens, metres; 0: a pinhole
+	double focus; // distance along the view axis of what is sharp, metres; read if there is a radius
+};
+
+// How much of the light near a pixel's middle it takes.
+enum candil_filter {
+	CANDIL_FILTER_BOX = 0, // its own square, evenly
+	CANDIL_FILTER_GAUSSIAN = 1, // standard deviation 0.5 pixels, to a distance of 2
+	CANDIL_FILTER_BLACKMAN_HARRIS = 2, // the window, 4 pixels wide
+};
+
 struct candil_render_request {
 	const char *scene; // name of a loaded scene
 	enum candil_technique technique;
@@ -321,6 +342,11 @@ struct candil_render_request {
 	struct candil_vec3 background; // W/(m² sr), what rays meet that leave the scene; absent: black
 	uint32_t progress_ms; // least time between two progress events; 0: 100
 	const struct candil_edits *edits; // NULL: none
+	struct candil_lens lens;
+	enum candil_filter filter;
+	// What ends a render before its samples do; candil_done.reason says which it was. 0: nothing.
+	double target_error; // an estimated relMSE, pt alone; the same request ends at the same sample
+	uint32_t deadline_ms; // from the request's arrival to its encoded image
 };
 
 // 512x512, 64 samples, float EXR, technique and effects automatic, the scene's first camera. `scene` is left NULL.
@@ -363,6 +389,7 @@ struct candil_progress {
 	uint32_t samples_done, samples; // per pixel
 	double fraction; // 0…1
 	uint64_t device_us, elapsed_us;
+	double estimated_relmse; // at the last look; negative: unknown
 };
 
 struct candil_stage {
@@ -387,7 +414,7 @@ struct candil_done {
 	uint64_t rays;
 	uint32_t slices, retries;
 	char device[128];
-	char reason[64]; // why it ended: "samples"
+	char reason[64]; // why it ended: "samples", "error" or "time"
 	uint32_t figure_count;
 	struct candil_figure figures[32];
 };

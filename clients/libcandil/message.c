@@ -190,6 +190,14 @@ candil_status message_write_render(const struct candil_render_request *request, 
 	if (request->has_background)
 		render->background = vec3_write(&request->background);
 	render->progress_ms = request->progress_ms;
+	render->has_lens = true;
+	render->lens = (candil_Lens){.projection = (candil_Projection)request->lens.projection,
+				     .height = request->lens.height,
+				     .radius = request->lens.radius,
+				     .focus = request->lens.focus};
+	render->filter = (candil_Filter)request->filter;
+	render->target_error = request->target_error;
+	render->deadline_ms = request->deadline_ms;
 	candil_status status = message_write_name(request->scene, render->scene, sizeof(render->scene), error);
 	if (status == CANDIL_STATUS_OK)
 		status = write_camera(request, render, error);
@@ -328,6 +336,7 @@ static void read_progress(const candil_Progress *from, struct candil_progress *t
 	to->fraction = fmin(fmax(from->fraction, 0.0), 1.0);
 	to->device_us = from->device_us;
 	to->elapsed_us = from->elapsed_us;
+	to->estimated_relmse = isfinite(from->estimated_relmse) ? from->estimated_relmse : -1.0;
 }
 
 static void read_figures(const candil_Done *from, struct candil_done *to)

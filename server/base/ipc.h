@@ -83,8 +83,10 @@ struct ipc_stepped {
 	struct ipc_head head;
 	struct error error; // any but OK: the job is dead and needs END
 	uint32_t samples_done; // complete ones, of every pixel
-	uint32_t finished; // all samples are in: time for the last READ
+	uint32_t finished; // time for the last READ: all samples are in, or
+	uint32_t reached; // so is the target error
 	double fraction; // of the job's work
+	double estimated_relmse; // at the last look; negative: unknown
 	uint64_t device_us; // this slice took
 	uint64_t device_bytes; // held on the device now, all jobs
 	uint64_t validation_errors; // since the worker started

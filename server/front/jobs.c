@@ -1,5 +1,6 @@
 #include "server/front/jobs.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,11 +15,12 @@
 
 // A job refused so often for want of memory lets no younger one begin before it.
 #define MEMORY_PATIENCE 4u
+#define ENCODE_US 0.05 // a byte, until there was an image to learn from
 #define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
 
 void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms)
 {
-	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u};
+	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u, .encode_us = ENCODE_US};
 }
 
 // ---- the table -------------------------------------------------------------------------------------------------------
@@ -63,12 +65,19 @@ static enum status add(struct jobs *jobs, struct session *session, uint32_t requ
 	job->request = request;
 	job->scene = scene;
 	job->asked_us = clock_us();
+	job->estimated_relmse = -1;
 	image_init(&job->preview);
 	image_init(&job->final);
 	scene_hold(scene);
 	jobs->job[jobs->count++] = job;
 	*out = job;
 	return STATUS_OK;
+}
+
+static void set_deadline(struct job *job)
+{
+	const uint64_t ms = job->render.deadline_ms;
+	job->deadline_us = ms > 0 ? job->asked_us + ms * 1000 : UINT64_MAX;
 }
 
 enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
@@ -79,6 +88,7 @@ enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t reques
 	if (status != STATUS_OK)
 		return status;
 	job->render = *render;
+	set_deadline(job);
 	session->requests++;
 	return STATUS_OK;
 }
@@ -93,6 +103,7 @@ static enum status add_frame(struct jobs *jobs, struct sweep *sweep, struct erro
 	job->index = sweep->next++;
 	job->turn = sweep->turn;
 	sweep_frame(sweep, job->index, &job->render);
+	set_deadline(job);
 	sweep->jobs++;
 	return STATUS_OK;
 }
@@ -164,6 +175,7 @@ static void drop(struct jobs *jobs, struct job *job)
 
 void jobs_finish(struct jobs *jobs)
 {
+	loop_timer_stop(jobs->worker->loop, &jobs->deadline);
 	while (jobs->count > 0)
 		destroy(jobs, jobs->job[--jobs->count]);
 }
@@ -230,8 +242,7 @@ static void complete_account(struct job *job)
 	done->elapsed_us = clock_us() - job->asked_us;
 	done->slices = job->slices;
 	done->retries = job->retries;
-	if (!done->reason[0])
-		snprintf(done->reason, sizeof done->reason, "samples");
+	snprintf(done->reason, sizeof done->reason, "%s", job->late ? "time" : job->reached ? "error" : "samples");
 }
 
 static bool is_tracing(const struct jobs *jobs, const struct sweep *sweep)
@@ -350,11 +361,12 @@ static void step(struct jobs *jobs)
 	jobs->stepping = job->id;
 	jobs->held = job->id;
 	jobs->step_sent_us = clock_us();
-	worker_step(jobs->worker, job->id, jobs->slice_us);
+	worker_step(jobs->worker, job->id, job_slice_us(jobs, job));
 }
 
 void jobs_dispatch(struct jobs *jobs)
 {
+	jobs_end_late(jobs);
 	if (jobs->worker->state != WORKER_READY)
 		return;
 	jobs_read_finished(jobs);
@@ -399,6 +411,15 @@ static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, can
 	sweep_progress(sweep, progress);
 }
 
+// Of what ends the job first: its samples, its target error (in the worker's fraction) or its deadline.
+static double fraction_of(const struct job *job, uint64_t now)
+{
+	const double time = job->render.deadline_ms > 0
+				? (double)(now - job->asked_us) / (job->render.deadline_ms * 1000.0)
+				: 0;
+	return time > job->fraction ? fmin(time, 1) : job->fraction;
+}
+
 static void tell_progress(const struct jobs *jobs, struct job *job)
 {
 	uint64_t now = clock_us();
@@ -408,12 +429,23 @@ static void tell_progress(const struct jobs *jobs, struct job *job)
 	*told_us = now;
 	candil_Progress progress = {.samples_done = job->samples_done,
 				    .samples = job->render.samples,
-				    .fraction = job->fraction,
+				    .fraction = fraction_of(job, now),
 				    .device_us = job->device_us,
-				    .elapsed_us = now - job->asked_us};
+				    .elapsed_us = now - job->asked_us,
+				    .estimated_relmse = job->estimated_relmse};
 	if (job->sweep)
 		add_up_sweep(jobs, job->sweep, &progress);
 	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
+}
+
+void job_traced(struct jobs *jobs, struct job *job)
+{
+	struct error err;
+	job->state = JOB_FINISHED;
+	if (!job->sweep)
+		return;
+	tell_progress(jobs, job);
+	advance(jobs, job->sweep, &err);
 }
 
 void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *stepped)
@@ -431,6 +463,8 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	job->device_us += device_us;
 	job->samples_done = stepped->samples_done;
 	job->fraction = stepped->fraction;
+	job->estimated_relmse = stepped->estimated_relmse;
+	job->reached = stepped->reached != 0;
 	schedule_charge(&job->turn, device_us);
 	if (job->sweep) {
 		job->sweep->turn = job->turn;
@@ -441,12 +475,7 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		return;
 	}
 	if (stepped->finished) {
-		struct error err;
-		job->state = JOB_FINISHED;
-		if (job->sweep) {
-			tell_progress(jobs, job);
-			advance(jobs, job->sweep, &err);
-		}
+		job_traced(jobs, job);
 		return;
 	}
 	tell_progress(jobs, job);

@@ -16,6 +16,7 @@
 #include "candil.pb.h"
 #include "protocol/limits.h"
 #include "server/front/image.h"
+#include "server/front/loop.h"
 #include "server/front/room.h"
 #include "server/front/scenes.h"
 #include "server/front/schedule.h"
@@ -44,6 +45,11 @@ struct job {
 	uint32_t slices;
 	uint32_t samples_done;
 	double fraction;
+	double estimated_relmse; // negative: unknown
+	uint64_t deadline_us; // when its image should be there; UINT64_MAX: never
+	bool late; // it ends for that
+	bool reached; // it ends for its target error
+	uint64_t read_us; // when its last image was asked for
 	uint64_t device_us;
 	uint64_t asked_us, begun_us; // begun_us: the first BEGIN; 0: none yet
 	uint64_t progress_us; // when progress was told last
@@ -68,6 +74,8 @@ struct jobs {
 	uint32_t held; // job that had the device last
 	struct room room; // of all images
 	bool short_of_room; // an image waits for common room
+	double encode_us; // a byte of an image's estimate: what reading and encoding took lately
+	struct loop_timer deadline; // the next of a job that waits
 	uint64_t slices, done, failed, cancelled;
 };
 

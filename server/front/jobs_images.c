@@ -49,6 +49,7 @@ void jobs_read_finished(struct jobs *jobs)
 		if (answer != ROOM_TAKEN)
 			continue;
 		worker_read(jobs->worker, job->id, true);
+		job->read_us = clock_us();
 		worker_end(jobs->worker, job->id);
 		job->state = JOB_READING;
 		jobs_let_others_try(jobs);
@@ -78,6 +79,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	frame.final = final;
 	frame.index = job->index;
 	if (final) {
+		jobs_learn_encoding(jobs, job);
 		job->done = image->done;
 		job->state = JOB_SENDING;
 		take_over(jobs, job, &job->final, fd, &frame);

@@ -20,6 +20,18 @@ void job_finish(struct jobs *jobs, struct job *job);
 // Close one of the job's images, if there is one, and give its room back, if it has some.
 void job_release_image(struct jobs *jobs, const struct job *job, struct image *image);
 
+// Its last slice is done: for its last image, and for a sweep's next one.
+void job_traced(struct jobs *jobs, struct job *job);
+
+// Jobs whose deadline has come: those that have a picture end with it, those that wait fail.
+void jobs_end_late(struct jobs *jobs);
+
+// Device time that a slice of the job may take.
+uint32_t job_slice_us(const struct jobs *jobs, const struct job *job);
+
+// Learn from an image how long the next will take from READ to its bytes.
+void jobs_learn_encoding(struct jobs *jobs, const struct job *job);
+
 // Ask for an intermediate image if it is time for one.
 void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples);
 

@@ -10,6 +10,7 @@
 #include "server/front/text.h"
 
 #define DEFAULT_SAMPLES 64u
+#define OPEN_SAMPLES 65536u // where an error or a deadline is to end it
 #define DEFAULT_PROGRESS_MS 100u
 #define EFFECT_BITS ((1u << _candil_Effect_ARRAYSIZE) - 1u)
 #define METRES_PER_UNIT_MAX 1e9
@@ -122,6 +123,16 @@ static bool has_no_noise(candil_Technique technique)
 	return technique == candil_Technique_TECHNIQUE_DIRECT || technique == candil_Technique_TECHNIQUE_VCT;
 }
 
+static uint32_t default_samples(const candil_Render *r)
+{
+	if (has_no_noise(r->technique))
+		return 1;
+	if (!(r->target_error > 0) && r->deadline_ms == 0)
+		return DEFAULT_SAMPLES;
+	const uint32_t left = r->first_sample < LIMIT_SAMPLES ? LIMIT_SAMPLES - r->first_sample : 1;
+	return left < OPEN_SAMPLES ? left : OPEN_SAMPLES;
+}
+
 static enum status check_size(candil_Render *r, struct error *err)
 {
 	if (r->width == 0 || r->height == 0)
@@ -132,7 +143,7 @@ static enum status check_size(candil_Render *r, struct error *err)
 	if (pixels > LIMIT_PIXELS)
 		return error_set(err, STATUS_LIMIT, "an image has at most %u pixels: ask for a smaller one", LIMIT_PIXELS);
 	if (r->samples == 0)
-		r->samples = has_no_noise(r->technique) ? 1 : DEFAULT_SAMPLES;
+		r->samples = default_samples(r);
 	if ((uint64_t)r->first_sample + r->samples > LIMIT_SAMPLES)
 		return error_set(err, STATUS_LIMIT, "first_sample + samples is at most %u", LIMIT_SAMPLES);
 	if (r->samples * pixels > LIMIT_SAMPLES_TIMES_PIXELS)
@@ -181,7 +192,8 @@ static enum status check_directions(const candil_Camera *c, struct error *err)
 	return STATUS_OK;
 }
 
-static enum status check_camera(candil_Camera *c, struct error *err)
+// A camera whose lens says how wide it sees needs no angle.
+static enum status check_camera(candil_Camera *c, const candil_Lens *lens, struct error *err)
 {
 	if (!text_is_clean(c->name))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a camera's name is UTF-8 without control characters");
@@ -197,9 +209,55 @@ static enum status check_camera(candil_Camera *c, struct error *err)
 	    !within(&c->target, -LIMIT_COORDINATE, LIMIT_COORDINATE) || !within(&c->up, -LIMIT_COORDINATE, LIMIT_COORDINATE))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a camera's coordinates are finite and at most %g",
 				 LIMIT_COORDINATE);
-	if (!(c->vfov_degrees > 0 && c->vfov_degrees < 180))
+	const bool needs_angle = lens->projection == candil_Projection_PROJECTION_CAMERA;
+	if (needs_angle && !(c->vfov_degrees > 0 && c->vfov_degrees < 180))
 		return error_set(err, STATUS_BAD_ARGUMENT, "vfov_degrees is above 0 and below 180");
 	return check_directions(c, err);
+}
+
+static bool is_length(double metres)
+{
+	return metres > 0 && metres <= LIMIT_COORDINATE;
+}
+
+static enum status check_lens(const candil_Lens *l, candil_Technique technique, struct error *err)
+{
+	const bool orthographic = l->projection == candil_Projection_PROJECTION_ORTHOGRAPHIC;
+	const bool panorama = l->projection == candil_Projection_PROJECTION_PANORAMA;
+	if ((unsigned)l->projection > candil_Projection_PROJECTION_PANORAMA)
+		return error_set(err, STATUS_BAD_ARGUMENT, "projection %u is none of candil.proto", (unsigned)l->projection);
+	if (orthographic && !is_length(l->height))
+		return error_set(err, STATUS_BAD_ARGUMENT, "an orthographic camera needs the height of its image in metres");
+	if (!(l->radius >= 0 && l->radius <= LIMIT_COORDINATE))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a lens's radius is 0, for a pinhole, or a length in metres");
+	if (l->radius > 0 && !is_length(l->focus))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a lens needs the distance in metres at which it is sharp");
+	if (l->radius > 0 && panorama)
+		return error_set(err, STATUS_BAD_ARGUMENT, "a panorama has no lens: leave its radius out");
+	if ((panorama || l->radius > 0) && has_no_noise(technique))
+		return error_set(err, STATUS_UNSUPPORTED, "%s needs pt: other techniques see through a pinhole alone",
+				 panorama ? "a panorama" : "a lens with a radius");
+	return STATUS_OK;
+}
+
+static enum status check_filter(const candil_Render *r, struct error *err)
+{
+	if ((unsigned)r->filter > candil_Filter_FILTER_BLACKMAN_HARRIS)
+		return error_set(err, STATUS_BAD_ARGUMENT, "filter %u is none of candil.proto", (unsigned)r->filter);
+	if (r->filter != candil_Filter_FILTER_BOX && has_no_noise(r->technique))
+		return error_set(err, STATUS_UNSUPPORTED, "pixels take their light through a box unless the technique is pt");
+	return STATUS_OK;
+}
+
+static enum status check_end(const candil_Render *r, struct error *err)
+{
+	if (!(r->target_error >= 0 && isfinite(r->target_error)))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a target error is a relative MSE above 0, or 0 for none");
+	if (r->target_error > 0 && has_no_noise(r->technique))
+		return error_set(err, STATUS_UNSUPPORTED, "only pt knows its error while it renders: leave the target error out");
+	if (r->deadline_ms > LIMIT_DEADLINE_MS)
+		return error_set(err, STATUS_LIMIT, "a deadline is at most %u ms away", LIMIT_DEADLINE_MS);
+	return STATUS_OK;
 }
 
 static enum status check_effects(const candil_Render *r, struct error *err)
@@ -286,8 +344,14 @@ enum status request_check_render(candil_Render *render, struct error *err)
 		status = check_size(render, err);
 	if (status == STATUS_OK)
 		status = check_technique(render, err);
+	if (status == STATUS_OK)
+		status = check_lens(&render->lens, render->technique, err);
 	if (status == STATUS_OK && render->has_camera)
-		status = check_camera(&render->camera, err);
+		status = check_camera(&render->camera, &render->lens, err);
+	if (status == STATUS_OK)
+		status = check_filter(render, err);
+	if (status == STATUS_OK)
+		status = check_end(render, err);
 	if (status == STATUS_OK)
 		status = check_effects(render, err);
 	if (status == STATUS_OK)
@@ -343,7 +407,7 @@ enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep
 	if (status == STATUS_OK)
 		status = request_check_render(render, err);
 	for (pb_size_t i = 0; i < sweep->cameras_count && status == STATUS_OK; i++)
-		status = check_camera(&sweep->cameras[i], err);
+		status = check_camera(&sweep->cameras[i], &render->lens, err);
 	if (status == STATUS_OK)
 		status = check_times(sweep, err);
 	const uint64_t images = sweep->times_count > 0 ? sweep->times_count : sweep->cameras_count;

@@ -73,7 +73,9 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 	total->slices += done->slices;
 	total->retries += done->retries;
 	memcpy(total->device, done->device, sizeof total->device);
-	memcpy(total->reason, done->reason, sizeof total->reason);
+	// What cut one image short is said of all.
+	if (strcmp(total->reason, "time") != 0)
+		memcpy(total->reason, done->reason, sizeof total->reason);
 	sweep->finished++;
 }
 

@@ -18,6 +18,9 @@ struct plan_camera {
 	double right[3]; // half the image plane's width: at distance 1, or in metres if orthographic
 	double up[3]; // half its height, likewise
 	bool orthographic;
+	bool panorama; // right and up are unit
+	double lens_radius; // metres; 0: a pinhole
+	double focus; // metres along `forward` to what is sharp
 };
 
 enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
@@ -34,6 +37,7 @@ struct plan {
 	uint32_t samples; // of this job
 	uint32_t first_sample;
 	uint64_t seed;
+	double target_error; // end where the estimated relMSE is at most this; 0: never
 	uint32_t depth; // scattering events at most
 	uint32_t segment; // pt: events in one dispatch at most; 0: as the device bears
 	uint32_t batch; // pt: samples in one dispatch; 0: as pays
@@ -67,6 +71,7 @@ struct plan {
 	uint32_t effects; // bits 1 << candil_Effect: what runs
 	uint32_t aovs; // AOV_*
 	struct plan_camera camera;
+	candil_Filter filter;
 	float background[3]; // W/(m² sr)
 	candil_Format format;
 	candil_View view;

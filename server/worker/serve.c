@@ -163,7 +163,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 {
 	struct ipc_stepped answer = {.head = {.op = IPC_STEPPED, .job = m->head.job}};
 	struct job *job = *find_job(s, m->head.job);
-	struct step_result result = {0};
+	struct step_result result = {.estimated_relmse = -1};
 	const uint64_t start = clock_us();
 	if (!job)
 		error_set(&answer.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
@@ -171,7 +171,9 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 		answer.error = (struct error){.code = STATUS_OK};
 	answer.samples_done = result.samples_done;
 	answer.finished = result.finished;
+	answer.reached = result.reached;
 	answer.fraction = result.fraction;
+	answer.estimated_relmse = result.estimated_relmse;
 	answer.device_us = clock_us() - start;
 	if (s->devices->vk) {
 		answer.device_bytes = s->devices->vk->bytes;

@@ -17,6 +17,8 @@ const uint SET_CHANCE = 4u;        // x: whether to go on; y: emissive triangles
 
 const uint SET_LOBE = 5u;          // x: which lobe of the BSDF
 
+const uint SET_LENS = 7u;          // where on the lens: of the first event alone
+
 const float UNIT_24 = 5.9604644775390625e-08;   // 2⁻²⁴
 
 struct sampler_state {
@@ -89,8 +91,8 @@ vec2 sample_2d(sampler_state s, uint set)
 	return vec2(sample_bits(s, set) >> 8) * UNIT_24;
 }
 
-// Cosine-distributed direction about +Z by the concentric disc (Shirley and Chiu 1997). pdf = cos θ / π.
-vec3 cosine_hemisphere(vec2 u)
+// Uniform over the unit disc: the concentric map (Shirley and Chiu 1997).
+vec2 concentric_disc(vec2 u)
 {
 	vec2 a = 2.0 * u - 1.0;
 	bool wide = abs(a.x) > abs(a.y);
@@ -99,7 +101,13 @@ vec3 cosine_hemisphere(vec2 u)
 	float phi = r != 0.0 ? 0.78539816339744831 * (other / r) : 0.0;
 	float c = cos(phi);
 	float s = sin(phi);
-	vec2 disc = r * (wide ? vec2(c, s) : vec2(s, c));
+	return r * (wide ? vec2(c, s) : vec2(s, c));
+}
+
+// Cosine-distributed direction about +Z, above the disc. pdf = cos θ / π.
+vec3 cosine_hemisphere(vec2 u)
+{
+	vec2 disc = concentric_disc(u);
 	return vec3(disc, sqrt(max(0.0, 1.0 - dot(disc, disc))));
 }
 

@@ -5,9 +5,9 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 
-#include "common/camera.glsl"
 #include "common/surface.glsl"
 #include "common/tile.glsl"
+#include "path/lens.glsl"
 #include "trace/traverse.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
@@ -24,7 +24,8 @@ void main()
 	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x, job.tiles_x);
 	bool mine = pixel.x < job.width && pixel.y < job.height;
 	vec3 origin, direction;
-	camera_ray(vec2(pixel) + 0.5, origin, direction);
+	// Through the middle of the lens.
+	lens_ray(vec2(pixel) + 0.5, vec2(0.5), origin, direction);
 	ray_hit hit;
 	float depth = INFINITY;
 	vec3 normal = vec3(0.0);
@@ -35,7 +36,7 @@ void main()
 		return;
 	if (found) {
 		surface s = surface_at(hit.id, hit.uv, direction);
-		depth = hit.t * dot(direction, to_vec3(job.forward));
+		depth = CAMERA == CAMERA_PANORAMA ? hit.t : hit.t * dot(direction, to_vec3(job.forward));
 		normal = s.shading;
 		albedo = s.base;
 		id = hit.material + 1u;

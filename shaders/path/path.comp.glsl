@@ -10,11 +10,11 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require
 
-#include "common/camera.glsl"
 #include "common/finite.glsl"
 #include "common/light.glsl"
 #include "common/tile.glsl"
 #include "path/accumulate.glsl"
+#include "path/lens.glsl"
 #include "trace/traverse.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
@@ -128,7 +128,9 @@ sampler_state sampler_of(uvec2 scrambles, uint taken)
 
 void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
 {
-	camera_ray(vec2(pixel) + sample_2d(sampler_of(scrambles, p.taken), SET_PIXEL), p.origin, p.direction);
+	sampler_state rnd = sampler_of(scrambles, p.taken);
+	vec2 at = vec2(pixel) + sample_filter(sample_2d(rnd, SET_PIXEL));
+	lens_ray(at, CAMERA == CAMERA_LENS ? sample_2d(rnd, SET_LENS) : vec2(0.5), p.origin, p.direction);
 	p.throughput = vec3(1.0);
 	p.radiance = vec3(0.0);
 	p.pdf = 0.0;

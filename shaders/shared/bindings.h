@@ -32,6 +32,7 @@
 #define BIND_ACCUMULATOR 16 // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
 #endif
 #define BIND_PATHS 17 // path: struct path_state, one an invocation, for paths longer than a dispatch
+#define BIND_ERRORS 17 // error: a float a tile
 #define BIND_AOV 16 // aov: 8 words a pixel: depth, normal, albedo, id
 #define BIND_RAYS 15 // cast: struct cast_ray in; struct cast_hit out at BIND_HITS
 #define BIND_HITS 16
@@ -56,7 +57,16 @@
 #define SPEC_RESUMED 10
 #define SPEC_PACKET 11 // walk the tree by subgroups
 #define SPEC_WIDTH 12 // lanes of a subgroup
-#define SPEC_COUNT 13
+#define SPEC_CAMERA 13 // CAMERA_…
+#define SPEC_FILTER 14 // FILTER_…
+#define SPEC_COUNT 15
+
+#define CAMERA_PINHOLE 0
+#define CAMERA_LENS 1
+#define CAMERA_PANORAMA 2
+#define FILTER_BOX 0
+#define FILTER_GAUSSIAN 1
+#define FILTER_BLACKMAN_HARRIS 2
 
 // The table at BIND_GGX_TABLE: for each of GGX_ROUGHNESSES perceptual roughnesses r, GGX_COSINES cosines μ, two floats, √r
 // and √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere.
@@ -88,8 +98,12 @@ struct pt_job {
 	uint has_uv1; // the scene has a second set of coordinates
 	float background[3]; // W/(m² sr)
 	uint has_colors; // and vertex colours
+	float lens_right[3]; // a lens's radius, along the image's width
+	float focus; // metres along `forward` to what a lens shows sharp
+	float lens_up[3]; // along its height
+	uint reserved;
 };
-LAYOUT_ASSERT(pt_job, 112)
+LAYOUT_ASSERT(pt_job, 144)
 
 // Where a dispatch works.
 struct path_push {
@@ -101,6 +115,19 @@ struct path_push {
 	uint resumes; // 0: start the paths; else go on with those kept in BIND_PATHS
 	uint round_count; // scattering events of a lane at most in this dispatch
 };
+
+// Of what the error of a picture is told.
+struct error_push {
+	uint first_tile;
+	uint first_row; // of the band, as in path_push
+	uint more_tiles; // the image's first tiles, that have more samples than the others
+	uint reserved;
+	float count_a; // samples of a pixel in half A
+	float count_b;
+	float more_a; // and in those first tiles
+	float more_b;
+};
+LAYOUT_ASSERT(error_push, 32)
 
 struct pt_counters {
 	uint rays;

@@ -165,11 +165,11 @@ class Sweep(unittest.TestCase):
         self.moving()
         summary = self.sweep("a{index}.exr", "--animation", "play", "--frames", "3")
         self.assertEqual([image["time_s"] for image in summary["images"]], [0, 1, 2])
-        seen = [self.same(i, "--animation", "play", "--time", str(i["time_s"])) for i in summary["images"]]
+        seen = [self.same(i, "--animation", "play", "--at", str(i["time_s"])) for i in summary["images"]]
         self.assertFalse(numpy.array_equal(seen[0], seen[1]) or numpy.array_equal(seen[1], seen[2]))
         summary = self.sweep("b{index}.exr", "--animation", "#0", "--fps", "1.5", "--camera", "camera")
         self.assertEqual([image["time_s"] for image in summary["images"]], [0, 1 / 1.5, 2 / 1.5, 2])
-        self.same(summary["images"][1], "--animation", "play", "--time", repr(1 / 1.5))
+        self.same(summary["images"][1], "--animation", "play", "--at", repr(1 / 1.5))
         summary = self.sweep("c{index}.exr", "--animation", "play", "--orbit", "2", "--node", "block:scale=2")
         self.assertEqual([image["time_s"] for image in summary["images"]], [0, 2])
 
@@ -199,7 +199,7 @@ class Sweep(unittest.TestCase):
                       ["--light", "spot:at=0,0,0,to=1,1,1,intensity=1"], ["--light", "point:at=0,nan,0,intensity=1"],
                       ["--light", "directional:to=1,1,1,intensity=1"], ["--material", "block"], ["--material", ":metallic=1"],
                       ["--material", "block:shine=1"], ["--node", "arm:rotate=0,0,0,30"], ["--node", "arm:translate=1,2"],
-                      ["--node", "arm:scale=1,2,3,4,5"], ["--time", "x"], ["--light", "point:at=0,0,0,intensity=1"] * 33):
+                      ["--node", "arm:scale=1,2,3,4,5"], ["--at", "x"], ["--light", "point:at=0,0,0,intensity=1"] * 33):
             result = self.candil("render", self.scene, "-o", self.path("x.exr"), *SIZE, *wrong)
             self.assertEqual(result.returncode, 2, wrong)
         for wrong in (["--node", "leg:scale=2"], ["--material", "gold:metallic=1"], ["--animation", "dance"]):
@@ -225,7 +225,7 @@ class Sweep(unittest.TestCase):
                       ["--orbit", "2", "--shard", "0/2"], ["--orbit", "2", "--shard", "3/2"], ["--frames", "3"],
                       ["--orbit", "2", "--frames", "3"], ["--orbit", "2", "--camera", "camera"], ["--fps", "3"],
                       ["--animation", "play", "--frames", "2", "--fps", "2"], ["--animation", "play", "--frames", "0"],
-                      ["--animation", "play", "--fps", "0"], ["--keys", "x.json"], ["--animation", "play", "--time", "1"]):
+                      ["--animation", "play", "--fps", "0"], ["--keys", "x.json"], ["--animation", "play", "--at", "1"]):
             self.sweep("r{index}.exr", *wrong, status=2)
         self.sweep("r.exr", "--orbit", "2", status=2)
         self.sweep("nowhere/{index}.exr", "--orbit", "2", status=1)

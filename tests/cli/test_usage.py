@@ -55,7 +55,9 @@ class Usage(unittest.TestCase):
                       ["--camera", "0,0,nan,0,0,0,0,1,0,40"], ["--background", "1,1"], ["--background", "1,1,inf"],
                       ["--effects", "shiny"], ["--effects", "+shiny"], ["--technique", "magic"], ["--view", "pretty"],
                       ["--exposure", "bright"], ["--set", "pt.depth"], ["--set", "=1"], ["--set", "pt.depth="],
-                      ["--aov", "id"], ["--half"], ["--format", "jpg"]):
+                      ["--aov", "id"], ["--half"], ["--format", "jpg"], ["--error", "0"], ["--error", "nan"], ["--time", "0"],
+                      ["--time", "1.5"], ["--time", "86400001"], ["--filter", "sinc"], ["--lens", "1"], ["--lens", "0,1"],
+                      ["--lens", "1,-1"], ["--orthographic", "0"], ["--orthographic", "wide"]):
             self.refused(2, "render", "a.gltf", "-o", "a.png", *wrong)
         for wrong in (["--aov", "colour"], ["--exposure", "1"], ["--view", "filmic"], ["--half", "--float"]):
             self.refused(2, "render", "a.gltf", "-o", "a.exr", *wrong)

@@ -147,7 +147,10 @@ static void on_step(const struct ipc_step *message)
 	} else {
 		job->samples++;
 		stepped.samples_done = job->samples;
-		stepped.finished = job->samples == job->render.samples;
+		// Its error is one over its samples.
+		stepped.estimated_relmse = 1.0 / job->samples;
+		stepped.reached = stepped.estimated_relmse <= job->render.target_error;
+		stepped.finished = stepped.reached || job->samples == job->render.samples;
 		stepped.fraction = (double)job->samples / job->render.samples;
 		stepped.device_us = us;
 		stepped.device_bytes = active() * 1000;

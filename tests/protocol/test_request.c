@@ -57,6 +57,53 @@ static void a_good_one_passes_with_its_defaults(void **state)
 	assert_true(r.camera.has_up && r.camera.up.y == 1);
 }
 
+static void lenses(void **state)
+{
+	const candil_Lens wide = {.projection = candil_Projection_PROJECTION_ORTHOGRAPHIC, .height = 2};
+	const candil_Lens all = {.projection = candil_Projection_PROJECTION_PANORAMA};
+	const candil_Lens thin = {.radius = 0.1, .focus = 3};
+	(void)state;
+	assert_int_equal(BROKEN(r.lens = wide), STATUS_OK);
+	assert_int_equal(BROKEN((r.lens = wide, r.camera.vfov_degrees = 0)), STATUS_OK);
+	assert_int_equal(BROKEN((r.lens = wide, r.lens.height = 0)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = wide, r.lens.height = -1)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = wide, r.lens.height = (double)NAN)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = wide, r.technique = candil_Technique_TECHNIQUE_DIRECT)), STATUS_OK);
+	assert_int_equal(BROKEN((r.lens = all, r.camera.vfov_degrees = 0)), STATUS_OK);
+	assert_int_equal(BROKEN((r.lens = all, r.lens.radius = 1, r.lens.focus = 1)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = all, r.technique = candil_Technique_TECHNIQUE_VCT)), STATUS_UNSUPPORTED);
+	assert_int_equal(BROKEN(r.lens = thin), STATUS_OK);
+	assert_int_equal(BROKEN((r.lens = thin, r.lens.focus = 0)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = thin, r.lens.radius = -1)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = thin, r.lens.radius = (double)INFINITY)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = thin, r.lens.focus = (double)NAN)), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.lens = thin, r.technique = candil_Technique_TECHNIQUE_DIRECT)), STATUS_UNSUPPORTED);
+	assert_int_equal(BROKEN(r.lens.projection = (candil_Projection)9), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN(r.filter = candil_Filter_FILTER_GAUSSIAN), STATUS_OK);
+	assert_int_equal(BROKEN(r.filter = (candil_Filter)3), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.filter = candil_Filter_FILTER_GAUSSIAN, r.technique = candil_Technique_TECHNIQUE_VCT)),
+			 STATUS_UNSUPPORTED);
+}
+
+static void ends(void **state)
+{
+	struct error err;
+	candil_Render r = {.scene = "box", .width = 1, .height = 1, .target_error = 1e-3};
+	(void)state;
+	assert_int_equal(request_check_render(&r, &err), STATUS_OK);
+	assert_int_equal(r.samples, 65536);
+	r = (candil_Render){.scene = "box", .width = 1, .height = 1, .deadline_ms = 1, .first_sample = LIMIT_SAMPLES - 3};
+	assert_int_equal(request_check_render(&r, &err), STATUS_OK);
+	assert_int_equal(r.samples, 3);
+	assert_int_equal(BROKEN(r.target_error = -1), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN(r.target_error = (double)NAN), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN(r.target_error = (double)INFINITY), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN((r.target_error = 1, r.technique = candil_Technique_TECHNIQUE_DIRECT)), STATUS_UNSUPPORTED);
+	assert_int_equal(BROKEN((r.deadline_ms = 1, r.technique = candil_Technique_TECHNIQUE_DIRECT)), STATUS_OK);
+	assert_int_equal(BROKEN(r.deadline_ms = LIMIT_DEADLINE_MS), STATUS_OK);
+	assert_int_equal(BROKEN(r.deadline_ms = LIMIT_DEADLINE_MS + 1), STATUS_LIMIT);
+}
+
 static void sizes(void **state)
 {
 	(void)state;
@@ -311,6 +358,8 @@ int main(void)
 	    cmocka_unit_test(cameras),
 	    cmocka_unit_test(effects_and_outputs),
 	    cmocka_unit_test(options),
+	    cmocka_unit_test(lenses),
+	    cmocka_unit_test(ends),
 	    cmocka_unit_test(edits),
 	    cmocka_unit_test(names),
 	    cmocka_unit_test(loads),

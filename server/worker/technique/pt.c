@@ -5,6 +5,7 @@
 // and a tile's paths do not know about other tiles.
 #include "server/worker/technique/pt.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,7 @@
 #include "server/base/log.h"
 #include "server/worker/image/frame.h"
 #include "server/worker/technique/pt_effects.h"
+#include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_resolve.h"
 #include "server/worker/vk/command.h"
@@ -157,24 +159,58 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	return s;
 }
 
+// Whether to end at the target error: asked where a batch ends at one of the sample counts that are fixed for it.
+static enum status look_at_target(struct technique_job *j, bool *reached, struct error *err)
+{
+	*reached = false;
+	if (!(j->plan.target_error > 0) || j->tile > 0 || j->sample == 0 || pt_error_checkpoint(j->sample - 1) != j->sample)
+		return STATUS_OK;
+	enum status s = j->error_sample == j->sample ? STATUS_OK : pt_error_measure(j, err);
+	*reached = j->estimated_relmse >= 0 && j->estimated_relmse <= j->plan.target_error;
+	return s;
+}
+
+// For whoever watches: as often as the picture gets half as good again.
+static enum status look_at_error(struct technique_job *j, struct error *err)
+{
+	const bool due = j->sample >= 2 && j->sample >= j->error_sample + (j->error_sample + 1) / 2;
+	return due && j->sample > j->error_sample ? pt_error_measure(j, err) : STATUS_OK;
+}
+
+// Of the work: by samples, or by the target error if that is nearer, for the error falls as one over them.
+static double fraction_of(const struct technique_job *j, bool reached)
+{
+	const double samples = ((double)j->sample + (double)j->batch * j->tile / j->tiles) / j->plan.samples;
+	const double error = j->estimated_relmse > 0 ? j->plan.target_error / j->estimated_relmse : 0;
+	return reached ? 1 : fmin(fmax(samples, error), 1);
+}
+
 static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	const uint64_t start = clock_us();
 	uint64_t spent = 0;
+	bool reached = false;
 	while (j->sample < j->plan.samples) {
 		uint64_t tiles = j->tile_us > 0 ? (uint64_t)((double)(budget_us - spent) / j->tile_us) : FIRST_TILES;
 		enum status s = submit(j, tiles > 0 ? tiles : 1, err);
+		if (s == STATUS_OK)
+			s = look_at_target(j, &reached, err);
 		if (s != STATUS_OK)
 			return s;
+		if (reached)
+			break;
 		spent = clock_us() - start;
 		// What is left would not do another tile.
 		if (spent >= budget_us || (double)(budget_us - spent) < j->tile_us * j->batch)
 			break;
 	}
 	result->samples_done = j->sample;
-	result->finished = j->sample == j->plan.samples;
-	result->fraction = ((double)j->sample + (double)j->batch * j->tile / j->tiles) / j->plan.samples;
-	return STATUS_OK;
+	result->reached = reached;
+	result->finished = reached || j->sample == j->plan.samples;
+	const enum status s = look_at_error(j, err);
+	result->estimated_relmse = j->estimated_relmse;
+	result->fraction = fraction_of(j, reached);
+	return s;
 }
 
 // ---- read ---------------------------------------------------------------------------------------------------------------
@@ -213,6 +249,8 @@ static void account(const struct technique_job *j, struct frame *f)
 	if (j->plan.aovs)
 		frame_add_stage(f, "aov", j->aov_us);
 	frame_add_stage(f, "trace", j->trace_us);
+	if (j->error_us)
+		frame_add_stage(f, "error", j->error_us);
 }
 
 static enum status pt_read(struct technique_job *j, struct frame **frame, struct error *err)
@@ -226,11 +264,13 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	pt_resolver_init(&resolver, j->plan.first_sample, j->sample, j->tile, j->batch);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
 		s = read_band(j, &j->bands[i], &resolver, f, err);
+	if (s == STATUS_OK && (j->error_sample != j->sample || j->tile > 0))
+		s = pt_error_measure(j, err);
 	if (s != STATUS_OK) {
 		frame_destroy(f);
 		return s;
 	}
-	f->estimated_relmse = pt_resolver_error(&resolver);
+	f->estimated_relmse = j->estimated_relmse;
 	account(j, f);
 	frame_add_stage(f, "resolve", clock_us() - start);
 	*frame = f;

@@ -15,6 +15,7 @@ struct pt_band {
 	struct buffer aov; // only if asked for
 	struct binding_set path_bindings;
 	struct binding_set aov_bindings;
+	struct binding_set error_bindings;
 };
 
 struct technique_job {
@@ -31,6 +32,8 @@ struct technique_job {
 	struct buffer paths; // only if segments > 1
 	struct pipeline *path;
 	struct pipeline *aov; // only if asked for
+	struct pipeline *error;
+	struct buffer errors; // a float a tile
 	struct pt_band *bands;
 	uint32_t band_count;
 
@@ -43,6 +46,9 @@ struct technique_job {
 	double tile_us; // measured time of a tile of one sample; 0: not yet
 	struct pt_counters seen; // counters at the last look
 	uint64_t rays, non_finite;
+	double estimated_relmse; // of the picture after error_sample samples; negative: unknown
+	uint32_t error_sample;
+	uint64_t error_us; // spent on it
 	uint64_t upload_us, compile_us, effects_us, trace_us, aov_us;
 };
 

@@ -4,6 +4,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/technique/pt.h"
+#include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/vk/command.h"
@@ -34,6 +35,9 @@ _Static_assert((int)SPEC_NORMAL_MAPS == (int)candil_Effect_EFFECT_NORMAL_MAPS, "
 _Static_assert((int)SPEC_ALPHA_MASK == (int)candil_Effect_EFFECT_ALPHA_MASK, "one constant an effect");
 _Static_assert((int)SPEC_VERTEX_COLORS == (int)candil_Effect_EFFECT_VERTEX_COLORS, "one constant an effect");
 _Static_assert((int)SPEC_UNLIT == (int)candil_Effect_EFFECT_UNLIT, "one constant an effect");
+_Static_assert(FILTER_BOX == (int)candil_Filter_FILTER_BOX && FILTER_GAUSSIAN == (int)candil_Filter_FILTER_GAUSSIAN &&
+		   FILTER_BLACKMAN_HARRIS == (int)candil_Filter_FILTER_BLACKMAN_HARRIS,
+	       "one number a filter");
 _Static_assert((int)SPEC_EFFECTS == (int)_candil_Effect_ARRAYSIZE, "no effect without a constant");
 
 static const struct shader path_shader = {.name = "path",
@@ -92,6 +96,8 @@ void pt_job_next_batch(struct technique_job *j)
 	if (j->plan.batch)
 		batch = j->plan.batch;
 	batch = least(least(batch, j->batch_most), j->plan.samples - j->sample);
+	if (j->plan.target_error > 0)
+		batch = least(batch, pt_error_checkpoint(j->sample) - j->sample);
 	j->batch = batch > 0 ? batch : 1;
 	j->loop_rounds = 0;
 }
@@ -108,6 +114,7 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 	uint64_t bytes = sizeof(struct pt_job) + 2 * sizeof(struct pt_counters);
 	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
+	bytes += tiles_of(plan) * sizeof(float);
 	bytes += pixels_of(plan) * ACCUMULATOR_FLOATS * sizeof(float);
 	if (plan->aovs)
 		bytes += pixels_of(plan) * AOV_WORDS * sizeof(uint32_t);
@@ -241,6 +248,10 @@ static enum status make_pipeline(struct technique_job *j, const struct shader *s
 	constants[SPEC_RESUMED] = j->segments > 1;
 	constants[SPEC_PACKET] = walks_in_packets(j);
 	constants[SPEC_WIDTH] = j->device->info.subgroup;
+	constants[SPEC_CAMERA] = j->plan.camera.panorama	  ? CAMERA_PANORAMA
+				 : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
+								  : CAMERA_PINHOLE;
+	constants[SPEC_FILTER] = j->plan.filter;
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
 }
 
@@ -314,6 +325,8 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 		s = make_path_pass(j, segment_of(device, plan), err);
 	if (s == STATUS_OK && plan->aovs)
 		s = make_aov_pass(j, err);
+	if (s == STATUS_OK)
+		s = pt_error_init(j, err);
 	if (s != STATUS_OK) {
 		pt_job_destroy(j);
 		return s;
@@ -332,6 +345,8 @@ enum status pt_job_restart(struct technique_job *j, uint32_t segment, uint32_t b
 	j->rays = 0;
 	j->non_finite = 0;
 	j->loop_rounds = 0;
+	j->error_sample = 0;
+	j->estimated_relmse = -1;
 	pt_job_next_batch(j);
 	enum status s = make_path_pass(j, segment, err);
 	return s == STATUS_OK ? clear_bands(j, err) : s;
@@ -341,6 +356,7 @@ void pt_job_destroy(struct technique_job *j)
 {
 	if (!j)
 		return;
+	pt_error_finish(j);
 	for (uint32_t i = 0; j->bands && i < j->band_count; i++) {
 		struct pt_band *b = &j->bands[i];
 		binding_set_finish(&b->path_bindings, j->device);

@@ -1,5 +1,6 @@
 #include "server/worker/technique/scene_job.h"
 
+#include <math.h>
 #include <string.h>
 
 uint32_t scene_bindings_trace(void)
@@ -39,6 +40,14 @@ static float emitter_share(const struct plan *plan, const struct blob_view *scen
 	return (float)(share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
 }
 
+// An axis of the image, as long as the lens's radius.
+static void fill_lens(const struct plan_camera *c, const double axis[3], float out[3])
+{
+	const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+	for (int i = 0; i < 3; i++)
+		out[i] = length > 0 ? (float)(axis[i] / length * c->lens_radius) : 0;
+}
+
 void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct pt_job *out)
 {
 	memset(out, 0, sizeof *out);
@@ -62,4 +71,7 @@ void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct 
 		out->up[i] = (float)p->camera.up[i];
 		out->background[i] = p->background[i];
 	}
+	out->focus = (float)p->camera.focus;
+	fill_lens(&p->camera, p->camera.right, out->lens_right);
+	fill_lens(&p->camera, p->camera.up, out->lens_up);
 }

@@ -24,6 +24,8 @@ struct technique_job; // the technique's own, opaque to the loop
 struct step_result {
 	uint32_t samples_done; // complete samples of every pixel
 	bool finished;
+	bool reached; // it ended at its target error
+	double estimated_relmse; // negative: unknown
 	double fraction; // of all the job's work, 0…1
 };
 

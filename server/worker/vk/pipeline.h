@@ -10,7 +10,7 @@
 #define PIPELINE_BINDINGS_MAX 20u
 #define PIPELINE_TEXELS_MAX 2u
 #define PIPELINE_TEXEL_BYTES 16u
-#define PIPELINE_CONSTANTS_MAX 16u
+#define PIPELINE_CONSTANTS_MAX 32u
 
 struct shader {
 	const char *name; // unique: the key with the constants

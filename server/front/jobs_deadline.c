@@ -1,0 +1,78 @@
+// Deadlines. A job's clock runs from its request to its encoded image, so tracing ends earlier by what reading and encoding
+// took lately.
+#include "server/base/clock.h"
+#include "server/front/jobs_table.h"
+
+#define LEARN 0.5 // weight of the latest image
+#define SHORTEST_US 1000u // of a slice
+
+static uint64_t encoding_us(const struct jobs *jobs, const struct job *job)
+{
+	return (uint64_t)(jobs->encode_us * (double)image_estimate(&job->render));
+}
+
+// Until tracing should end.
+static uint64_t left_us(const struct jobs *jobs, const struct job *job)
+{
+	const uint64_t end = clock_us() + encoding_us(jobs, job);
+	return job->deadline_us > end ? job->deadline_us - end : 0;
+}
+
+void jobs_learn_encoding(struct jobs *jobs, const struct job *job)
+{
+	const double took = (double)(clock_us() - job->read_us) / (double)image_estimate(&job->render);
+	jobs->encode_us += LEARN * (took - jobs->encode_us);
+}
+
+uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
+{
+	const uint64_t left = left_us(jobs, job);
+	if (left >= jobs->slice_us)
+		return jobs->slice_us;
+	return left > SHORTEST_US ? (uint32_t)left : SHORTEST_US;
+}
+
+static void fail_late(struct jobs *jobs, struct job *job)
+{
+	struct error err;
+	error_set(&err, STATUS_DEADLINE,
+		  "the deadline of %u ms passed before the job could be begun: allow more time, or ask when less is under way",
+		  job->render.deadline_ms);
+	jobs_fail(jobs, job, &err);
+}
+
+static void wake(void *owner)
+{
+	(void)owner; // the loop comes by, and with it jobs_end_late
+}
+
+static void set_timer(struct jobs *jobs)
+{
+	uint64_t next = UINT64_MAX;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->state == JOB_WAITING && jobs->job[i]->deadline_us < next)
+			next = jobs->job[i]->deadline_us;
+	if (next < UINT64_MAX)
+		loop_timer_set(jobs->worker->loop, &jobs->deadline, next, wake, jobs);
+	else
+		loop_timer_stop(jobs->worker->loop, &jobs->deadline);
+}
+
+void jobs_end_late(struct jobs *jobs)
+{
+	const uint64_t now = clock_us();
+	// Backwards, and with a look at the count: one that fails may take others of its sweep along.
+	for (unsigned i = jobs->count; i-- > 0;) {
+		struct job *job = i < jobs->count ? jobs->job[i] : NULL;
+		if (!job || job->deadline_us == UINT64_MAX)
+			continue;
+		if (job->state == JOB_WAITING && now >= job->deadline_us) {
+			fail_late(jobs, job);
+		} else if (job->state == JOB_ACTIVE && job->samples_done > 0 && jobs->stepping != job->id &&
+			   left_us(jobs, job) == 0) {
+			job->late = true;
+			job_traced(jobs, job);
+		}
+	}
+	set_timer(jobs);
+}

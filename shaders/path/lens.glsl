@@ -1,0 +1,87 @@
+// Where a camera's ray begins and goes: through a pinhole, a thin lens or into a panorama, and from where in and about the
+// pixel.
+//
+// A thin lens bends all rays that come from one point of the plane of focus to one point of the image (Cook, Porter and
+// Carpenter 1984; Pharr, Jakob and Humphreys, 6.2.3): so the ray from a point of the lens goes to where the pinhole's ray
+// meets that plane. The circle of confusion of a point at distance z has the diameter 2 R |z − f| / z on the plane of focus
+// seen from the lens's middle, R being the lens's radius and f the distance in focus.
+//
+// A filter is sampled, not weighed: its samples are placed with its density, so all count alike, and those of one request
+// merge with those of the next (Ernst, Stamminger and Greiner 2006, "Filter importance sampling").
+#ifndef PATH_LENS_GLSL
+#define PATH_LENS_GLSL
+
+#include "common/camera.glsl"
+#include "common/sampling.glsl"
+
+layout(constant_id = SPEC_CAMERA) const uint CAMERA = CAMERA_PINHOLE;
+layout(constant_id = SPEC_FILTER) const uint FILTER = FILTER_BOX;
+
+// Radius at which the Gaussian and the window end, and the Gaussian's standard deviation, pixels.
+const float FILTER_RADIUS = 2.0;
+const float FILTER_SIGMA = 0.5;
+
+// Distance from the middle, -FILTER_RADIUS to FILTER_RADIUS, with the density of the four-term Blackman-Harris window
+// (Harris 1978). With t the distance over the radius its integral from the middle is, up to a factor,
+//     G(t) = t + Σ a_n / (n π a_0) sin nπt,
+// which is concave, so Newton's steps from below never pass the root of G(t) = v.
+float sample_window(float u)
+{
+	float v = abs(2.0 * u - 1.0);
+	float t = 0.35875 * v;
+	for (uint i = 0u; i < 8u; i++) {
+		float s1 = sin(PI * t);
+		float c1 = cos(PI * t);
+		float s2 = 2.0 * s1 * c1;
+		float c2 = 2.0 * c1 * c1 - 1.0;
+		float s3 = s1 * c2 + c1 * s2;
+		float c3 = c1 * c2 - s1 * s2;
+		float area = 0.35875 * t + (0.48829 * s1 + 0.14128 / 2.0 * s2 + 0.01168 / 3.0 * s3) / PI;
+		float window = 0.35875 + 0.48829 * c1 + 0.14128 * c2 + 0.01168 * c3;
+		t += (0.35875 * v - area) / max(window, 6e-5);
+	}
+	return (u < 0.5 ? -1.0 : 1.0) * FILTER_RADIUS * clamp(t, 0.0, 1.0);
+}
+
+// Where a sample is, in pixels from the pixel's corner.
+vec2 sample_filter(vec2 u)
+{
+	if (FILTER == FILTER_BLACKMAN_HARRIS)
+		return 0.5 + vec2(sample_window(u.x), sample_window(u.y));
+	if (FILTER == FILTER_GAUSSIAN) {
+		// Box and Muller's, cut at the radius.
+		float tail = exp(-0.5 * FILTER_RADIUS * FILTER_RADIUS / (FILTER_SIGMA * FILTER_SIGMA));
+		float r = FILTER_SIGMA * sqrt(-2.0 * log(1.0 - u.x * (1.0 - tail)));
+		return 0.5 + r * vec2(cos(2.0 * PI * u.y), sin(2.0 * PI * u.y));
+	}
+	return u;
+}
+
+// Longitude from left to right, latitude from the camera's up down; its target is in the middle.
+vec3 panorama_direction(vec2 at)
+{
+	float longitude = 2.0 * PI * (at.x / float(job.width) - 0.5);
+	float latitude = PI * clamp(0.5 - at.y / float(job.height), -0.5, 0.5);
+	vec3 level = sin(longitude) * to_vec3(job.right) + cos(longitude) * to_vec3(job.forward);
+	return normalize(cos(latitude) * level + sin(latitude) * to_vec3(job.up));
+}
+
+// `at` in pixels from the image's top left corner, `u` uniform over the lens.
+void lens_ray(vec2 at, vec2 u, out vec3 origin, out vec3 direction)
+{
+	if (CAMERA == CAMERA_PANORAMA) {
+		origin = to_vec3(job.eye);
+		direction = panorama_direction(at);
+		return;
+	}
+	camera_ray(at, origin, direction);
+	if (CAMERA == CAMERA_LENS) {
+		vec2 p = concentric_disc(u);
+		vec3 aside = p.x * to_vec3(job.lens_right) + p.y * to_vec3(job.lens_up);
+		float along = job.focus / dot(direction, to_vec3(job.forward));
+		direction = normalize(along * direction - aside);
+		origin += aside;
+	}
+}
+
+#endif

@@ -1,0 +1,98 @@
+"""The estimated error: near the true one, falling as one over the samples, and a render that ends at it ends at the same sample
+with the same bits, whatever the slices are."""
+import hashlib
+import json
+import os
+import tempfile
+import unittest
+
+import numpy
+
+import make
+from images import relmse
+from render import Daemon
+
+SIZE = (48, 48)
+FIXED = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512}
+
+
+def setUpModule():
+    global daemon, folder
+    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
+    daemon = Daemon().__enter__()
+
+
+def tearDownModule():
+    daemon.__exit__(None, None, None)
+    folder.cleanup()
+
+
+def estimate(picture):
+    return picture.report["estimated_relmse"]
+
+
+class Estimate(unittest.TestCase):
+    def test_it_is_near_the_true_one(self):
+        for path, more in ((make.cornell(folder.name), []), (make.stage(folder.name), []),
+                           (make.ggx_furnace(folder.name, roughness=0.4), ["--background", "1,1,1"])):
+            reference = daemon.render(path, SIZE, 512, arguments=[*more, "--seed", "99"]).radiance.astype(numpy.float64)
+            for spp in (4, 16, 31):
+                picture = daemon.render(path, SIZE, spp, arguments=more)
+                true = relmse(picture.radiance.astype(numpy.float64), reference)
+                ratio = estimate(picture) / true
+                print(f"{os.path.basename(path)}, {spp} samples: relMSE {true:.2e}, estimated over true {ratio:.2f}")
+                self.assertLess(max(ratio, 1 / ratio), 1.5)
+
+    def test_it_falls_as_one_over_the_samples(self):
+        path = make.cornell(folder.name)
+        few, many = (estimate(daemon.render(path, SIZE, spp)) for spp in (8, 128))
+        print(f"8 samples: {few:.2e}, 128: {many:.2e}, sixteen times less would be {few / 16:.2e}")
+        self.assertLess(abs(numpy.log2(few / many) - 4), 1)
+
+    def test_one_sample_tells_nothing_and_a_flat_field_has_none(self):
+        path = make.furnace(folder.name)
+        report = daemon.render(path, SIZE, 1, arguments=["--background", "1,1,1"]).report
+        self.assertIsNone(report["estimated_relmse"])
+        flat = ["--background", "1,1,1", "--camera", "0,0,4,0,0,8,0,1,0,40", "--error", "1e-9"]
+        report = daemon.render(path, SIZE, 4096, arguments=flat).report
+        self.assertEqual((report["estimated_relmse"], report["samples"], report["reason"]), (0, 8, "error"))
+
+
+class Target(unittest.TestCase):
+    def test_the_same_sample_and_the_same_bits(self):
+        path = make.cornell(folder.name)
+        ends = set()
+        for milliseconds in (1, 50):
+            with Daemon("--slice", str(milliseconds)) as other:
+                for odd in ("0", "3"):
+                    picture = other.render(path, SIZE, 512, arguments=["--error", "0.02", "--first-sample", odd])
+                    self.assertEqual(picture.report["reason"], "error")
+                    self.assertLessEqual(estimate(picture), 0.02)
+                    ends.add((odd, picture.report["samples"], picture.radiance.tobytes()))
+        self.assertEqual(len(ends), 2)
+        for odd, samples, bits in ends:
+            self.assertIn(samples, FIXED)
+            plain = daemon.render(path, SIZE, samples, arguments=["--first-sample", odd])
+            self.assertEqual(plain.radiance.tobytes(), bits)
+            # It did not pass a point where it could have ended.
+            before = max(s for s in FIXED if s < samples)
+            self.assertGreater(estimate(daemon.render(path, SIZE, before, arguments=["--first-sample", odd])), 0.02)
+
+
+class Deadline(unittest.TestCase):
+    def test_exit_status_and_picture(self):
+        path = make.cornell(folder.name)
+        daemon.render(path, SIZE, 1)  # whatever is compiled at first use
+        output = os.path.join(folder.name, "late.exr")
+        status, out, _ = daemon.candil("render", path, "-o", output, "--size", "48x48", "--time", "400", "--json", check=False)
+        report = json.loads(out)
+        self.assertEqual((status, report["reason"]), (7, "time"))
+        self.assertGreater(report["samples"], 0)
+        with open(output, "rb") as file:
+            data = file.read()
+        self.assertEqual(len(data), report["bytes"])
+        print(f"{report['samples']} samples in {report['elapsed_us']} us, {hashlib.sha256(data).hexdigest()[:8]}")
+
+
+if __name__ == "__main__":
+    unittest.main()
