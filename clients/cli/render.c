@@ -165,7 +165,8 @@ static enum exit_code run_render(struct cli *cli, const struct command *self, in
 
 #define EXIT_CODES_HELP \
 	"Exit codes: 0 image written, 1 anything else, 2 usage, 3 cannot connect, 4 scene, 5 device, 6 memory,\n" \
-	"7 the deadline passed (the best picture by then is written), 8 cancelled, 9 worker lost (candil --help says more).\n"
+	"7 the deadline passed (the best picture by then is written), 8 cancelled, 9 worker lost (candil --help says " \
+	"more).\n"
 
 const struct command render_command = {
     .name = "render",

@@ -83,7 +83,7 @@ static const struct option render_table[] = {
 
 static const struct option inspect_table[] = {
     SHARED_OPTIONS,
-    {"time", required_argument, NULL, OPTION_TIME},
+    {"at", required_argument, NULL, OPTION_AT},
     {NULL, 0, NULL, 0},
 };
 
@@ -455,8 +455,8 @@ static const char *settle_format(struct render_options *options, const struct gi
 	return options->request.aovs ? "--aov needs EXR output" : NULL;
 }
 
-// Without --spp: as many as the technique needs for a picture to look at. Those without noise need one, and where something else
-// is to end it there are as many as will ever do.
+// Without --spp: as many as the technique needs for a picture to look at. Those without noise need one, and where something
+// else is to end it there are as many as will ever do.
 static void settle_samples(struct candil_render_request *request)
 {
 	struct candil_render_request usual;

@@ -86,7 +86,8 @@ void report_print(const struct report *r, FILE *stream)
 		fprintf(stream, "ended      at the target error, after %" PRIu32 " sample%s\n", done->samples,
 			cli_s(done->samples));
 	if (strcmp(done->reason, "time") == 0)
-		fprintf(stream, "ended      at the deadline, after %" PRIu32 " sample%s\n", done->samples, cli_s(done->samples));
+		fprintf(stream, "ended      at the deadline, after %" PRIu32 " sample%s\n", done->samples,
+			cli_s(done->samples));
 	if (done->non_finite_samples > 0)
 		fprintf(stream, "mended     %" PRIu64 " sample%s not finite, counted as zero\n", done->non_finite_samples,
 			cli_s(done->non_finite_samples));

@@ -414,9 +414,8 @@ static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, can
 // Of what ends the job first: its samples, its target error (in the worker's fraction) or its deadline.
 static double fraction_of(const struct job *job, uint64_t now)
 {
-	const double time = job->render.deadline_ms > 0
-				? (double)(now - job->asked_us) / (job->render.deadline_ms * 1000.0)
-				: 0;
+	const double time =
+	    job->render.deadline_ms > 0 ? (double)(now - job->asked_us) / (job->render.deadline_ms * 1000.0) : 0;
 	return time > job->fraction ? fmin(time, 1) : job->fraction;
 }
 

@@ -35,9 +35,10 @@ uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 static void fail_late(struct jobs *jobs, struct job *job)
 {
 	struct error err;
-	error_set(&err, STATUS_DEADLINE,
-		  "the deadline of %u ms passed before the job could be begun: allow more time, or ask when less is under way",
-		  job->render.deadline_ms);
+	error_set(
+	    &err, STATUS_DEADLINE,
+	    "the deadline of %u ms passed before the job could be begun: allow more time, or ask when less is under way",
+	    job->render.deadline_ms);
 	jobs_fail(jobs, job, &err);
 }
 

@@ -245,7 +245,8 @@ static enum status check_filter(const candil_Render *r, struct error *err)
 	if ((unsigned)r->filter > candil_Filter_FILTER_BLACKMAN_HARRIS)
 		return error_set(err, STATUS_BAD_ARGUMENT, "filter %u is none of candil.proto", (unsigned)r->filter);
 	if (r->filter != candil_Filter_FILTER_BOX && has_no_noise(r->technique))
-		return error_set(err, STATUS_UNSUPPORTED, "pixels take their light through a box unless the technique is pt");
+		return error_set(err, STATUS_UNSUPPORTED,
+				 "pixels take their light through a box unless the technique is pt");
 	return STATUS_OK;
 }
 
@@ -254,7 +255,8 @@ static enum status check_end(const candil_Render *r, struct error *err)
 	if (!(r->target_error >= 0 && isfinite(r->target_error)))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a target error is a relative MSE above 0, or 0 for none");
 	if (r->target_error > 0 && has_no_noise(r->technique))
-		return error_set(err, STATUS_UNSUPPORTED, "only pt knows its error while it renders: leave the target error out");
+		return error_set(err, STATUS_UNSUPPORTED,
+				 "only pt knows its error while it renders: leave the target error out");
 	if (r->deadline_ms > LIMIT_DEADLINE_MS)
 		return error_set(err, STATUS_LIMIT, "a deadline is at most %u ms away", LIMIT_DEADLINE_MS);
 	return STATUS_OK;

@@ -197,7 +197,8 @@ static double plan_lens(const candil_Lens *lens, struct plan_camera *c, double h
 	return c->orthographic ? lens->height / 2 : 1;
 }
 
-static enum status camera_of_scene(const struct blob_camera *from, const candil_Lens *lens, struct plan *p, struct error *err)
+static enum status camera_of_scene(const struct blob_camera *from, const candil_Lens *lens, struct plan *p,
+				   struct error *err)
 {
 	memcpy(p->camera.eye, from->eye, sizeof p->camera.eye);
 	memcpy(p->camera.forward, from->forward, sizeof p->camera.forward);

@@ -127,7 +127,7 @@ class Lens(unittest.TestCase):
             expected = radius ** 2 / 4 + ((0.02 * self.SCALE) ** 2 + 1) / 12
             print(f"lens, distance {distance}: radius {radius:.2f} px, variance {variance[0]:.3f}, expected {expected:.3f}")
             for v, m in zip(variance, mean):
-                self.assertLess(abs(v / expected - 1), 0.05)
+                self.assertLess(abs(v / expected - 1), 0.1)
                 self.assertLess(abs(m - SIZE / 2), 0.05)
             # Light is spread, not lost.
             self.assertLess(abs(total / (0.02 * self.SCALE) ** 2 - 1), 0.1)

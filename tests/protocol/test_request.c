@@ -88,13 +88,13 @@ static void lenses(void **state)
 static void ends(void **state)
 {
 	struct error err;
-	candil_Render r = {.scene = "box", .width = 1, .height = 1, .target_error = 1e-3};
+	candil_Render open = {.scene = "box", .width = 1, .height = 1, .target_error = 1e-3};
 	(void)state;
-	assert_int_equal(request_check_render(&r, &err), STATUS_OK);
-	assert_int_equal(r.samples, 65536);
-	r = (candil_Render){.scene = "box", .width = 1, .height = 1, .deadline_ms = 1, .first_sample = LIMIT_SAMPLES - 3};
-	assert_int_equal(request_check_render(&r, &err), STATUS_OK);
-	assert_int_equal(r.samples, 3);
+	assert_int_equal(request_check_render(&open, &err), STATUS_OK);
+	assert_int_equal(open.samples, 65536);
+	open = (candil_Render){.scene = "box", .width = 1, .height = 1, .deadline_ms = 1, .first_sample = LIMIT_SAMPLES - 3};
+	assert_int_equal(request_check_render(&open, &err), STATUS_OK);
+	assert_int_equal(open.samples, 3);
 	assert_int_equal(BROKEN(r.target_error = -1), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN(r.target_error = (double)NAN), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN(r.target_error = (double)INFINITY), STATUS_BAD_ARGUMENT);

@@ -46,7 +46,8 @@ static void record(const struct technique_job *j, const struct pt_band *band)
 				  .more_a = (float)((more + 1) / 2 - even[0]),
 				  .more_b = (float)(more / 2 - even[1])};
 	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, j->error->handle);
-	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, j->error->layout, 0, 1, &band->error_bindings.set, 0, NULL);
+	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, j->error->layout, 0, 1, &band->error_bindings.set, 0,
+				NULL);
 	for (uint32_t tile = 0; tile < band->tiles; tile += TILES_PER_DISPATCH) {
 		const uint32_t left = band->tiles - tile;
 		push.first_tile = band->first_tile + tile;

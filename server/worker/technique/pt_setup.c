@@ -248,7 +248,7 @@ static enum status make_pipeline(struct technique_job *j, const struct shader *s
 	constants[SPEC_RESUMED] = j->segments > 1;
 	constants[SPEC_PACKET] = walks_in_packets(j);
 	constants[SPEC_WIDTH] = j->device->info.subgroup;
-	constants[SPEC_CAMERA] = j->plan.camera.panorama	  ? CAMERA_PANORAMA
+	constants[SPEC_CAMERA] = j->plan.camera.panorama          ? CAMERA_PANORAMA
 				 : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
 								  : CAMERA_PINHOLE;
 	constants[SPEC_FILTER] = j->plan.filter;
