@@ -114,7 +114,7 @@ static const char doubles[] = "layout(local_size_x = 64) in;\n"
 			      "void main() { values[gl_GlobalInvocationID.x] *= FACTOR; }\n";
 static const struct gl_source source = {.name = "doubles", .compute = doubles};
 
-static const struct gl_program *program_of(int factor)
+static struct gl_program *program_of(int factor)
 {
 	struct gl_defines defines = {0};
 	struct gl_program *p = NULL;
@@ -143,6 +143,22 @@ static void programs_are_kept_by_their_macros(void **state)
 	for (uint32_t i = 0; i < 64; i++)
 		assert_int_equal(values[i], 6 * i);
 	gl_buffer_finish(&b, device);
+}
+
+static void no_more_programs_are_kept_than_the_limit(void **state)
+{
+	(void)state;
+	struct gl_program *held_on = program_of(2);
+	gl_program_hold(held_on);
+	for (int i = 0; i < (int)GL_PROGRAMS_MAX + 20; i++)
+		program_of(100 + i);
+	unsigned count = 0, found = 0;
+	for (const struct gl_program *p = device->programs; p; p = p->next, count++)
+		found += p == held_on;
+	assert_int_equal(count, GL_PROGRAMS_MAX);
+	assert_int_equal(found, 1);
+	assert_true(glIsProgram(held_on->name));
+	gl_program_release(held_on);
 }
 
 static void broken_programs_say_so(void **state)
@@ -212,6 +228,7 @@ int main(void)
 					   cmocka_unit_test(textures),
 					   cmocka_unit_test(refusals_leave_nothing),
 					   cmocka_unit_test(programs_are_kept_by_their_macros),
+					   cmocka_unit_test(no_more_programs_are_kept_than_the_limit),
 					   cmocka_unit_test(broken_programs_say_so),
 					   cmocka_unit_test(timers_count_passes),
 					   cmocka_unit_test(the_driver_is_content)};

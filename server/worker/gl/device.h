@@ -33,7 +33,8 @@ struct gl_device {
 	uint64_t errors; // messages of the debug output that say error or undefined behaviour, since the start
 	bool lost; // the context was reset: only a new process has a device again
 	unsigned vertex_array; // an empty one: vertices are pulled out of storage buffers
-	struct gl_program *programs; // every one made so far, by program.c
+	struct gl_program *programs; // by program.c
+	uint64_t program_turn; // counts gl_program_get
 };
 
 // Open a context on the same GPU as `options` name where EGL can tell, else on the default one of the kind asked for.

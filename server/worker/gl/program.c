@@ -92,11 +92,42 @@ static enum status build(struct gl_program *p, struct error *err)
 	return s == STATUS_OK ? link_program(p, err) : s;
 }
 
+void gl_program_hold(struct gl_program *p)
+{
+	if (p)
+		p->users++;
+}
+
+void gl_program_release(struct gl_program *p)
+{
+	if (p)
+		p->users--;
+}
+
+// Make room for one more.
+static void trim(struct gl_device *d)
+{
+	struct gl_program **oldest = NULL;
+	unsigned count = 0;
+	for (struct gl_program **at = &d->programs; *at; at = &(*at)->next) {
+		count++;
+		if ((*at)->users == 0 && (!oldest || (*at)->used < (*oldest)->used))
+			oldest = at;
+	}
+	if (count < GL_PROGRAMS_MAX || !oldest)
+		return;
+	struct gl_program *p = *oldest;
+	*oldest = p->next;
+	glDeleteProgram(p->name);
+	free(p);
+}
+
 enum status gl_program_get(struct gl_device *d, const struct gl_source *source, const struct gl_defines *defines,
 			   struct gl_program **program, struct error *err)
 {
 	for (struct gl_program *p = d->programs; p; p = p->next)
 		if (p->source == source && !strcmp(p->defines, defines->text)) {
+			p->used = ++d->program_turn;
 			*program = p;
 			return STATUS_OK;
 		}
@@ -115,6 +146,8 @@ enum status gl_program_get(struct gl_device *d, const struct gl_source *source, 
 		free(p);
 		return s;
 	}
+	trim(d);
+	p->used = ++d->program_turn;
 	p->next = d->programs;
 	d->programs = p;
 	*program = p;

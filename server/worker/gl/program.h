@@ -21,6 +21,8 @@ struct gl_program {
 	const struct gl_source *source;
 	char defines[GL_DEFINES_BYTES];
 	unsigned name;
+	uint32_t users; // who keep a pointer to it: gl_program_hold
+	uint64_t used; // when it was last asked for, in turns of the device
 	bool warm; // its user has run it once, so that the driver has compiled it
 };
 
@@ -35,9 +37,19 @@ void gl_define(struct gl_defines *defines, const char *name, const char *format,
 // The EFFECT_… of common/scene.glsl by the plan's bits, 1 << effect.
 void gl_define_effects(struct gl_defines *defines, uint32_t effects);
 
-// The program, compiled and linked at its first use. Owned by the device. STATUS_INTERNAL with the compiler's first words.
+// Programs of different macros that are kept; beyond that the one unused for longest goes, for requests can ask for very
+// many.
+#define GL_PROGRAMS_MAX 192u
+
+// The program, compiled and linked at its first use. Owned by the device: it may be gone after the next call unless it is
+// held. STATUS_INTERNAL with the compiler's first words.
 enum status gl_program_get(struct gl_device *device, const struct gl_source *source, const struct gl_defines *defines,
 			   struct gl_program **program, struct error *err);
+
+// Keep it for as long as the caller has a pointer to it. NULL is allowed in both.
+void gl_program_hold(struct gl_program *program);
+void gl_program_release(struct gl_program *program);
+
 void gl_program_destroy_all(struct gl_device *device);
 
 #endif

@@ -20,7 +20,7 @@ enum deferred_kind { DEFERRED_DRAW, DEFERRED_SHADE, DEFERRED_SUM, DEFERRED_AOV }
 struct deferred_work {
 	enum deferred_kind kind;
 	const char *stage;
-	const struct gl_program *program;
+	struct gl_program *program; // held
 	const struct deferred_pass *pass; // DEFERRED_SHADE
 	double unit_us; // measured, of a triangle or a tile; 0: not yet
 };

@@ -136,11 +136,12 @@ static enum status make_program(struct deferred *d, struct deferred_work *work, 
 	gl_define_effects(&all, d->plan.effects);
 	const uint64_t start = clock_us();
 	enum status s = gl_program_get(d->device, source, &all, &program, err);
-	if (s != STATUS_OK || program->warm) {
-		work->program = program;
+	if (s != STATUS_OK)
 		return s;
-	}
+	gl_program_hold(program);
 	work->program = program;
+	if (program->warm)
+		return STATUS_OK;
 	s = deferred_warm_up(d, work, err);
 	program->warm = s == STATUS_OK;
 	d->compile_us += clock_us() - start;
@@ -221,6 +222,9 @@ void deferred_destroy(struct deferred *d)
 		gl_buffer_finish(&d->bands[i].aov, d->device);
 	}
 	free(d->bands);
+	for (uint32_t i = 0; i < DEFERRED_WORKS; i++)
+		gl_program_release(d->works[i].program);
+	gl_program_release(d->aov_work.program);
 	if (d->framebuffer)
 		glDeleteFramebuffers(1, &d->framebuffer);
 	gl_texture_finish(&d->visibility, d->device);
