@@ -31,11 +31,13 @@ struct vct_params {
 	uint emission; // 1: surfaces' emission is in the pyramid
 	float ambient; // radiance that comes from everywhere, but where surfaces are near; W/(m² sr)
 	float falloff; // 1/m: how soon they are no longer near
+	float shadow_tangent; // of a shadow cone's half aperture
+	float unused[3];
 	float cone[VCT_CONES_MAX][4]; // direction in a frame whose z is the normal; its weight of the cosine's integral
 	float tangent[VCT_CONES_MAX][4]; // x: of the half aperture
 	float gather[VCT_GATHER_CONES][4]; // direction; tangent of the half aperture. All weigh the same
 };
-LAYOUT_ASSERT(vct_params, 80 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
+LAYOUT_ASSERT(vct_params, 96 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
 #define UNIFORM_VCT_PARAMS 1 // uniform block binding
 
 // Storage blocks: floats, four a side of an entry, its front (counter-clockwise) first: irradiance, W/m², and the share of the

@@ -1,8 +1,8 @@
 // Voxels of a scene's surfaces, for C and GLSL: the grid, the bindings, and what is kept of each occupied voxel.
 //
 // The grid. Cubic voxels over the scene's bounding box; cell (x, y, z) is the half-open box
-// low + side · [x, x+1) × [y, y+1) × [z, z+1). The longest axis of the box takes resolution − VOXEL_MARGIN voxels and starts at
-// VOXEL_FIRST on every axis: at least one empty voxel is left on each side, and neither the box's faces nor its simple
+// low + side · [x, x+1) × [y, y+1) × [z, z+1). The longest axis of the box takes resolution − VOXEL_MARGIN voxels and starts
+// at VOXEL_FIRST on every axis: at least one empty voxel is left on each side, and neither the box's faces nor its simple
 // fractions lie on the border between two voxels, where rounding would scatter a flat wall over both.
 //
 // Entries. What faces different ways must not be mixed, or a thin wall would hand the light of one side to the other: a
@@ -35,11 +35,14 @@ LAYOUT_ASSERT(voxel_grid, 32)
 #define BIND_VOXEL_BLOCKS 19 // entries of each VOXEL_BLOCK_WORDS words, summed up; while voxels are made
 #define BIND_VOXEL_WORDS 20 // x: 32 bits, y: entries before them; one more behind them: x: VOXEL_FULL_…
 // Four vectors of four an entry, each kind in a block of its own (some drivers bind no more than 128 MiB at once).
-#define BIND_VOXEL_PLACE 21 // xyz: mean position, metres relative to the blob's origin; w: unit normal, octahedral, 2 × 16 bits
+#define BIND_VOXEL_PLACE \
+	21 // xyz: mean position, metres relative to the blob's origin; w: unit normal, octahedral, 2 × 16 bits
 #define BIND_VOXEL_ALBEDO 22 // xyz: diffuse albedo, 0…1; w: the entry's bit, an integer
-#define BIND_VOXEL_EMISSION 23 // xyz: radiance, W/(m² sr); w: surface area / side²
+// xyz: radiance, W/(m² sr), of the front; w: surface area / side². Behind all entries a bit each: the back emits, too
+#define BIND_VOXEL_EMISSION 23
 #define BIND_VOXEL_COVERAGE 24 // area / side² projected along x, y, z: (+, −) pairs of half floats; w: 0
 #define VOXEL_PARTS 4
+#define VOXEL_BACK_BITS 128 // of such bits in a vector of four
 // The sums of what an edit left in place, while they are merged: words, and VOXEL_PARTS blocks.
 #define BIND_VOXEL_FIXED_WORDS 25
 #define BIND_VOXEL_FIXED_PARTS 26

@@ -7,7 +7,6 @@
 
 #ifndef VCT_SHADOW_HARD
 #define VCT_SHADOW_HARD false
-#define VCT_SHADOW_TANGENT 0.0875   // of the half aperture
 #endif
 
 #define DIRECT_OPEN volume_open
@@ -34,7 +33,7 @@ float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 {
 	float l = length(segment);
-	float tangent = VCT_SHADOW_HARD ? 0.0 : VCT_SHADOW_TANGENT;
+	float tangent = VCT_SHADOW_HARD ? 0.0 : vct_shadow.x;
 	// The lamp's own voxels, and those of what it hangs from, are no obstacle: the last footprint ends before them.
 	float end = t_max * l / vct_low_cell.w / (1.0 + 1.5 * tangent) - 1.5;
 	cone_origin o = cone_from(origin, normal, 0.0);

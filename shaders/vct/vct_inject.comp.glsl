@@ -11,6 +11,9 @@
 #ifndef VCT_ISOTROPIC
 #define VCT_ISOTROPIC false
 #endif
+#ifndef VCT_REFLECTS
+#define VCT_REFLECTS true     // else surfaces send back none of the light that they get: without a bounce
+#endif
 #ifndef VCT_SHARES
 #define VCT_SHARES false     // shares in the place of radiance
 #endif
@@ -39,6 +42,8 @@ vec3 side_radiance(uint entry, uint side)
 	uint i = entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS;
 	if (VCT_SHARES)
 		return vec3(vct_total[i + 3u]);
+	if (!VCT_REFLECTS)
+		return vec3(0.0);
 	vec3 r = voxel_diffuse_albedo(entry) * vec3(vct_total[i], vct_total[i + 1u], vct_total[i + 2u]) * (1.0 / PI);
 	return r * vct_background_scale.w;
 }
@@ -69,8 +74,11 @@ ways voxel_ways(uvec3 voxel, uint axis)
 		vec2 faces = unpackHalf2x16(voxel_coverage[entry][axis]);   // what faces +axis, −axis
 		vec3 ahead = side_radiance(entry, 0u);
 		vec3 behind = side_radiance(entry, 1u);
-		if (vct_reach_emission.y != 0u && !VCT_SHARES)
-			ahead += voxel_emitted(entry) * vct_background_scale.w;
+		if (vct_reach_emission.y != 0u && !VCT_SHARES) {
+			vec3 emitted = voxel_emitted(entry) * vct_background_scale.w;
+			ahead += emitted;
+			behind += voxel_emits_back(entry) ? emitted : vec3(0.0);
+		}
 		// Light comes up the axis to who looks down, from what faces up.
 		front.up += faces.y * vec4(ahead, 1.0);
 		front.down += faces.x * vec4(ahead, 1.0);
@@ -124,7 +132,7 @@ void main()
 	uint axis = item % 3u;
 	uvec3 cell = cell_of(vct_cells[1u + item / 3u]);
 	uint wide = vct_sides_top.x;
-	if (VCT_ISOTROPIC) {
+	if (VCT_ISOTROPIC && !VCT_SHARES) {
 		// One invocation a cell and an axis, here too: the first does it.
 		if (axis == 0u)
 			imageStore(level_image, ivec3(cell), isotropic(cell));

@@ -106,6 +106,13 @@ vec3 voxel_emitted(uint entry)
 	return uintBitsToFloat(voxel_emission[entry].xyz);
 }
 
+// Whether its back emits as much: some of its surfaces shine on both sides.
+bool voxel_emits_back(uint entry)
+{
+	uint bits = voxel_emission[voxel_entries() + entry / VOXEL_BACK_BITS][entry / 32u % 4u];
+	return (bits >> entry % 32u & 1u) != 0u;
+}
+
 // Surface area / side².
 float voxel_area(uint entry)
 {

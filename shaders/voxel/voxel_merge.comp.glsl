@@ -30,8 +30,8 @@ layout(std430, binding = BIND_VOXEL_PLACE) writeonly buffer Place {
 layout(std430, binding = BIND_VOXEL_ALBEDO) writeonly buffer Albedo {
 	uvec4 albedo[];
 };
-layout(std430, binding = BIND_VOXEL_EMISSION) writeonly buffer Emission {
-	uvec4 emission[];
+layout(std430, binding = BIND_VOXEL_EMISSION) buffer Emission {
+	uint emission[];
 };
 layout(std430, binding = BIND_VOXEL_COVERAGE) writeonly buffer Coverage {
 	uvec4 coverage[];
@@ -39,6 +39,8 @@ layout(std430, binding = BIND_VOXEL_COVERAGE) writeonly buffer Coverage {
 
 // Words of the grid.
 layout(location = 0) uniform uint words;
+// Entries of what stays in place, and of all.
+layout(location = 1) uniform uvec2 entries;
 // First word of this dispatch.
 layout(location = 2) uniform uint first_word;
 
@@ -55,7 +57,11 @@ void main()
 		uint entry = to.y + uint(bitCount(to.x & at - 1u));
 		place[entry] = fixed_place[from];
 		albedo[entry] = fixed_albedo[from];
-		emission[entry] = fixed_emission[from];
+		uvec4 emitted = fixed_emission[from];
+		for (uint c = 0u; c < 4u; c++)
+			emission[4u * entry + c] = emitted[c];
+		uint back = fixed_emission[entries.x + from / VOXEL_BACK_BITS][from / 32u % 4u] >> from % 32u & 1u;
+		atomicOr(emission[4u * entries.y + entry / 32u], back << entry % 32u);
 		coverage[entry] = fixed_coverage[from];
 		bits &= bits - 1u;
 		from++;

@@ -105,7 +105,7 @@ void add_area(uint entry, uint v)
 	}
 }
 
-void add_emission(uint entry, vec3 emission, float scale, float round_up)
+void add_emission(uint entry, vec3 emission, bool both_sides, float scale, float round_up)
 {
 	bool emits = any(greaterThan(emission, vec3(0.0)));
 	// A loop, for some drivers run what is behind an `if` in any case.
@@ -118,6 +118,7 @@ void add_emission(uint entry, vec3 emission, float scale, float round_up)
 		}
 		if (full)
 			atomicOr(voxel_words[words].x, VOXEL_FULL_EMISSION);
+		atomicOr(emission_sums[4u * grid_sides_entries.w + (entry >> 5)], both_sides ? 1u << (entry & 31u) : 0u);
 		emits = false;
 	}
 }
@@ -152,7 +153,8 @@ void add_part(tile t, ivec3 cell, uint entry)
 		atomicAdd(albedo_sums[4u * entry + c], uint(min(albedo[c] + r, w)));
 	}
 	if (EFFECT_EMITTERS)
-		add_emission(entry, l.emission, w * (units.y / units.x), r);
+		add_emission(entry, l.emission,
+			     (materials[triangles[t.id].material].flags & MATERIAL_EMITS_BOTH_SIDES) != 0u, w * (units.y / units.x), r);
 	add_projections(entry, turn_back(projected, t.k), r);
 }
 

@@ -87,6 +87,7 @@ static void fill_params(struct vct_volume *v)
 	p->emission = o->emission;
 	p->ambient = o->ambient;
 	p->falloff = o->falloff;
+	p->shadow_tangent = o->shadow_tangent;
 	vct_cones_fill(o->cones, p->cone, p->tangent);
 	fill_gather(p);
 }

@@ -111,7 +111,6 @@ void vct_define(struct gl_defines *d, const struct vct_options *o)
 	gl_define(d, "VCT_SHADOW_HARD", "%s", o->volume_shadows == VCT_SHADOWS_MARCH ? "true" : "false");
 	if (o->volume_shadows == VCT_SHADOWS_VOLUME)
 		gl_define(d, "VCT_SHADOW_VOLUME", "true");
-	gl_define(d, "VCT_SHADOW_TANGENT", "%.6f", (double)o->shadow_tangent);
 }
 
 static enum status prepare_light(struct vct_volume *v, const struct plan *plan, struct error *err)
@@ -135,6 +134,7 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	struct vct_options of_bounces = v->options;
 	of_bounces.ambient = 0;
 	vct_define(&v->cone_defines, &of_bounces);
+	gl_define(&v->cone_defines, "VCT_REFLECTS", "%s", v->options.bounces > 0 ? "true" : "false");
 	scene_job_fill(&of_light, &v->scene->view, &job);
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }

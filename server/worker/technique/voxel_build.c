@@ -35,8 +35,11 @@ static enum status get_programs(const struct voxels *v, struct error *err)
 	const struct gl_defines none = {0};
 	gl_define_effects(&with_effects, v->effects);
 	enum status r = STATUS_OK;
-	for (unsigned i = 0; r == STATUS_OK && i < sizeof sources / sizeof *sources; i++)
+	for (unsigned i = 0; r == STATUS_OK && i < sizeof sources / sizeof *sources; i++) {
 		r = gl_program_get(v->device, &sources[i], programs[i] == &p->sum ? &with_effects : &none, programs[i], err);
+		if (r == STATUS_OK)
+			gl_program_hold(*programs[i]);
+	}
 	return r;
 }
 
@@ -139,6 +142,10 @@ void voxel_build_destroy(struct voxel_build *b, struct gl_device *device)
 	if (!b)
 		return;
 	voxels_release(b->fixed);
+	struct gl_program *const programs[] = {b->programs.mark,  b->programs.count, b->programs.prefix,
+					       b->programs.merge, b->programs.sum,   b->programs.finish};
+	for (unsigned i = 0; i < sizeof programs / sizeof *programs; i++)
+		gl_program_release(programs[i]);
 	voxel_ranges_finish(&b->ranges);
 	gl_buffer_finish(&b->job, device);
 	gl_buffer_finish(&b->items, device);
@@ -222,13 +229,15 @@ static enum status stream_piece(struct voxels *v, const struct gl_program *progr
 static enum status make_parts(struct voxels *v, struct error *err)
 {
 	const uint64_t entries = v->grid.entries, each = 16 * entries;
+	const uint64_t most = each + 16 * ((entries + VOXEL_BACK_BITS - 1) / VOXEL_BACK_BITS);
 	if (entries == 0)
 		return STATUS_OK;
-	if (each > v->device->storage_bytes_max || gl_reserve(v->device, VOXEL_PARTS * each, NULL) != STATUS_OK)
+	if (most > v->device->storage_bytes_max || gl_reserve(v->device, VOXEL_PARTS * most, NULL) != STATUS_OK)
 		return refuse(v, &v->build->scene->view, entries, err);
 	enum status r = STATUS_OK;
 	for (unsigned i = 0; r == STATUS_OK && i < VOXEL_PARTS; i++)
-		r = gl_buffer_init(&v->parts[i], v->device, each, NULL, err);
+		r = gl_buffer_init(&v->parts[i], v->device, BIND_VOXEL_PLACE + i == BIND_VOXEL_EMISSION ? most : each, NULL,
+				   err);
 	// All or none: it is tried again when others have made room.
 	for (unsigned i = 0; r != STATUS_OK && i < VOXEL_PARTS; i++)
 		gl_buffer_finish(&v->parts[i], v->device);
@@ -383,6 +392,7 @@ static enum status merge_piece(struct voxels *v, uint32_t budget_us, struct erro
 		return STATUS_OK;
 	}
 	use(v, b->programs.merge);
+	glProgramUniform2ui(b->programs.merge->name, 1, b->fixed->grid.entries, v->grid.entries);
 	gl_buffer_bind(&b->fixed->words, BIND_VOXEL_FIXED_WORDS);
 	for (unsigned i = 0; i < VOXEL_PARTS; i++)
 		gl_buffer_bind(&b->fixed->parts[i], BIND_VOXEL_FIXED_PARTS + i);
