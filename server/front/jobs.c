@@ -49,6 +49,14 @@ uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene)
 	return count;
 }
 
+static uint32_t new_id(struct jobs *jobs)
+{
+	do
+		jobs->last_id++;
+	while (jobs->last_id == 0 || jobs_by_id(jobs, jobs->last_id));
+	return jobs->last_id;
+}
+
 static enum status add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene, struct job **out,
 		       struct error *err)
 {
@@ -58,9 +66,7 @@ static enum status add(struct jobs *jobs, struct session *session, uint32_t requ
 	struct job *job = calloc(1, sizeof *job);
 	if (!job)
 		return error_set(err, STATUS_MEMORY, "no memory for one more job");
-	do
-		job->id = ++jobs->last_id;
-	while (job->id == 0 || jobs_by_id(jobs, job->id));
+	job->id = new_id(jobs);
 	job->session = session;
 	job->request = request;
 	job->scene = scene;
@@ -447,6 +453,18 @@ void job_traced(struct jobs *jobs, struct job *job)
 	advance(jobs, job->sweep, &err);
 }
 
+// A job that lacks memory in its midst, which others have now, gives back what it has and begins again after one of them:
+// under another number, for a preview of what it was may still come.
+static void wait_for_memory(struct jobs *jobs, struct job *job)
+{
+	worker_end(jobs->worker, job->id);
+	jobs_let_others_try(jobs);
+	job_begin_again(jobs, job);
+	job->id = new_id(jobs);
+	job->short_of_memory = true;
+	job->refusals++;
+}
+
 void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *stepped)
 {
 	struct job *job = jobs_by_id(jobs, id);
@@ -468,6 +486,10 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	if (job->sweep) {
 		job->sweep->turn = job->turn;
 		job->sweep->device_us += device_us;
+	}
+	if (stepped->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
+		wait_for_memory(jobs, job);
+		return;
 	}
 	if (stepped->error.code != STATUS_OK) {
 		jobs_fail(jobs, job, &stepped->error);

@@ -6,7 +6,8 @@
 //      └────────────── the worker was lost ────┴───────────┴───────────────────────────┴───────────────────────┘
 //
 // A FINISHED job keeps its accumulators on the device until there is room for its image (room.h): for as long as its client
-// has too much to take, or all clients together have and the image is a large one.
+// has too much to take, or all clients together have and the image is a large one. An ACTIVE one that lacks memory while others
+// have some waits for one of them to end, and begins again.
 #ifndef CANDIL_FRONT_JOBS_H
 #define CANDIL_FRONT_JOBS_H
 

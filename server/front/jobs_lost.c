@@ -1,7 +1,7 @@
 // A worker is lost: who is blamed, and who begins again.
 #include "server/front/jobs_table.h"
 
-static void begin_again(struct jobs *jobs, struct job *job)
+void job_begin_again(struct jobs *jobs, struct job *job)
 {
 	if (job->preview_due)
 		job_release_image(jobs, job, &job->preview);
@@ -15,7 +15,6 @@ static void begin_again(struct jobs *jobs, struct job *job)
 	job->late = job->reached = false;
 	job->short_of_memory = false;
 	job->state = JOB_WAITING;
-	job->retries++;
 }
 
 static bool was_with_worker(const struct job *job)
@@ -53,8 +52,10 @@ void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
 	jobs->beginning = 0;
 	jobs->held = 0;
 	for (unsigned i = 0; i < jobs->count; i++)
-		if (was_with_worker(jobs->job[i]))
-			begin_again(jobs, jobs->job[i]);
+		if (was_with_worker(jobs->job[i])) {
+			job_begin_again(jobs, jobs->job[i]);
+			jobs->job[i]->retries++;
+		}
 	// Nobody holds the device's memory any more, so no end of a job would ever wake those that lacked some.
 	jobs_let_others_try(jobs);
 	if (!hopeless)

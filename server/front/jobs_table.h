@@ -38,6 +38,9 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples);
 // Ask for the images of finished jobs, as far as there is room for them.
 void jobs_read_finished(struct jobs *jobs);
 
+// What the worker has of a job is lost, or about to be: it waits for its turn to begin, as if it had never begun.
+void job_begin_again(struct jobs *jobs, struct job *job);
+
 // Device memory is free, or about to be: jobs that lacked some may try again.
 void jobs_let_others_try(struct jobs *jobs);
 

@@ -4,6 +4,7 @@
 //   FAKE_STATE=DIR     where those times are counted
 //   FAKE_STEP_US=N     a step takes so long (default 200)
 //   FAKE_MEMORY_JOBS=N there is memory for N jobs
+//   FAKE_STEP_MEMORY_JOBS=N there is memory for N jobs to make their second step
 //   FAKE_MEMORY_PIXELS=N there is memory for jobs of N pixels together
 //   FAKE_SPARSE=N      images from 2^20 pixels on are N zeros a pixel
 //   FAKE_TRACE=FILE    the job of each step is added to it, a line a step
@@ -154,6 +155,8 @@ static void on_step(const struct ipc_step *message)
 		stepped.fraction = (double)job->samples / job->render.samples;
 		stepped.device_us = us;
 		stepped.device_bytes = active() * 1000;
+		if (job->samples == 2 && active() > fake_number("FAKE_STEP_MEMORY_JOBS", MAX))
+			error_set(&stepped.error, STATUS_MEMORY, "the device's memory is full");
 		if (getenv("FAKE_FAIL_STEP"))
 			error_set(&stepped.error, STATUS_DEVICE, "the device was lost");
 	}

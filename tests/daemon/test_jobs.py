@@ -177,6 +177,26 @@ class LittleMemory(FakeCase):
             self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
 
 
+class LittleMemoryLater(FakeCase):
+    environment = {"FAKE_STEP_MEMORY_JOBS": "1"}
+
+    def test_jobs_that_lack_memory_in_their_midst_begin_again(self):
+        connection = self.with_box()
+        jobs = [connection.send(wire.RENDER, render(samples=20)) for _ in range(6)]
+        for job in jobs:
+            replies = connection.follow(job)
+            self.assertEqual(replies[-1].kind, wire.DONE)
+            self.assertEqual(sum(r.kind == wire.ACCEPTED for r in replies), 1)
+
+
+class NoMemoryLater(FakeCase):
+    environment = {"FAKE_STEP_MEMORY_JOBS": "0"}
+
+    def test_a_job_alone_is_refused(self):
+        connection = self.with_box()
+        self.assert_error(connection.follow(connection.send(wire.RENDER, render()))[-1], "memory")
+
+
 class NoMemory(FakeCase):
     environment = {"FAKE_MEMORY_JOBS": "0"}
 
