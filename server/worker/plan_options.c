@@ -23,6 +23,10 @@ struct option_rule {
 
 static const char *const shadows[] = {"rays", "none", NULL};
 static const char *const effect_times[] = {"off", "on", "all", NULL};
+static const char *const samplers[] = {"sobol", "independent", NULL};
+static const char *const hemispheres[] = {"cosine", "uniform", NULL};
+static const char *const lamp_ways[] = {"mis", "nee", "none", NULL};
+static const char *const roulettes[] = {"on", "off", NULL};
 static const char *const traversals[] = {"auto", "single", "packet", NULL};
 static const char *const grids[] = {"fitted", "cube", NULL};
 static const char *const emitter_ways[] = {"points", "cones", NULL};
@@ -48,6 +52,11 @@ static const struct option_rule options[] = {
     {"pt.batch", 1, PLAN_BATCH_MOST, NULL, NULL, false, FIELD(batch)},
     {"pt.effect_times", 0, 0, effect_times, NULL, false, FIELD(effect_times)},
     {"pt.traversal", 0, 0, traversals, NULL, false, FIELD(traversal)},
+    {"pt.sampler", 0, 0, samplers, NULL, false, FIELD(sampler)},
+    {"pt.hemisphere", 0, 0, hemispheres, NULL, false, FIELD(hemisphere)},
+    {"pt.lights", 0, 0, lamp_ways, NULL, false, FIELD(lamps)},
+    {"pt.roulette", 0, 0, roulettes, NULL, false, FIELD(roulette)},
+    {"pt.clamp", 0, LIMIT_RADIANCE, NULL, NULL, true, FIELD(clamp)},
     {"vct.voxels", 0, 0, voxel_kinds, NULL, false, FIELD(vct_voxels)},
     {"vct.resolution", 0, 0, resolution_words, resolutions, false, FIELD(vct_resolution)},
     {"vct.grid", 0, 0, grids, NULL, false, FIELD(vct_grid)},

@@ -19,6 +19,11 @@
 #include "common/ggx.glsl"
 #include "common/surface.glsl"
 
+// How directions of the diffuse part are sampled: as its cosine, or for comparison uniformly.
+#ifndef HEMISPHERE_UNIFORM
+#define HEMISPHERE_UNIFORM false
+#endif
+
 // A BSDF as seen from one direction.
 struct bsdf {
 	vec3 normal;          // shading
@@ -98,6 +103,11 @@ bsdf bsdf_make(surface s, vec3 direction)
 	return b;
 }
 
+float diffuse_pdf(float cosine)
+{
+	return HEMISPHERE_UNIFORM ? 0.5 / PI : cosine * (1.0 / PI);
+}
+
 // Of a direction in the frame, without folding: the diffuse part's BSDF × cosine, 1/sr.
 vec3 diffuse_lobe(bsdf b, vec3 l)
 {
@@ -123,9 +133,9 @@ vec4 lobes(bsdf b, vec3 l)
 		return vec4(0.0);
 	float cosine = l.z * (1.0 / PI);
 	if (!EFFECT_GLOSSY)
-		return vec4(b.diffuse * cosine, cosine);
+		return vec4(b.diffuse * cosine, diffuse_pdf(l.z));
 	vec4 facets = facet_lobe(b, l);
-	return vec4(diffuse_lobe(b, l) + facets.xyz, (1.0 - b.share) * cosine + b.share * facets.w);
+	return vec4(diffuse_lobe(b, l) + facets.xyz, (1.0 - b.share) * diffuse_pdf(l.z) + b.share * facets.w);
 }
 
 vec3 into_frame(bsdf b, vec3 w)
@@ -148,7 +158,7 @@ vec4 bsdf_eval(bsdf b, vec3 w)
 // A weight of zero means that there is none.
 vec3 bsdf_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
 {
-	vec3 l = cosine_hemisphere(u);
+	vec3 l = HEMISPHERE_UNIFORM ? uniform_hemisphere(u) : cosine_hemisphere(u);
 	bool facets = EFFECT_GLOSSY && lobe < b.share;
 	if (EFFECT_GLOSSY && facets) {
 		vec3 h = b.mirror ? vec3(0.0, 0.0, 1.0) : ggx_sample_half(b.view, b.alpha, u);
@@ -157,7 +167,7 @@ vec3 bsdf_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
 	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
 	float above = dot(b.geometric, w);
 	w = above < 0.0 ? w - 2.0 * above * b.geometric : w;
-	if (!EFFECT_GLOSSY) {
+	if (!EFFECT_GLOSSY && !HEMISPHERE_UNIFORM) {
 		weight = b.diffuse;
 		pdf = bsdf_eval(b, w).w;
 	} else if (facets && b.mirror) {

@@ -4,6 +4,10 @@
 
 #include "common/bsdf.glsl"
 
+#ifndef LAMPS_BY
+#define LAMPS_BY LAMPS_BY_BOTH
+#endif
+
 // Where light might come from, if nothing is in between.
 struct light_sample {
 	vec3 contribution;   // BSDF × cosine × radiance × weight / density, to be multiplied by the throughput
@@ -78,7 +82,8 @@ bool sample_emitter(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
 	if (f.w == 0.0)
 		return false;
 	// f.w · inverse: the BSDF's density over ours. However near the light is, f · inverse · weight stays finite.
-	l.contribution = f.xyz * v.radiance * (v.inverse * power_weight(min(f.w * v.inverse, 1e18)));
+	float weight = LAMPS_BY == LAMPS_BY_POINTS ? 1.0 : power_weight(min(f.w * v.inverse, 1e18));
+	l.contribution = f.xyz * v.radiance * (v.inverse * weight);
 	return true;
 }
 
@@ -135,6 +140,8 @@ bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, out light_sample l)
 bool sample_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out light_sample l)
 {
 	bool emissive = EFFECT_EMITTERS && (!EFFECT_LIGHTS || table < job.emitter_share);
+	if (EFFECT_EMITTERS && emissive && LAMPS_BY == LAMPS_BY_CHANCE)
+		return false;
 	if (EFFECT_EMITTERS && emissive && job.emitter_count > 0u)
 		return sample_emitter(b, origin, pick, u, l);
 	if (EFFECT_LIGHTS && !emissive && job.light_count > 0u)

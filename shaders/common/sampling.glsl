@@ -21,6 +21,10 @@ const uint SET_LENS = 7u;          // where on the lens: of the first event alon
 
 const float UNIT_24 = 5.9604644775390625e-08;   // 2⁻²⁴
 
+#ifndef SAMPLES_INDEPENDENT
+#define SAMPLES_INDEPENDENT false
+#endif
+
 struct sampler_state {
 	uint index;       // of the sample in its half
 	uint scramble;    // hash of pixel, half and seed
@@ -78,6 +82,10 @@ sampler_state sampler_make(uint pixel, uint sample_half, uint index, uint seed_l
 uvec2 sample_bits(sampler_state s, uint set)
 {
 	uint h = hash_combine(s.scramble, set);
+	if (SAMPLES_INDEPENDENT) {
+		uint own = hash_combine(h, s.index);
+		return uvec2(hash(own ^ 0x68bc21ebu), hash(own ^ 0x02e5be93u));
+	}
 	// Shuffle: a nested uniform scramble of the index keeps every power-of-two block of it together.
 	uint i = bitfieldReverse(scramble_reversed(bitfieldReverse(s.index), h));
 	uint x = scramble_reversed(i, hash(h ^ 0x68bc21ebu));
@@ -109,6 +117,14 @@ vec3 cosine_hemisphere(vec2 u)
 {
 	vec2 disc = concentric_disc(u);
 	return vec3(disc, sqrt(max(0.0, 1.0 - dot(disc, disc))));
+}
+
+// Uniform direction about +Z. pdf = 1 / 2π.
+vec3 uniform_hemisphere(vec2 u)
+{
+	float r = sqrt(max(0.0, 1.0 - u.x * u.x));
+	float phi = 6.28318530717958648 * u.y;
+	return vec3(r * cos(phi), r * sin(phi), u.x);
 }
 
 // Two unit vectors that make a right-handed frame with n: Duff et al. 2017 (JCGT 6-1).

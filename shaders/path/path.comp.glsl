@@ -10,6 +10,8 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require
 
+#include "path/ways.glsl"
+
 #include "common/finite.glsl"
 #include "common/light.glsl"
 #include "common/tile.glsl"
@@ -38,8 +40,11 @@ const uint ROULETTE_FROM = 4u;
 // Weight of radiance that the BSDF's sampling found on an emissive triangle. The camera's ray is the only way there.
 float emission_weight(uint event, float pdf_bsdf, float pdf_area, float t, float cos_light)
 {
-	if (event == 0u)
+	if (event == 0u || LAMPS_BY == LAMPS_BY_CHANCE)
 		return 1.0;
+	// A mirror's direction is found by no other way.
+	if (LAMPS_BY == LAMPS_BY_POINTS)
+		return pdf_bsdf >= PDF_MIRROR ? 1.0 : 0.0;
 	float r = pdf_area * t * t / max(cos_light * pdf_bsdf, 1e-37);
 	return power_weight(min(r, 1e18));
 }
@@ -77,7 +82,7 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l)
 	p.throughput *= weight;
 	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
 	p.event++;
-	if (p.event >= ROULETTE_FROM) {
+	if (WAY_ROULETTE && p.event >= ROULETTE_FROM) {
 		float stay = min(1.0, max(p.throughput.r, max(p.throughput.g, p.throughput.b)));
 		p.alive = p.alive && chance.x < stay;
 		p.throughput /= max(stay, 1e-30);
@@ -113,6 +118,8 @@ struct tally {
 	uint rays;
 	uint non_finite;
 	uint rounds;
+	uint clamped;
+	float removed;
 };
 
 uint half_of(uint taken)
@@ -138,9 +145,23 @@ void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
 	p.alive = true;
 }
 
+// A sample that is brighter than the request bears keeps its colour, and what it loses is counted.
+void path_clamp(inout walker p, inout tally account)
+{
+	float brightest = max(p.radiance.r, max(p.radiance.g, p.radiance.b));
+	if (!(brightest > job.clamp))
+		return;
+	vec3 kept = p.radiance * (job.clamp / brightest);
+	account.clamped++;
+	account.removed += luminance(p.radiance - kept) / job.clamp;
+	p.radiance = kept;
+}
+
 void path_finish(inout walker p, inout tally account)
 {
 	bool whole = finite(p.radiance);
+	if (WAY_CLAMP && whole)
+		path_clamp(p, account);
 	account.non_finite += whole ? 0u : 1u;
 	sums_add(half_of(p.taken), whole ? p.radiance : vec3(0.0));
 	p.taken++;
@@ -218,6 +239,14 @@ void give_account(tally account)
 	atomicAdd(counters.rays, account.rays);
 	if (account.non_finite > 0u)
 		atomicAdd(counters.non_finite, account.non_finite);
+	if (WAY_CLAMP && account.clamped > 0u) {
+		atomicAdd(counters.clamped, account.clamped);
+		// Sixty-four bits of whole numbers: their sum does not depend on the order.
+		uint removed = uint(min(account.removed * float(CLAMP_UNITS), 4.0e9));
+		uint before = atomicAdd(counters.removed[0], removed);
+		if (before + removed < before)
+			atomicAdd(counters.removed[1], 1u);
+	}
 	if (trace_cut)
 		atomicAdd(counters.cut, 1u);
 	atomicMax(counters.loop_rounds, trace_rounds + account.rounds);
@@ -243,7 +272,7 @@ void main()
 	bool had_work = p.alive;
 	if (had_work)
 		sums_load(at);
-	tally account = tally(0u, 0u, 0u);
+	tally account = tally(0u, 0u, 0u, 0u, 0.0);
 	path_run(p, pixel, scrambles, account);
 	if (!had_work)
 		return;

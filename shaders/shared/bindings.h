@@ -59,7 +59,18 @@
 #define SPEC_WIDTH 12 // lanes of a subgroup
 #define SPEC_CAMERA 13 // CAMERA_…
 #define SPEC_FILTER 14 // FILTER_…
-#define SPEC_COUNT 15
+#define SPEC_INDEPENDENT 15 // samples know nothing of each other, else they are Sobol' points
+#define SPEC_UNIFORM 16 // diffuse directions are uniform over the hemisphere, else as the cosine
+#define SPEC_LAMPS_BY 17 // LAMPS_BY_…
+#define SPEC_ROULETTE 18 // dim paths end by chance
+#define SPEC_CLAMP 19 // no sample is brighter than pt_job.clamp
+#define SPEC_COUNT 20
+
+// How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
+// first alone; by the second alone.
+#define LAMPS_BY_BOTH 0
+#define LAMPS_BY_POINTS 1
+#define LAMPS_BY_CHANCE 2
 
 #define CAMERA_PINHOLE 0
 #define CAMERA_LENS 1
@@ -101,7 +112,7 @@ struct pt_job {
 	float lens_right[3]; // a lens's radius, along the image's width
 	float focus; // metres along `forward` to what a lens shows sharp
 	float lens_up[3]; // along its height
-	uint reserved;
+	float clamp; // of a sample's largest component, W/(m² sr)
 };
 LAYOUT_ASSERT(pt_job, 144)
 
@@ -134,8 +145,12 @@ struct pt_counters {
 	uint non_finite; // samples with a NaN or an infinity, taken as zero
 	uint cut; // loops that the driver ended before their condition did
 	uint loop_rounds; // the most that an invocation went round in its loops
+	uint clamped; // samples that were too bright
+	uint removed[2]; // what they lost in luminance, low word first, in CLAMP_UNITS to pt_job.clamp
+	uint reserved;
 };
-LAYOUT_ASSERT(pt_counters, 16)
+LAYOUT_ASSERT(pt_counters, 32)
+#define CLAMP_UNITS 256
 
 struct path_state {
 	float origin[3];

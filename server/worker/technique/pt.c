@@ -117,6 +117,8 @@ static enum status take_counters(struct technique_job *j, struct error *err)
 	memcpy(&now, j->counters_host.map, sizeof now);
 	j->rays += now.rays - j->seen.rays; // modulo 2^32, which no submission reaches
 	j->non_finite += now.non_finite - j->seen.non_finite;
+	j->clamped += now.clamped - j->seen.clamped;
+	j->removed = (uint64_t)now.removed[1] << 32 | now.removed[0];
 	j->seen = now;
 	if (now.loop_rounds > j->loop_rounds)
 		j->loop_rounds = now.loop_rounds;
@@ -235,6 +237,22 @@ static enum status read_band(struct technique_job *j, const struct pt_band *b, s
 	return s;
 }
 
+// The bias that clamping brings, in the mean luminance of the picture.
+static void account_clamp(const struct technique_job *j, struct frame *f)
+{
+	const uint64_t pixels = (uint64_t)f->width * f->height;
+	const double samples = (double)pixels * ((double)j->sample + (double)j->batch * j->tile / j->tiles);
+	const double removed = (double)j->removed / CLAMP_UNITS * (double)j->plan.clamp / samples;
+	double kept = 0;
+	for (uint64_t i = 0; i < pixels; i++)
+		kept += 0.2126 * (double)f->radiance[3 * i] + 0.7152 * (double)f->radiance[3 * i + 1] +
+			0.0722 * (double)f->radiance[3 * i + 2];
+	kept /= (double)pixels;
+	frame_add_figure(f, "clamp.samples", (double)j->clamped, "");
+	frame_add_figure(f, "clamp.removed", removed, "W/(m² sr)");
+	frame_add_figure(f, "clamp.share", removed > 0 ? removed / (removed + kept) : 0, "");
+}
+
 static void account(const struct technique_job *j, struct frame *f)
 {
 	f->samples = j->sample;
@@ -272,6 +290,8 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	}
 	f->estimated_relmse = j->estimated_relmse;
 	account(j, f);
+	if (j->plan.clamp > 0)
+		account_clamp(j, f);
 	frame_add_stage(f, "resolve", clock_us() - start);
 	*frame = f;
 	return STATUS_OK;

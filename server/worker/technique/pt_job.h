@@ -45,7 +45,8 @@ struct technique_job {
 	uint32_t aov_tile;
 	double tile_us; // measured time of a tile of one sample; 0: not yet
 	struct pt_counters seen; // counters at the last look
-	uint64_t rays, non_finite;
+	uint64_t rays, non_finite, clamped;
+	uint64_t removed; // luminance that clamping took, in CLAMP_UNITS to the clamp
 	double estimated_relmse; // of the picture after error_sample samples; negative: unknown
 	uint32_t error_sample;
 	uint64_t error_us; // spent on it

@@ -252,6 +252,11 @@ static enum status make_pipeline(struct technique_job *j, const struct shader *s
 				 : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
 								  : CAMERA_PINHOLE;
 	constants[SPEC_FILTER] = j->plan.filter;
+	constants[SPEC_INDEPENDENT] = j->plan.sampler == SAMPLER_INDEPENDENT;
+	constants[SPEC_UNIFORM] = j->plan.hemisphere == HEMISPHERE_UNIFORM;
+	constants[SPEC_LAMPS_BY] = j->plan.lamps;
+	constants[SPEC_ROULETTE] = j->plan.roulette == ROULETTE_ON;
+	constants[SPEC_CLAMP] = j->plan.clamp > 0;
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
 }
 
@@ -344,6 +349,8 @@ enum status pt_job_restart(struct technique_job *j, uint32_t segment, uint32_t b
 	j->seen = (struct pt_counters){0};
 	j->rays = 0;
 	j->non_finite = 0;
+	j->clamped = 0;
+	j->removed = 0;
 	j->loop_rounds = 0;
 	j->error_sample = 0;
 	j->estimated_relmse = -1;

@@ -72,6 +72,7 @@ void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct 
 		out->background[i] = p->background[i];
 	}
 	out->focus = (float)p->camera.focus;
+	out->clamp = p->clamp;
 	fill_lens(&p->camera, p->camera.right, out->lens_right);
 	fill_lens(&p->camera, p->camera.up, out->lens_up);
 }

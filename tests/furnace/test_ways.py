@@ -1,0 +1,83 @@
+"""The ways of sampling that can be chosen to be compared: each gives the same picture in the mean, none the same bits; and what
+a clamp takes away is told."""
+import tempfile
+import unittest
+
+import numpy
+
+import make
+from images import luminance
+from render import Daemon, Failed
+
+SIZE = (48, 48)
+WAYS = (("pt.sampler", "independent", 0.02), ("pt.hemisphere", "uniform", 0.02), ("pt.lights", "nee", 0.02),
+        ("pt.lights", "none", 0.08), ("pt.roulette", "off", 0.02))
+
+
+def setUpModule():
+    global daemon, folder
+    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
+    daemon = Daemon().__enter__()
+
+
+def tearDownModule():
+    daemon.__exit__(None, None, None)
+    folder.cleanup()
+
+
+def mean(picture):
+    return float(picture.radiance.mean(dtype=numpy.float64))
+
+
+class Ways(unittest.TestCase):
+    def test_the_same_light_by_other_samples(self):
+        path = make.cornell(folder.name)
+        usual = daemon.render(path, SIZE, 64)
+        self.assertEqual(usual.radiance.tobytes(), daemon.render(path, SIZE, 64, options={
+            "pt.sampler": "sobol", "pt.hemisphere": "cosine", "pt.lights": "mis", "pt.roulette": "on",
+            "pt.clamp": "0"}).radiance.tobytes())
+        for name, value, tolerance in WAYS:
+            picture = daemon.render(path, SIZE, 64, options={name: value})
+            print(f"{name}={value}: mean {mean(picture) / mean(usual):.4f} of the usual, estimated error "
+                  f"{picture.report['estimated_relmse'] / usual.report['estimated_relmse']:.2f} times")
+            self.assertLess(abs(mean(picture) / mean(usual) - 1), tolerance)
+            self.assertNotEqual(picture.radiance.tobytes(), usual.radiance.tobytes())
+
+    def test_closed_sphere(self):
+        # Radiance 1 by the series, cut after eight events at 1 - 2^-9.
+        path = make.closed_sphere(folder.name, rho=0.5)
+        for name, value, _ in WAYS:
+            picture = daemon.render(path, (32, 32), 64, options={name: value})
+            self.assertLess(abs(mean(picture) / (1 - 0.5 ** 9) - 1), 0.01, (name, value))
+
+    def test_unknown_words(self):
+        for name, value in (("pt.sampler", "halton"), ("pt.lights", "all"), ("pt.clamp", "-1"), ("pt.clamp", "nan")):
+            with self.assertRaises(Failed) as failure:
+                daemon.render(make.furnace(folder.name), (8, 8), 1, options={name: value})
+            self.assertEqual(failure.exception.status, 2)
+
+
+class Clamp(unittest.TestCase):
+    def test_what_it_takes_is_told(self):
+        path = make.cornell(folder.name)
+        for segment in ("9", "2"):
+            whole = daemon.render(path, SIZE, 24, options={"pt.segment": segment})
+            cut = daemon.render(path, SIZE, 24, options={"pt.segment": segment, "pt.clamp": "1"})
+            self.assertLessEqual(float(cut.radiance.max()), 1.0)
+            figures = {f["name"]: f["value"] for f in cut.report["figures"]}
+            lost = float((luminance(whole.radiance) - luminance(cut.radiance)).mean())
+            print(f"clamped: {figures}, lost {lost:.5f} of {float(luminance(whole.radiance).mean()):.5f}")
+            self.assertGreater(lost, 0)
+            self.assertLess(abs(figures["clamp.removed"] / lost - 1), 0.02)
+            self.assertLess(abs(figures["clamp.share"] / (lost / float(luminance(whole.radiance).mean())) - 1), 0.02)
+            self.assertGreater(figures["clamp.samples"], 0)
+
+    def test_what_is_dim_stays(self):
+        path = make.cornell(folder.name)
+        whole, kept = (daemon.render(path, (16, 16), 8, options=o) for o in ({}, {"pt.clamp": "1e6"}))
+        self.assertEqual(whole.radiance.tobytes(), kept.radiance.tobytes())
+        self.assertEqual([f["value"] for f in kept.report["figures"]], [0, 0, 0])
+
+
+if __name__ == "__main__":
+    unittest.main()
