@@ -5,11 +5,13 @@
 #include <stdlib.h>
 
 #include "server/base/clock.h"
+#include "server/worker/technique/deferred_cover.h"
 #include "server/worker/technique/deferred_job.h"
 #include "server/worker/technique/pt_resolve.h"
 
 #define FIRST_TILES 64u
-#define FIRST_TRIANGLES 20000u
+#define FIRST_COST 1e6 // of triangles: DEFERRED_TRIANGLE_COST
+#define LEAST_COST 1e5 // less at once would measure the wait for the device alone
 
 static bool finished(const struct deferred *d)
 {
@@ -35,16 +37,20 @@ static void advance(struct deferred *d, uint32_t units)
 }
 
 // Units that should take `us`, at least one if there is one: a scene without triangles has none to draw, and whatever
-// buffers another scene's job left bound must not be read in its stead.
-static uint32_t affordable(const struct deferred *d, const struct deferred_work *w, double us)
+// buffers another scene's job left bound must not be read in its stead. *cost: what they come to. Tiles cost one each,
+// triangles by what they cover: one may be a point or all of the picture.
+static uint32_t affordable(const struct deferred *d, const struct deferred_work *w, double us, double *cost)
 {
 	const uint32_t left = deferred_units(d, w) - d->unit;
-	if (left == 0)
-		return 0;
-	double n = w->kind == DEFERRED_DRAW ? FIRST_TRIANGLES : FIRST_TILES;
-	if (w->unit_us > 0)
-		n = us / w->unit_us;
-	return n < 1 ? 1 : n < left ? (uint32_t)n : left;
+	*cost = w->unit_us > 0 ? us / w->unit_us : w->kind == DEFERRED_DRAW ? FIRST_COST : FIRST_TILES;
+	if (w->kind == DEFERRED_DRAW) {
+		const struct deferred_band *b = &d->bands[d->band];
+		*cost = *cost > LEAST_COST ? *cost : LEAST_COST;
+		return deferred_drawable(&d->plan, d->scene, b->first_row, b->rows, d->unit, left, cost);
+	}
+	const uint32_t n = *cost < 1 ? 1 : *cost < left ? (uint32_t)*cost : left;
+	*cost = n;
+	return n;
 }
 
 static enum status take_counters(struct deferred *d, struct error *err)
@@ -66,14 +72,15 @@ static enum status take_counters(struct deferred *d, struct error *err)
 static enum status run_piece(struct deferred *d, double us, struct error *err)
 {
 	struct deferred_work *w = deferred_current(d);
-	const uint32_t units = affordable(d, w, us);
+	double cost;
+	const uint32_t units = affordable(d, w, us, &cost);
 	const uint64_t start = clock_us();
 	deferred_record(d, units);
 	enum status s = gl_wait(d->device, w->stage, err);
 	if (s == STATUS_OK && w->kind == DEFERRED_SUM)
 		s = take_counters(d, err);
 	if (units > 0) {
-		const double measured = (double)(clock_us() - start) / units;
+		const double measured = (double)(clock_us() - start) / cost;
 		w->unit_us = w->unit_us > 0 ? 0.5 * (w->unit_us + measured) : measured;
 	}
 	advance(d, units);

@@ -22,7 +22,7 @@ struct deferred_work {
 	const char *stage;
 	struct gl_program *program; // held
 	const struct deferred_pass *pass; // DEFERRED_SHADE
-	double unit_us; // measured, of a triangle or a tile; 0: not yet
+	double unit_us; // measured, of a tile, or of a triangle's cost (deferred_cover.h); 0: not yet
 };
 
 #define DEFERRED_WORKS (DEFERRED_PASSES_MAX + 3)
