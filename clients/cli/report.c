@@ -66,6 +66,15 @@ void report_print_stages(const struct candil_done *done, FILE *stream)
 	fputc('\n', stream);
 }
 
+// What a clamp took, if there was one.
+static void print_clamp(const struct candil_done *done, FILE *stream)
+{
+	for (uint32_t i = 0; i < done->figure_count; i++)
+		if (strcmp(done->figures[i].name, "clamp.share") == 0)
+			fprintf(stream, "clamped    %.2g %% of the light, which the picture lacks\n",
+				100 * done->figures[i].value);
+}
+
 void report_print(const struct report *r, FILE *stream)
 {
 	const struct candil_render_request *request = &r->options->request;
@@ -88,6 +97,7 @@ void report_print(const struct report *r, FILE *stream)
 	if (strcmp(done->reason, "time") == 0)
 		fprintf(stream, "ended      at the deadline, after %" PRIu32 " sample%s\n", done->samples,
 			cli_s(done->samples));
+	print_clamp(done, stream);
 	if (done->non_finite_samples > 0)
 		fprintf(stream, "mended     %" PRIu64 " sample%s not finite, counted as zero\n", done->non_finite_samples,
 			cli_s(done->non_finite_samples));

@@ -72,6 +72,11 @@ class Clamp(unittest.TestCase):
             self.assertLess(abs(figures["clamp.share"] / (lost / float(luminance(whole.radiance).mean())) - 1), 0.02)
             self.assertGreater(figures["clamp.samples"], 0)
 
+    def test_the_summary_says_it(self):
+        command = ["render", make.cornell(folder.name), "-o", folder.name + "/clamped.png", "--size", "16x16", "--spp", "4"]
+        self.assertNotIn("clamped  ", daemon.candil(*command)[1])
+        self.assertRegex(daemon.candil(*command, "--set", "pt.clamp=1")[1], r"clamped    [1-9][0-9.]* % of the light")
+
     def test_what_is_dim_stays(self):
         path = make.cornell(folder.name)
         whole, kept = (daemon.render(path, (16, 16), 8, options=o) for o in ({}, {"pt.clamp": "1e6"}))
