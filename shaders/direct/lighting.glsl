@@ -28,6 +28,9 @@
 #define DIRECT_LAMPS true         // else emissive triangles send no light here
 #define DIRECT_SOFT true        // lamps' light is kept for soften.comp.glsl
 #endif
+#ifndef DIRECT_TURN
+#define DIRECT_TURN turn.y        // which of the sets of points
+#endif
 #define DIRECT_LIGHTS 64u
 #define DIRECT_BLOCK 16u        // pixels whose points are one set
 
@@ -91,7 +94,7 @@ uint direct_shift()
 // 32 bits for the choice of a light, the i-th of `count` even steps; samples fill them up.
 uint direct_step(uint i, uint count, uint shift)
 {
-	float part = float((bitfieldReverse(turn.y) ^ shift) >> 8) * UNIT_24;
+	float part = float((bitfieldReverse(DIRECT_TURN) ^ shift) >> 8) * UNIT_24;
 	return uint((float(i) + part) / float(count) * 16777216.0) << 8;
 }
 
@@ -107,7 +110,7 @@ void direct_point(uint pattern, uint k, out uvec2 pick, out vec2 where)
 	uint at = direct_step(i, count, hash(h));
 	umulExtended(at, job.emitter_count, row, low);
 	pick = uvec2(at, low);
-	uint j = turn.y * count + i;
+	uint j = DIRECT_TURN * count + i;
 	uvec2 bits = bitfieldReverse(uvec2(j, sobol1_reversed(j))) ^ uvec2(hash(h + 1u), hash(h + 2u));
 	where = vec2(bits >> 8) * UNIT_24;
 }

@@ -13,6 +13,10 @@ vec2 ggx_table[1];
 #if defined(VCT_SHADOW_HARD) && !defined(VCT_SHADOW_VOLUME)
 #include "vct/shadow.glsl"
 #endif
+// Each entry has a set of points of its own: one set for all would miss the same parts of the lamps everywhere, and cones see
+// many entries together.
+uint entry_turn;
+#define DIRECT_TURN entry_turn
 #include "direct/lighting.glsl"
 #include "shared/vct.h"
 #include "shared/voxel.h"
@@ -58,6 +62,7 @@ void main()
 	vec3 position = uintBitsToFloat(place.xyz);
 	vec3 normal = octahedral_unpack(place.w);
 	vec3 most = vec3(0.0);
+	entry_turn = hash(entry) & 255u;
 	for (uint side = 0u; side < 2u; side++) {
 		// Off the surface by a part of the voxel: the mean place of a curved surface lies a little inside of it.
 		direct_share = vec2(0.0);

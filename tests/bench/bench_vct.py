@@ -19,8 +19,9 @@ import bench
 import images
 import judge
 import make
+import rooms
 from render import Daemon, Picture
-from writers import Gltf, box, icosphere, quad
+from writers import Gltf, quad
 
 PUBLIC = os.environ.get("CANDIL_SCENES")
 SUN = ["--light", "directional:direction=-0.25,-1,-0.15,intensity=12"]
@@ -63,19 +64,8 @@ def mesh_in_a_room(folder):
     return g.save(folder, "mesh.glb")
 
 
-def light_box(folder):
-    """8,192 triangles that glow in three colours, in a grey room."""
-    g = Gltf()
-    g.place(*box((-1, 0, -1), (1, 2, 1), inward=True), g.material("walls", (.7,) * 3))
-    for i, colour in enumerate(((3, 1, .5), (.5, 3, 1), (.5, 1, 3))):
-        positions, triangles = icosphere(3 if i else 4, 0.25)
-        g.place(positions, triangles, g.material(f"glow {i}", (.2,) * 3, colour), translation=[-.6 + .6 * i, .4 + .3 * i, -.3])
-    g.camera((0, 1, .95), (0, .9, -1), 75)
-    return g.save(folder, "light_box.glb")
-
-
 def cases(folder):
-    found = [Case("our Cornell box", make.cornell(folder), brightest=4), Case("light box", light_box(folder), brightest=0.49)]
+    found = [Case("our Cornell box", make.cornell(folder), brightest=4), Case("light box", rooms.light_box(folder), brightest=0.49)]
     if PUBLIC:
         found += [Case("Bitterli's Cornell box", f"{PUBLIC}/ref-cornell-box/cornell-box.gltf", brightest=4),
                   Case("Sponza, sun", f"{PUBLIC}/sponza/Sponza.gltf", ["--camera", "-10,1.2,-.5,0,2.6,0,0,1,0,60", *SUN]),
@@ -209,184 +199,6 @@ def speed(daemon, given, folder):
                 [(scene, name, f"{ms:.0f}", f"{ms / all_ms['path']:.2f}", f"{ms / box_ms['path']:.2f}",
                   {"another camera": 2.5, "another light": 5, "the mesh moved": 7}.get(name, ""))
                  for scene, all_ms in (("our Cornell box", box_ms), ("262,144 triangles", mesh_ms)) for name, ms in all_ms.items()])
-
-
-STAGES = ("queue", "upload", "compile", "encode")
-
-
-class Case:
-    """A scene as it is rendered here. `arguments`: camera and light."""
-
-    def __init__(self, name, path, arguments=(), brightest=math.inf):
-        self.name, self.path, self.arguments, self.brightest = name, path, list(arguments), brightest
-
-    def is_there(self):
-        return os.path.exists(self.path)
-
-
-def sphere(columns, rows, radius=0.4):
-    """columns x rows x 2 triangles, the two rings at the poles without area left out."""
-    positions = [[radius * math.sin(math.pi * r / rows) * math.cos(2 * math.pi * c / columns), radius * math.cos(math.pi * r / rows),
-                  radius * math.sin(math.pi * r / rows) * math.sin(2 * math.pi * c / columns)]
-                 for r in range(rows + 1) for c in range(columns)]
-    triangles = []
-    for r in range(rows):
-        for c in range(columns):
-            a, b = r * columns + c, r * columns + (c + 1) % columns
-            triangles += [(a, b, b + columns), (a, b + columns, a + columns)]
-    return positions, triangles
-
-
-def mesh_in_a_room(folder):
-    """262,144 triangles that can be moved, in the walls of our Cornell box."""
-    g = Gltf()
-    for part, colour, corners in make.CORNELL:
-        g.place(*quad(*corners), g.material(part, colour))
-    g.place(*sphere(512, 256), g.material("mesh", (.6,) * 3), name="mesh", translation=[0, 0.5, 0])
-    g.place(*quad((-.25, 1.98, -.25), (.25, 1.98, -.25), (.25, 1.98, .25), (-.25, 1.98, .25)),
-            g.material("lamp", (0, 0, 0), (15,) * 3), name="lamp")
-    g.camera((0, 1, 3.9), (0, 1, 0), 39)
-    return g.save(folder, "mesh.glb")
-
-
-def light_box(folder):
-    """8,192 triangles that glow in three colours, in a grey room."""
-    g = Gltf()
-    g.place(*box((-1, 0, -1), (1, 2, 1), inward=True), g.material("walls", (.7,) * 3))
-    for i, colour in enumerate(((3, 1, .5), (.5, 3, 1), (.5, 1, 3))):
-        positions, triangles = icosphere(3 if i else 4, 0.25)
-        g.place(positions, triangles, g.material(f"glow {i}", (.2,) * 3, colour), translation=[-.6 + .6 * i, .4 + .3 * i, -.3])
-    g.camera((0, 1, .95), (0, .9, -1), 75)
-    return g.save(folder, "light_box.glb")
-
-
-def cases(folder):
-    found = [Case("our Cornell box", make.cornell(folder), brightest=4), Case("light box", light_box(folder), brightest=0.49)]
-    if PUBLIC:
-        found += [Case("Bitterli's Cornell box", f"{PUBLIC}/ref-cornell-box/cornell-box.gltf", brightest=4),
-                  Case("Sponza, sun", f"{PUBLIC}/sponza/Sponza.gltf", ["--camera", "-10,1.2,-.5,0,2.6,0,0,1,0,60", *SUN]),
-                  Case("kitchen", f"{PUBLIC}/kitchen/kitchen.obj", kitchen_camera(), brightest=3.9),
-                  Case("Veach's plates", f"{PUBLIC}/ref-veach-mis/veach-mis.gltf", brightest=7)]
-    return [case for case in found if case.is_there()]
-
-
-def kitchen_camera():
-    path = f"{PUBLIC}/kitchen/camera.json"
-    if not os.path.exists(path):
-        return []
-    with open(path, encoding="utf-8") as file:
-        c = json.load(file)
-    return ["--camera", ",".join(f"{x:g}" for x in (*c["eye"], *c["target"], *c["up"], c.get("vfov_degrees", 60)))]
-
-
-class Renders:
-    """Renders of one loaded scene; references are kept as files."""
-
-    def __init__(self, daemon, case, references):
-        self.daemon, self.case, self.references = daemon, case, references
-        daemon.candil("load", case.path, "--name", "scene")
-
-    def close(self):
-        self.daemon.candil("unload", "scene")
-
-    def __call__(self, technique, size, spp=1, more=(), **options):
-        named = {f"{technique}.{name}": value for name, value in options.items()}
-        return self.daemon.render("scene", size, spp, options=named, arguments=["--technique", technique, *self.case.arguments, *more])
-
-    def reference(self, size, spp):
-        safe = "".join(c if c.isascii() and c.isalnum() else "-" for c in self.case.name)
-        path = os.path.join(self.references, f"{safe}-{size[0]}x{size[1]}-{spp}.exr")
-        if not os.path.exists(path):
-            images.write(path, self("pt", size, spp, depth=BOUNCES + 1).radiance)
-        return Picture(path, None).radiance
-
-    def baseline(self, size, spp):
-        """(reference, direct, direct + constant, mask)"""
-        reference = self.reference(size, spp)
-        first = self("direct", size, 4, ["--aov", "albedo,id"])
-        mask = (first.channels["id"] > 0) & (first.radiance.max(axis=2) < self.case.brightest)
-        flat, _ = judge.fitted(first.radiance, judge.albedo(first), reference, mask)
-        return reference, first.radiance, flat, mask
-
-
-def milliseconds(picture, *names):
-    """Of these stages; of all that are the technique's own without names."""
-    return sum(s["us"] for s in picture.report["stages"] if (s["name"] in names if names else s["name"] not in QUIET_STAGES)) / 1e3
-
-
-def side_by_side(path, reference, picture, mask):
-    """Path tracing, cones, and |difference| x 4 under one exposure."""
-    scale = 0.6 / max(float(numpy.percentile(reference[mask], 90)), 1e-6)
-    parts = [reference, picture, 4 * numpy.abs(picture - reference) * mask[..., None]]
-    row = numpy.concatenate([numpy.clip(part * scale, 0, 1) ** (1 / 2.2) for part in parts], axis=1)
-    images.write(path, row)
-
-
-def judged(picture, reference, mask):
-    return f"{judge.relmse(picture, reference, mask):.4f}", f"{100 * judge.mean_error(picture, reference, mask):+.1f}"
-
-
-def error_rows(renders, size, spp, pictures, rows):
-    reference, direct, flat, mask = renders.baseline(size, spp)
-    for name, picture in (("direct", direct), ("direct + constant × albedo", flat)):
-        yield (renders.case.name, name, *judged(picture, reference, mask), "")
-    for name, options in rows:
-        renders("vct", size, 1, bounces=BOUNCES, **options)
-        picture = renders("vct", size, 4, bounces=BOUNCES, **options)
-        if pictures:
-            safe = "".join(c if c.isascii() and c.isalnum() else "-" for c in f"{renders.case.name} {name}")
-            side_by_side(os.path.join(pictures, safe + ".png"), reference, picture.radiance, mask)
-        yield (renders.case.name, name, *judged(picture.radiance, reference, mask), f"{milliseconds(picture) / 4:.0f}")
-
-
-ERROR_COLUMNS = ["scene", "picture", ">relMSE", ">mean %", ">ms a sample, voxels kept"]
-
-
-def error(daemon, given, folder):
-    case = next((c for c in cases(folder) if c.name.startswith("Bitterli")), cases(folder)[0])
-    renders = Renders(daemon, case, given.references)
-    rows = [(f"vct {r}³", {"resolution": r}) for r in (64, 128, 256)]
-    rows += [("vct 128³, every pixel", {"resolution": 128, "detail": "full"})]
-    bench.table(ERROR_COLUMNS, error_rows(renders, (given.side, given.side), given.spp, given.pictures, rows))
-    renders.close()
-
-
-def scenes(daemon, given, folder):
-    def rows():
-        for case in cases(folder):
-            renders = Renders(daemon, case, given.references)
-            yield from error_rows(renders, (given.side // 2, given.side // 2), given.spp, given.pictures,
-                                  [("vct 128³", {"resolution": 128}), ("vct 256³", {"resolution": 256})])
-            renders.close()
-    bench.table(ERROR_COLUMNS, rows())
-
-
-def speed(daemon, given, folder):
-    """In turns: one path-traced frame of 4 samples, then each kind of change."""
-    renders = Renders(daemon, Case("mesh", mesh_in_a_room(folder)), given.references)
-    size = (given.side, given.side)
-    options = {"bounces": BOUNCES, "resolution": 128}
-    changes = {
-        "another camera": lambda i: ["--camera", f"{0.1 * i},1,3.9,0,1,0,0,1,0,39"],
-        "another light": lambda i: ["--material", f"lamp:emission={10 + i},{10 + i},{8 + i}"],
-        "262,144 triangles moved": lambda i: ["--node", f"mesh:translate={0.05 * i},0.5,0"],
-    }
-    times = {name: [] for name in ("path", *changes)}
-    for i in range(given.turns + 1):
-        turn = {"path": milliseconds(renders("pt", size, 4, depth=8)) / 4}
-        for name, change in changes.items():
-            renders("vct", size, **options)
-            picture = renders("vct", size, 1, change(i + 1), **options)
-            turn[name] = milliseconds(picture) + milliseconds(picture, "upload")
-        # The first turn compiles.
-        if i > 0:
-            for name, ms in turn.items():
-                times[name].append(ms)
-    path = bench.median(times["path"])
-    bench.table([f"{given.side}², 128³", ">ms, median", ">over one path-traced sample per pixel", ">asked"],
-                [(name, f"{bench.median(ms):.0f}", f"{bench.median(ms) / path:.2f}", asked)
-                 for (name, ms), asked in zip(times.items(), ("", 2.5, 5, 7))])
-    renders.close()
 
 
 STAGES = ("voxelise", "voxel-light", "pyramid", "voxel-gather", "visibility", "light", "soften", "cones")

@@ -2,7 +2,7 @@
 leaks from one to the next."""
 import math
 
-from writers import Gltf, box, quad, rotation, transformed
+from writers import Gltf, box, icosphere, quad, rotation, transformed
 
 MARGIN = 2.75  # voxels that the longest axis leaves free: shaders/shared/voxel.h
 
@@ -25,6 +25,17 @@ def plane(folder, albedo=0.7, size=2.0, name=None):
     g.place(*quad((-s, 0, s), (s, 0, s), (s, 0, -s), (-s, 0, -s)), g.material("plane", (albedo,) * 3))
     g.camera((0, 1.2 * size, 0.01), (0, 0, 0), 40)
     return g.save(folder, name or "plane_%g.gltf" % albedo)
+
+
+def light_box(folder):
+    """Three spheres of 7,680 triangles in all that glow in three colours, in a grey room."""
+    g = Gltf()
+    g.place(*box((-1, 0, -1), (1, 2, 1), inward=True), g.material("walls", (.7,) * 3))
+    for i, colour in enumerate(((3, 1, .5), (.5, 3, 1), (.5, 1, 3))):
+        positions, triangles = icosphere(3 if i else 4, 0.25)
+        g.place(positions, triangles, g.material(f"glow {i}", (.2,) * 3, colour), translation=[-.6 + .6 * i, .4 + .3 * i, -.3])
+    g.camera((0, 1, .95), (0, .9, -1), 75)
+    return g.save(folder, "light_box.glb")
 
 
 def _extent(points):

@@ -4,6 +4,7 @@ import unittest
 
 import judge
 import make
+import rooms
 from render import Daemon
 
 SIZE = (128, 128)
@@ -32,6 +33,19 @@ class Reference(unittest.TestCase):
             self.assertLess(errors[128], 0.5 * bar)
             self.assertLess(abs(mean), 0.05)
             self.assertLess(errors[128], errors[64])
+
+    def test_lamps_of_thousands_of_triangles_keep_their_colours(self):
+        """Of so many, voxels see a few points each: were they the same few for all, whole lamps would light too little."""
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+            scene, size = rooms.light_box(folder), (48, 48)
+            reference = daemon.render(scene, size, spp=64, options={"pt.depth": BOUNCES + 1}).radiance
+            mask = reference.max(axis=2) < 0.45
+            for emitters, tolerance in (("points", 0.12), ("cones", 0.25)):
+                picture = daemon.render(scene, size, spp=4, arguments=["--technique", "vct"],
+                                        options={"vct.resolution": 64, "vct.bounces": BOUNCES, "vct.emitters": emitters}).radiance
+                ratio = picture[mask].mean(axis=0) / reference[mask].mean(axis=0)
+                print(f"light box by {emitters}: {ratio.round(3)} of the path tracer's")
+                self.assertLess(float(abs(ratio - 1).max()), tolerance)
 
 
 if __name__ == "__main__":
