@@ -23,11 +23,12 @@ template <typename info> gltf_slot slot_of(const info &texture)
 
 void list_ignored(struct import *import, const tinygltf::Material &m)
 {
-	static const char *const read[] = {"KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_specular",
-					   "KHR_materials_unlit"};
+	static const char *const read[] = {
+	    "KHR_materials_emissive_strength", "KHR_materials_ior",   "KHR_materials_specular",
+	    "KHR_materials_transmission",      "KHR_materials_unlit", "KHR_materials_volume"};
 	if (m.occlusionTexture.index >= 0)
 		import_ignore(import, "occlusionTexture");
-	if (m.alphaMode != "OPAQUE" && m.alphaMode != "MASK")
+	if (m.alphaMode != "OPAQUE" && m.alphaMode != "MASK" && m.alphaMode != "BLEND")
 		import_ignore(import, ("alphaMode " + m.alphaMode).c_str());
 	for (const auto &extension : m.extensions) {
 		bool known = false;
@@ -75,6 +76,64 @@ bool fill_specular(const tinygltf::Material &m, struct material *out)
 	return fit;
 }
 
+// KHR_materials_volume: the inside takes away what is not the attenuation colour over the attenuation distance. What its
+// thickness is, the triangles say; only whether it has one is asked.
+bool fill_volume(const tinygltf::Value &volume, struct material *out)
+{
+	const double distance = gltf_number(volume, "attenuationDistance", INFINITY);
+	bool fit = !(distance < 0);
+	out->flags &= ~MATERIAL_THIN;
+	for (int c = 0; c < 3; c++) {
+		const double colour = gltf_number_in(volume, "attenuationColor", c, 1);
+		fit &= colour >= 0 && colour <= 1;
+		const double taken = -std::log(std::fmin(std::fmax(colour, DBL_MIN), 1));
+		import_fit(&out->absorption[c], taken > 0 ? taken / std::fmax(distance, DBL_MIN) : 0.0, LIMIT_ABSORPTION);
+	}
+	return fit;
+}
+
+// KHR_materials_transmission, its index that of KHR_materials_ior. An index of 0 says that everything is reflected.
+bool fill_transmission(const tinygltf::Material &m, struct material *out)
+{
+	const tinygltf::Value *transmission = extension_of(m, "KHR_materials_transmission");
+	const tinygltf::Value *index = extension_of(m, "KHR_materials_ior");
+	const tinygltf::Value *volume = extension_of(m, "KHR_materials_volume");
+	const double ior = index ? gltf_number(*index, "ior", standard_ior) : standard_ior;
+	if (!transmission || ior == 0)
+		return true;
+	bool fit = import_fit(&out->transmission, gltf_number(*transmission, "transmissionFactor", 0), 1.0);
+	if (out->transmission == 0)
+		return fit;
+	out->flags |= MATERIAL_THIN;
+	fit &= import_fit(&out->ior, ior, LIMIT_IOR_MOST) && ior >= LIMIT_IOR_LEAST;
+	out->ior = std::fmax(out->ior, (float)LIMIT_IOR_LEAST);
+	if (volume && gltf_number(*volume, "thicknessFactor", 0) > 0)
+		fit &= fill_volume(*volume, out);
+	return fit;
+}
+
+// A texture that an extension's object names, which tinygltf does not read itself.
+enum status find_in_extension(gltf_reader *reader, const tinygltf::Value &object, const char *key, uint32_t flags,
+			      uint32_t *texture, struct error *err)
+{
+	const tinygltf::Value &info = object.Get(key);
+	tinygltf::ExtensionMap extensions;
+	if (info.Has("extensions"))
+		for (const std::string &name : info.Get("extensions").Keys())
+			extensions.emplace(name, info.Get("extensions").Get(name));
+	const gltf_slot slot = {(int)gltf_number(info, "index", -1), (int)gltf_number(info, "texCoord", 0), &extensions};
+	return gltf_find_texture(reader, slot, flags, texture, err);
+}
+
+enum status find_transmission_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out,
+				      struct error *err)
+{
+	const tinygltf::Value *transmission = extension_of(m, "KHR_materials_transmission");
+	if (out->transmission == 0 || !transmission->Has("transmissionTexture"))
+		return STATUS_OK;
+	return find_in_extension(reader, *transmission, "transmissionTexture", 0, &out->transmission_texture, err);
+}
+
 enum status find_specular_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out, struct error *err)
 {
 	const tinygltf::Value *specular = extension_of(m, "KHR_materials_specular");
@@ -84,14 +143,7 @@ enum status find_specular_texture(gltf_reader *reader, const tinygltf::Material 
 		import_ignore(reader->import, "specularTexture");
 	if (!specular->Has("specularColorTexture") || out->specular_weight == 0)
 		return STATUS_OK;
-	const tinygltf::Value &texture = specular->Get("specularColorTexture");
-	tinygltf::ExtensionMap extensions;
-	if (texture.Has("extensions"))
-		for (const std::string &name : texture.Get("extensions").Keys())
-			extensions.emplace(name, texture.Get("extensions").Get(name));
-	const gltf_slot slot = {(int)gltf_number(texture, "index", -1), (int)gltf_number(texture, "texCoord", 0),
-				&extensions};
-	return gltf_find_texture(reader, slot, TEXTURE_SRGB, &out->specular_texture, err);
+	return find_in_extension(reader, *specular, "specularColorTexture", TEXTURE_SRGB, &out->specular_texture, err);
 }
 
 enum status find_normal_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out, struct error *err)
@@ -104,16 +156,21 @@ enum status find_normal_texture(gltf_reader *reader, const tinygltf::Material &m
 	return gltf_find_texture(reader, slot_of(m.normalTexture), 0, &out->normal_texture, err);
 }
 
-// The shader compares the alpha of texture and vertex alone, so the factor's goes into the cutoff.
-void fill_alpha(const tinygltf::Material &m, struct material *out)
+// Of a mask the shader compares the alpha of texture and vertex alone, so the factor's goes into the cutoff.
+bool fill_alpha(const tinygltf::Material &m, struct material *out)
 {
 	const std::vector<double> &base = m.pbrMetallicRoughness.baseColorFactor;
 	const double alpha = base.size() > 3 ? base[3] : 1.0;
+	if (m.alphaMode == "BLEND") {
+		out->flags |= MATERIAL_ALPHA_BLEND;
+		return import_fit(&out->alpha, alpha, 1.0);
+	}
 	if (m.alphaMode != "MASK")
-		return;
+		return true;
 	out->flags |= MATERIAL_ALPHA_MASK;
 	const double cutoff = m.alphaCutoff > 0 ? (alpha > 0 ? m.alphaCutoff / alpha : FLT_MAX) : 0.0;
 	out->alpha_cutoff = (float)std::fmin(cutoff, FLT_MAX);
+	return true;
 }
 
 // A lit surface's other textures. Those that a black factor hides are not even decoded.
@@ -125,7 +182,8 @@ enum status find_textures(gltf_reader *reader, const tinygltf::Material &m, stru
 		return err->code;
 	if (gltf_find_texture(reader, slot_of(m.pbrMetallicRoughness.metallicRoughnessTexture), 0, &out->surface_texture,
 			      err) != STATUS_OK ||
-	    find_specular_texture(reader, m, out, err) != STATUS_OK)
+	    find_specular_texture(reader, m, out, err) != STATUS_OK ||
+	    find_transmission_texture(reader, m, out, err) != STATUS_OK)
 		return err->code;
 	return find_normal_texture(reader, m, out, err);
 }
@@ -135,18 +193,20 @@ enum status add_material(gltf_reader *reader, const tinygltf::Material &m, struc
 	struct material out = import_plain_material(1.0f);
 	bool fit = fill_factors(m, &out);
 	fit &= fill_specular(m, &out);
+	fit &= fill_transmission(m, &out);
+	fit &= fill_alpha(m, &out);
 	if (!fit)
 		import_warn(reader->import, "material '%.60s' has a colour or factor out of range, which was clamped",
 			    m.name.c_str());
 	list_ignored(reader->import, m);
-	fill_alpha(m, &out);
 	if (extension_of(m, "KHR_materials_unlit")) {
 		// What is left of it: base colour and alpha. It is no emitter either.
 		struct material unlit = import_plain_material(1.0f);
 		for (int c = 0; c < 3; c++)
 			unlit.albedo[c] = out.albedo[c];
 		unlit.alpha_cutoff = out.alpha_cutoff;
-		unlit.flags = out.flags | MATERIAL_UNLIT;
+		unlit.alpha = out.alpha;
+		unlit.flags = (out.flags & ~MATERIAL_THIN) | MATERIAL_UNLIT;
 		out = unlit;
 	} else if (m.doubleSided && (out.emission[0] > 0 || out.emission[1] > 0 || out.emission[2] > 0)) {
 		out.flags |= MATERIAL_EMITS_BOTH_SIDES;

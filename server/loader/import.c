@@ -124,7 +124,10 @@ struct material import_plain_material(float albedo)
 				 .roughness = 1.0f,
 				 .surface_texture = NONE,
 				 .normal_texture = NONE,
-				 .normal_scale = 1.0f};
+				 .normal_scale = 1.0f,
+				 .alpha = 1.0f,
+				 .transmission_texture = NONE,
+				 .ior = 1.5f};
 }
 
 enum status import_add_light(struct import *im, const struct import_light *light, struct error *err)

@@ -6,7 +6,7 @@
 
 // Statements whose mere presence means something that is left out.
 static const char *const left_out[] = {
-    "map_Ns", "map_d", "disp", "decal", "refl", "map_Ka", "Tf", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso",
+    "map_Ns", "map_d", "disp", "decal", "refl", "map_Ka", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso",
 };
 
 // One line: its keyword and the first three numbers behind it.
@@ -75,16 +75,8 @@ static enum status note_add(struct mtl_notes *notes, const struct line *line, st
 	char *name = strndup(line->rest, line->rest_bytes);
 	if (!name)
 		return error_set(err, STATUS_MEMORY, "no memory for a material's name");
-	notes->notes[notes->count++] = (struct mtl_note){.name = name, .illum = -1, .bump = 1};
+	notes->notes[notes->count++] = (struct mtl_note){.name = name, .illum = -1, .bump = 1, .dissolve = 1};
 	return STATUS_OK;
-}
-
-static bool any_number(const struct line *line, double other_than)
-{
-	for (int i = 0; i < line->number_count; i++)
-		if (line->numbers[i] != other_than)
-			return true;
-	return false;
 }
 
 static bool is_bump(const char *keyword)
@@ -111,13 +103,7 @@ static bool has_map_option(const struct line *line)
 static void note_ignored(struct import *import, const struct line *line)
 {
 	const char *k = line->keyword;
-	if (strcasecmp(k, "Ni") == 0 && any_number(line, 1))
-		import_ignore(import, "Ni");
-	else if (strcmp(k, "d") == 0 && any_number(line, 1))
-		import_ignore(import, "d");
-	else if (strcasecmp(k, "Tr") == 0 && any_number(line, 0))
-		import_ignore(import, "Tr");
-	else if (is_map(k) && has_map_option(line))
+	if (is_map(k) && has_map_option(line))
 		import_ignore(import, "map options -o -s -t");
 	for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++)
 		if (strcasecmp(k, left_out[i]) == 0)
@@ -139,21 +125,47 @@ static double bump_multiplier(const struct line *line)
 	return 1.0;
 }
 
+// Three numbers, or one that stands for all.
+static void note_colour(const struct line *line, double out[3])
+{
+	for (int i = 0; i < 3; i++)
+		out[i] = line->number_count == 0 ? 0 : line->numbers[line->number_count == 3 ? i : 0];
+}
+
+// Ni, d, Tr and Tf. Many write Tr 1 for what is whole, so that says nothing by itself.
+static void note_clearness(struct mtl_note *note, const struct line *line)
+{
+	const char *k = line->keyword;
+	if (line->number_count == 0)
+		return;
+	if (strcasecmp(k, "Ni") == 0) {
+		note->ior = line->numbers[0];
+	} else if (strcmp(k, "d") == 0) {
+		note->dissolve = line->numbers[0];
+		note->has_dissolve = true;
+	} else if (strcasecmp(k, "Tr") == 0 && !note->has_dissolve && line->numbers[0] < 1) {
+		note->dissolve = 1 - line->numbers[0];
+	} else if (strcasecmp(k, "Tf") == 0) {
+		note->has_filter = true;
+		note_colour(line, note->filter);
+	}
+}
+
 static void note_property(struct mtl_note *note, const struct line *line)
 {
 	const char *k = line->keyword;
 	if (strcasecmp(k, "Kd") == 0) {
 		note->has_diffuse = true;
 	} else if (strcasecmp(k, "Ks") == 0) {
-		// A single number stands for all three.
-		for (int i = 0; i < 3; i++)
-			note->specular[i] = line->number_count == 0 ? 0 : line->numbers[line->number_count == 3 ? i : 0];
+		note_colour(line, note->specular);
 	} else if (strcasecmp(k, "Ns") == 0 && line->number_count > 0) {
 		note->exponent = line->numbers[0];
 	} else if (strcasecmp(k, "illum") == 0 && line->number_count > 0) {
 		note->illum = line->numbers[0] >= 0 && line->numbers[0] <= 10 ? (int)line->numbers[0] : -1;
 	} else if (is_bump(k)) {
 		note->bump = bump_multiplier(line);
+	} else {
+		note_clearness(note, line);
 	}
 }
 

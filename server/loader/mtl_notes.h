@@ -1,5 +1,5 @@
 // What an MTL file says that assimp's materials no longer tell: which materials it defines, what each says about its
-// specular lobe and its bumps, and which statements the renderer leaves out.
+// specular lobe, its glass and its bumps, and which statements the renderer leaves out.
 #ifndef CANDIL_LOADER_MTL_NOTES_H
 #define CANDIL_LOADER_MTL_NOTES_H
 
@@ -14,6 +14,11 @@ struct mtl_note {
 	int illum; // the illumination model; -1: none given
 	double specular[3]; // Ks
 	double exponent; // Ns
+	double ior; // Ni; 0: none given
+	double dissolve; // d, else 1 - Tr; 1 if neither is given
+	bool has_dissolve; // d: it goes before Tr
+	bool has_filter;
+	double filter[3]; // Tf
 	double bump; // -bm of its bump or normal map; 1 if none given
 };
 

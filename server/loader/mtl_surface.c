@@ -1,7 +1,6 @@
 #include "server/loader/mtl_surface.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 float mtl_roughness(double exponent)
@@ -10,19 +9,66 @@ float mtl_roughness(double exponent)
 	return (float)sqrt(sqrt(2.0 / (ns + 2.0)));
 }
 
+// illum 4, 6, 7 and 9 are glass, where anything says that light comes through.
+static bool is_glass(const struct mtl_note *note)
+{
+	const bool clear = note->illum == 4 || note->illum == 6 || note->illum == 7 || note->illum == 9;
+	const bool passes = note->filter[0] > 0 || note->filter[1] > 0 || note->filter[2] > 0;
+	return clear && (note->has_filter ? passes : note->ior > 0 || note->dissolve < 1);
+}
+
+// Solid and smooth. Tf is what a whole body lets through: each of its two sides takes the root.
+static bool set_glass(const struct mtl_note *note, struct material *m)
+{
+	const double ior = note->ior > 0 ? note->ior : 1.5;
+	bool fit = import_fit(&m->ior, ior, LIMIT_IOR_MOST) && ior >= LIMIT_IOR_LEAST;
+	m->ior = fmaxf(m->ior, (float)LIMIT_IOR_LEAST);
+	m->transmission = 1;
+	m->roughness = 0;
+	m->specular_weight = 1;
+	const float f0 = (m->ior - 1) / (m->ior + 1) * ((m->ior - 1) / (m->ior + 1));
+	for (int c = 0; c < 3; c++) {
+		m->specular[c] = f0;
+		fit &= import_fit(&m->albedo[c], note->has_filter ? note->filter[c] : 1.0, 1.0);
+		m->albedo[c] = sqrtf(m->albedo[c]);
+	}
+	return fit;
+}
+
+static bool set_dissolve(const struct mtl_note *note, struct material *m)
+{
+	const bool fit = import_fit(&m->alpha, note->dissolve, 1.0);
+	if (m->alpha < 1)
+		m->flags |= MATERIAL_ALPHA_BLEND;
+	return fit;
+}
+
+// What has a meaning for glass alone, where there is none; and the other way round.
+static void tell_ignored(struct import *im, const struct mtl_note *note, bool glass)
+{
+	const double *f = note->filter;
+	if (note->illum == 10)
+		import_ignore(im, "illum 10");
+	if (!glass && note->ior > 0 && note->ior != 1)
+		import_ignore(im, "Ni");
+	if (!glass && note->has_filter && (f[0] != 1 || f[1] != 1 || f[2] != 1))
+		import_ignore(im, "Tf");
+	if (glass && note->dissolve != 1)
+		import_ignore(im, "d");
+}
+
 bool mtl_set_surface(struct import *im, const struct mtl_note *note, struct material *m)
 {
 	const double *ks = note->specular;
 	const bool says = ks[0] > 0 || ks[1] > 0 || ks[2] > 0;
 	const bool glossy = note->illum >= 2 || (note->illum < 0 && says && note->exponent > 0);
-	bool fit = true;
-	if (note->illum >= 4) {
-		char text[24];
-		snprintf(text, sizeof text, "illum %d", note->illum);
-		import_ignore(im, text);
-	}
+	const bool glass = is_glass(note);
+	tell_ignored(im, note, glass);
+	if (glass)
+		return set_glass(note, m);
+	bool fit = set_dissolve(note, m);
 	if (!glossy)
-		return true;
+		return fit;
 	m->roughness = mtl_roughness(note->exponent);
 	for (int c = 0; c < 3; c++) {
 		fit &= import_fit(&m->specular[c], ks[c], 1.0);

@@ -10,8 +10,10 @@
 float mtl_roughness(double exponent);
 
 // Set specular, specular_weight and roughness as illum, Ks and Ns say: none for illum 0 and 1, and where there is no illum
-// unless both Ks and Ns are above zero; else Ks at normal incidence and its largest component at grazing. An illum of 4 or
-// above is taken as 2, and told as ignored. False if a value had to be clamped.
+// unless both Ks and Ns are above zero; else Ks at normal incidence and its largest component at grazing, for illum 3, 5, 8
+// and 10 as for 2. illum 4, 6, 7 and 9 with a Tf above zero, or without Tf but with Ni or d, are smooth and solid glass of
+// the index Ni (1.5 without), which lets Tf through (all without) and leaves Kd and Ks out; after the albedo was set. Other
+// surfaces are there with the probability d. False if a value had to be clamped.
 bool mtl_set_surface(struct import *import, const struct mtl_note *note, struct material *material);
 
 // Whether texels are a normal map rather than heights: their mean points out of the surface, (0.5, 0.5, 1).

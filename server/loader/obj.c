@@ -158,7 +158,7 @@ static enum status add_material(struct obj_files *files, const struct aiMaterial
 		fit &= mtl_set_surface(im, note, &out);
 	if (find_maps(im, m, note, &out, err) != STATUS_OK)
 		return err->code;
-	if (!note || !note->has_diffuse)
+	if ((!note || !note->has_diffuse) && out.transmission == 0)
 		for (int c = 0; c < 3; c++)
 			out.albedo[c] = out.albedo_texture == NONE ? DEFAULT_ALBEDO : 1.0f;
 	if (!fit)

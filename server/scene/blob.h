@@ -17,7 +17,7 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 3u
+#define BLOB_FORMAT 4u
 #define BLOB_ALIGN 256u
 #define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
@@ -62,6 +62,8 @@ enum fact {
 	FACT_ALPHA_MASK = 1u << 8,
 	FACT_VERTEX_COLORS = 1u << 9, // some vertex has a colour other than white
 	FACT_UNLIT = 1u << 10,
+	FACT_GLASS = 1u << 11, // some lit surface lets light through: transmission above zero
+	FACT_ALPHA_BLEND = 1u << 12,
 };
 
 struct blob_header {

@@ -242,7 +242,17 @@ static bool textures_are_known(const struct material *m, uint32_t count)
 {
 	return texture_is_known(m->albedo_texture, count) && texture_is_known(m->emission_texture, count) &&
 	       texture_is_known(m->specular_texture, count) && texture_is_known(m->surface_texture, count) &&
-	       texture_is_known(m->normal_texture, count);
+	       texture_is_known(m->normal_texture, count) && texture_is_known(m->transmission_texture, count);
+}
+
+// What lets light through is in its ranges.
+static bool clears(const struct material *m)
+{
+	for (int c = 0; c < 3; c++)
+		if (!(m->absorption[c] >= 0 && (double)m->absorption[c] <= LIMIT_ABSORPTION))
+			return false;
+	return is_share(m->alpha) && is_share(m->transmission) &&
+	       (m->transmission == 0 || ((double)m->ior >= LIMIT_IOR_LEAST && (double)m->ior <= LIMIT_IOR_MOST));
 }
 
 static enum status check_materials(const struct blob_header *h, struct error *err)
@@ -250,7 +260,8 @@ static enum status check_materials(const struct blob_header *h, struct error *er
 	const struct material *materials = blob_section(h, BLOB_MATERIALS);
 	const struct blob_name *names = blob_section(h, BLOB_MATERIAL_NAMES);
 	const uint32_t textures = blob_count(h, BLOB_TEXTURES);
-	const uint32_t flags = MATERIAL_EMITS_BOTH_SIDES | MATERIAL_ALPHA_MASK | MATERIAL_UNLIT;
+	const uint32_t flags =
+	    MATERIAL_EMITS_BOTH_SIDES | MATERIAL_ALPHA_MASK | MATERIAL_UNLIT | MATERIAL_ALPHA_BLEND | MATERIAL_THIN;
 
 	for (uint32_t i = 0; i < blob_count(h, BLOB_MATERIALS); i++) {
 		const struct material *m = &materials[i];
@@ -263,6 +274,8 @@ static enum status check_materials(const struct blob_header *h, struct error *er
 		if (!is_share(m->specular_weight) || !is_share(m->metallic) || !is_share(m->roughness) ||
 		    !isfinite(m->normal_scale) || !isfinite(m->alpha_cutoff) || m->alpha_cutoff < 0)
 			return bad(err, "a material's surface is out of range");
+		if (!clears(m))
+			return bad(err, "a material's glass is out of range");
 		if (!isfinite(m->power_density) || m->power_density < 0 || (m->flags & ~flags))
 			return bad(err, "a material's power or flags are out of range");
 		if (!memchr(names[i].text, 0, sizeof names[i].text))

@@ -11,16 +11,20 @@ static uint32_t material_facts(const struct material *m)
 	const bool unlit = m->flags & MATERIAL_UNLIT;
 	const bool glossy = !unlit && (m->metallic > 0 || m->specular_weight > 0 || above_zero(m->specular));
 	if (m->albedo_texture != NONE || m->emission_texture != NONE || m->specular_texture != NONE ||
-	    m->surface_texture != NONE || m->normal_texture != NONE)
+	    m->surface_texture != NONE || m->normal_texture != NONE || m->transmission_texture != NONE)
 		facts |= FACT_TEXTURES;
 	if (glossy)
 		facts |= FACT_GLOSSY | FACT_REFLECTS;
 	if (!unlit && above_zero(m->albedo))
 		facts |= FACT_REFLECTS;
+	if (!unlit && m->transmission > 0)
+		facts |= FACT_GLASS | FACT_REFLECTS;
 	if (m->normal_texture != NONE)
 		facts |= FACT_NORMAL_MAPS;
 	if (m->flags & MATERIAL_ALPHA_MASK)
 		facts |= FACT_ALPHA_MASK;
+	if (m->flags & MATERIAL_ALPHA_BLEND)
+		facts |= FACT_ALPHA_BLEND;
 	if (unlit)
 		facts |= FACT_UNLIT;
 	return facts;
@@ -100,6 +104,10 @@ const char *fact_name(enum fact fact)
 		return "vertex colours";
 	case FACT_UNLIT:
 		return "unlit surfaces";
+	case FACT_GLASS:
+		return "glass";
+	case FACT_ALPHA_BLEND:
+		return "alpha blending";
 	}
 	return NULL;
 }

@@ -41,6 +41,10 @@ static const struct effect_rule rules[] = {
      "vertices are white"},
     {candil_Effect_EFFECT_UNLIT, "unlit", "materials are unlit", "no material is unlit",
      "unlit surfaces are lit like any other"},
+    {candil_Effect_EFFECT_GLASS, "glass", "surfaces let light through", "no surface lets light through",
+     "clear surfaces are opaque with their base colour"},
+    {candil_Effect_EFFECT_ALPHA_BLEND, "alpha-blend", "materials are partly there", "no material is partly there",
+     "blended surfaces are whole"},
 };
 
 const char *effect_name(candil_Effect effect)
@@ -88,6 +92,10 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 		return facts & FACT_VERTEX_COLORS;
 	case candil_Effect_EFFECT_UNLIT:
 		return facts & FACT_UNLIT;
+	case candil_Effect_EFFECT_GLASS:
+		return facts & FACT_GLASS;
+	case candil_Effect_EFFECT_ALPHA_BLEND:
+		return facts & FACT_ALPHA_BLEND;
 	}
 	return false;
 }
@@ -97,6 +105,10 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 {
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_BOUNCES)
 		return "direct shows light that comes straight from its source: pt and vct follow it further";
+	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_GLASS)
+		return "only pt follows light through glass: clear surfaces are opaque with their base colour";
+	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ALPHA_BLEND)
+		return "only pt blends by alpha: blended surfaces are whole";
 	if (p->technique != candil_Technique_TECHNIQUE_VCT || p->vct_show == VCT_SHOW_NONE)
 		return NULL;
 	if (effect == candil_Effect_EFFECT_NORMAL_MAPS)

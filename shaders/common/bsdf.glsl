@@ -13,10 +13,14 @@
 // edges, letting it through leaks light. Here it is folded back: a direction below is mirrored at the surface. What a direction
 // ω above the surface then has, of a lobe f and of its density alike, is f(ω) + f(ω'), ω' being ω mirrored at the surface:
 // no energy is lost or made, whatever the normal is.
+//
+// Or, with EFFECT_GLASS, it is a clear boundary, glass.glsl's: what is reflected is folded to above the surface, what comes
+// through to below.
 #ifndef COMMON_BSDF_GLSL
 #define COMMON_BSDF_GLSL
 
 #include "common/ggx.glsl"
+#include "common/glass.glsl"
 #include "common/surface.glsl"
 
 // How directions of the diffuse part are sampled: as its cosine, or for comparison uniformly.
@@ -41,6 +45,9 @@ struct bsdf {
 	float share;          // probability that a direction comes from the microfacets, not from the cosine
 	vec3 boost;           // k(v)
 	vec3 outward;         // (1 − S(v)) / (1 − S̄)
+	// With EFFECT_GLASS.
+	bool clear;
+	dielectric glass;     // if clear
 };
 
 // A density that stands for a perfect mirror's: no other way of sampling competes with it.
@@ -98,8 +105,11 @@ bsdf bsdf_make(surface s, vec3 direction)
 	b.diffuse = s.albedo;
 	b.share = 0.0;
 	b.mirror = false;
+	b.clear = EFFECT_GLASS && s.clear;
 	if (EFFECT_GLOSSY)
 		make_glossy(b, s);
+	if (EFFECT_GLASS && b.clear)
+		b.glass = glass_make(b.view.z, s.roughness, s.eta, s.thin, s.base);
 	return b;
 }
 
@@ -144,20 +154,42 @@ vec3 into_frame(bsdf b, vec3 w)
 }
 
 // Of a direction in the world: BSDF × cosine (xyz) and the density with which bsdf_sample takes it (w), 1/sr. Zero below
-// the surface. A perfect mirror's part is in neither.
+// the surface, unless that is clear. A perfect mirror's part is in neither, nor a polished boundary's.
 vec4 bsdf_eval(bsdf b, vec3 w)
 {
 	float above = dot(b.geometric, w);
+	if (EFFECT_GLASS && b.clear) {
+		bool through = above < 0.0;
+		return glass_lobe(b.glass, b.view, into_frame(b, w), through) +
+		       glass_lobe(b.glass, b.view, into_frame(b, w - 2.0 * above * b.geometric), through);
+	}
 	if (above <= 0.0)
 		return vec4(0.0);
 	vec3 folded = w - 2.0 * above * b.geometric;
 	return lobes(b, into_frame(b, w)) + lobes(b, into_frame(b, folded));
 }
 
-// A direction above the surface, the weight BSDF × cosine / density and the density. `lobe` and u are uniform in [0, 1).
+// bsdf_sample of a clear boundary.
+vec3 clear_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
+{
+	bool through;
+	vec3 l = glass_sample(b.glass, b.view, lobe, u, through);
+	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
+	float above = dot(b.geometric, w);
+	w = through != (above < 0.0) ? w - 2.0 * above * b.geometric : w;
+	vec4 f = bsdf_eval(b, w);
+	bool whole = through == (l.z < 0.0) && f.w > 0.0;
+	weight = b.glass.polished ? glass_weight(b.glass, through) : whole ? f.xyz / f.w : vec3(0.0);
+	pdf = b.glass.polished ? PDF_MIRROR : f.w;
+	return w;
+}
+
+// A direction above the surface, or through it where it is clear, the weight BSDF × cosine / density and the density. `lobe` and u are uniform in [0, 1).
 // A weight of zero means that there is none.
 vec3 bsdf_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
 {
+	if (EFFECT_GLASS && b.clear)
+		return clear_sample(b, lobe, u, weight, pdf);
 	vec3 l = HEMISPHERE_UNIFORM ? uniform_hemisphere(u) : cosine_hemisphere(u);
 	bool facets = EFFECT_GLOSSY && lobe < b.share;
 	if (EFFECT_GLOSSY && facets) {

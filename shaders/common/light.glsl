@@ -67,6 +67,8 @@ bool view_emitter(vec3 origin, uvec2 pick, vec2 u, float share, out emitter_view
 	v.inverse = min(cos_light / (d2 * pdf_area), 1e18);
 	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, vec3(1.0 - uv.x - uv.y, uv)) : vec4(0.0);
 	v.radiance = emission_at(m, at);
+	if (EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND)
+		v.radiance *= coverage_at(m, tri, vec3(1.0 - uv.x - uv.y, uv), at);
 	return true;
 }
 

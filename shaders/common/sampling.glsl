@@ -16,6 +16,7 @@ const uint SET_BSDF = 3u;          // the next direction
 const uint SET_CHANCE = 4u;        // x: whether to go on; y: emissive triangles or punctual lights
 
 const uint SET_LOBE = 5u;          // x: which lobe of the BSDF
+const uint SET_CLEAR = 6u;         // x: whether a surface that lets some light through does
 
 const uint SET_LENS = 7u;          // where on the lens: of the first event alone
 

@@ -17,6 +17,8 @@ layout(constant_id = SPEC_NORMAL_MAPS) const bool EFFECT_NORMAL_MAPS = true;
 layout(constant_id = SPEC_ALPHA_MASK) const bool EFFECT_ALPHA_MASK = true;
 layout(constant_id = SPEC_VERTEX_COLORS) const bool EFFECT_VERTEX_COLORS = true;
 layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
+layout(constant_id = SPEC_GLASS) const bool EFFECT_GLASS = true;
+layout(constant_id = SPEC_ALPHA_BLEND) const bool EFFECT_ALPHA_BLEND = true;
 #define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
 #else
 #ifndef EFFECT_TEXTURES
@@ -30,6 +32,8 @@ layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
 #define EFFECT_ALPHA_MASK true
 #define EFFECT_VERTEX_COLORS true
 #define EFFECT_UNLIT true
+#define EFFECT_GLASS true
+#define EFFECT_ALPHA_BLEND true
 #endif
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #endif

@@ -17,6 +17,14 @@ struct surface {
 	float emission_pdf; // next-event estimation finds this point with this density over area, 1/m²
 	float offset;       // metres: rays start this far off along `geometric`
 	bool unlit;         // shows `base` and nothing else
+	// With EFFECT_GLASS alone.
+	bool front;         // met from its front
+	float transmission; // probability that light meets a clear boundary here
+	uint body;          // material + 1 of what is behind it and clear, or 0
+	bool thin;
+	float ior;
+	bool clear;         // it is one now: who chooses sets this and
+	float eta;          // the index on the far side over that on this
 };
 
 // 16 half units in the last place of the corners' coordinates: more than the rounding of a point made from barycentrics
@@ -95,11 +103,19 @@ vec3 emission_at(material m, vec4 uv)
 	return e;
 }
 
+float transmission_at(material m, vec4 uv)
+{
+	float t = m.transmission;
+	if (EFFECT_TEXTURES && m.transmission_texture != NONE)
+		t *= sample_texture(m.transmission_texture, uv).r;
+	return t;
+}
+
 // Base colour into diffuse albedo and microfacets: glTF 2.0, appendix B, and KHR_materials_specular.
 void set_reflectance(inout surface s, material m, vec4 uv)
 {
 	s.albedo = s.base;
-	if (!EFFECT_GLOSSY)
+	if (!EFFECT_GLOSSY && !EFFECT_GLASS)
 		return;
 	float metallic = m.metallic;
 	s.roughness = m.roughness;
@@ -109,6 +125,10 @@ void set_reflectance(inout surface s, material m, vec4 uv)
 		s.roughness *= t.g;
 		metallic *= t.b;
 	}
+	if (EFFECT_GLASS)
+		s.transmission = transmission_at(m, uv) * (1.0 - metallic);
+	if (!EFFECT_GLOSSY)
+		return;
 	if (EFFECT_TEXTURES && m.specular_texture != NONE)
 		specular *= sample_texture(m.specular_texture, uv).rgb;
 	s.f0 = mix(specular, s.base, metallic);
@@ -170,7 +190,14 @@ surface surface_at(uint id, vec2 uv, vec3 direction)
 	s.f0 = vec3(0.0);
 	s.f90 = vec3(0.0);
 	s.roughness = 1.0;
+	s.transmission = 0.0;
 	set_reflectance(s, m, at);
+	s.front = front;
+	s.thin = (m.flags & MATERIAL_THIN) != 0u;
+	s.ior = m.ior;
+	s.body = EFFECT_GLASS && m.transmission > 0.0 && !s.thin ? tri.material + 1u : 0u;
+	s.clear = false;
+	s.eta = 1.0;
 	bool emits = front || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
 	s.emission = EFFECT_EMITTERS && emits ? emission_at(m, at) : vec3(0.0);
 	s.emission_pdf = m.power_density * job.emitter_power_inv * job.emitter_share;

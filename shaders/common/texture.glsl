@@ -84,4 +84,15 @@ vec4 base_color_at(material m, triangle tri, vec3 bary, vec4 uv)
 	return base;
 }
 
+// How much of a surface is there at a point: all or nothing of a masked one, a share of a blended one.
+float coverage_at(material m, triangle tri, vec3 bary, vec4 uv)
+{
+	bool masked = EFFECT_ALPHA_MASK && (m.flags & MATERIAL_ALPHA_MASK) != 0u;
+	bool blended = EFFECT_ALPHA_BLEND && (m.flags & MATERIAL_ALPHA_BLEND) != 0u;
+	if (!masked && !blended)
+		return 1.0;
+	float a = base_color_at(m, tri, bary, uv).a;
+	return masked ? (a >= m.alpha_cutoff ? 1.0 : 0.0) : a * m.alpha;
+}
+
 #endif

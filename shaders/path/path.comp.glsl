@@ -17,6 +17,7 @@
 #include "common/tile.glsl"
 #include "path/accumulate.glsl"
 #include "path/lens.glsl"
+#include "path/media.glsl"
 #include "trace/traverse.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
@@ -57,17 +58,47 @@ struct walker {
 	vec3 radiance;
 	float pdf;
 	uint event;
+	uvec2 media;   // with EFFECT_GLASS: the clear bodies that it is in
 	uint taken;    // samples of this dispatch's that are done
 	bool alive;
 };
 
-// A scattering event: light by one sample, then the next direction. `l.t_max` is -1 where no light can come.
-void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l)
+// Whether a surface is clear for this event, and what is on its far side.
+uvec2 choose_clear(inout surface s, uvec2 media, float chance)
+{
+	s.clear = chance < s.transmission;
+	uvec2 beyond = media_beyond(media, s);
+	float here = media_index(media);
+	s.eta = (s.thin ? s.ior : media_index(beyond)) / here;
+	return beyond;
+}
+
+// A light that is seen through the surface: its ray starts on the other side. And what is clear in between takes its part.
+void light_through(surface s, uvec2 media, uvec2 beyond, inout vec3 from, inout light_sample l)
+{
+	bool through = dot(s.geometric, l.segment) < 0.0;
+	vec3 other = s.position - s.offset * s.geometric;
+	bool ends = l.t_max == 1.0;
+	if (through) {
+		l.segment -= ends ? other - from : vec3(0.0);
+		from = other;
+	}
+	if (ends)
+		l.contribution *= media_transmittance(through ? beyond : media, length(l.segment));
+}
+
+// A scattering event: light by one sample, then the next direction. `l.t_max` is -1 where no light can come; its ray starts
+// at `from`.
+void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, out vec3 from)
 {
 	uint set = p.event * SETS_PER_EVENT;
 	vec2 chance = sample_2d(rnd, set + SET_CHANCE);
+	uvec2 beyond = p.media;
+	if (EFFECT_GLASS)
+		beyond = choose_clear(s, p.media, sample_2d(rnd, set + SET_CLEAR).x);
 	bsdf b = bsdf_make(s, p.direction);
 	p.origin = s.position + s.offset * s.geometric;
+	from = p.origin;
 	l.t_max = -1.0;
 	if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
 		uvec2 pick = sample_bits(rnd, set + SET_PICK);
@@ -75,15 +106,25 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l)
 			l.contribution *= p.throughput;
 		else
 			l.t_max = -1.0;
+		if (EFFECT_GLASS && l.t_max > 0.0)
+			light_through(s, p.media, beyond, from, l);
 	}
 	vec3 weight;
-	float lobe = EFFECT_GLOSSY ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
+	float lobe = EFFECT_GLOSSY || EFFECT_GLASS ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
 	p.direction = bsdf_sample(b, lobe, sample_2d(rnd, set + SET_BSDF), weight, p.pdf);
 	p.throughput *= weight;
 	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
+	float worth = 1.0;
+	if (EFFECT_GLASS) {
+		bool through = dot(p.direction, s.geometric) < 0.0;
+		p.media = through ? beyond : p.media;
+		p.origin = through ? s.position - s.offset * s.geometric : p.origin;
+		// Radiance is 1/η² on the way in and grows back on the way out: chance is not to count that.
+		worth = media_index(p.media) * media_index(p.media);
+	}
 	p.event++;
 	if (WAY_ROULETTE && p.event >= ROULETTE_FROM) {
-		float stay = min(1.0, max(p.throughput.r, max(p.throughput.g, p.throughput.b)));
+		float stay = min(1.0, worth * max(p.throughput.r, max(p.throughput.g, p.throughput.b)));
 		p.alive = p.alive && chance.x < stay;
 		p.throughput /= max(stay, 1e-30);
 	}
@@ -98,6 +139,10 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 		return false;
 	}
 	s = surface_at(hit.id, hit.uv, p.direction);
+	if (EFFECT_GLASS) {
+		p.media = media_before(p.media, s);
+		p.throughput *= media_transmittance(p.media, hit.t);
+	}
 	if (EFFECT_EMITTERS) {
 		float c = abs(dot(s.geometric, p.direction));
 		p.radiance += p.throughput * s.emission * emission_weight(p.event, p.pdf, s.emission_pdf, hit.t, c);
@@ -110,7 +155,8 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	}
 	uint most = EFFECT_BOUNCES ? job.depth : min(job.depth, 1u);
 	vec3 reflects = max(s.albedo, max(s.f0, s.f90));
-	return p.event < most && max(reflects.r, max(reflects.g, reflects.b)) > 0.0;
+	bool lets = EFFECT_GLASS && s.transmission > 0.0;
+	return p.event < most && (lets || max(reflects.r, max(reflects.g, reflects.b)) > 0.0);
 }
 
 // Its lane's own account of a dispatch.
@@ -142,6 +188,7 @@ void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
 	p.radiance = vec3(0.0);
 	p.pdf = 0.0;
 	p.event = 0u;
+	p.media = uvec2(0u);
 	p.alive = true;
 }
 
@@ -172,20 +219,25 @@ void path_round(inout walker p, sampler_state rnd, inout tally account)
 {
 	bool running = p.alive;
 	ray_hit hit;
+	if (EFFECT_ALPHA_BLEND)
+		trace_chance = hash_combine(hash_combine(rnd.scramble, rnd.index), p.event);
 	bool found = trace_closest(p.origin, p.direction, running ? INFINITY : -1.0, hit);
 	light_sample l;
 	l.t_max = -1.0;
 	l.segment = vec3(0.0, 0.0, 1.0);
 	l.contribution = vec3(0.0);
+	vec3 from = p.origin;
 	if (running) {
 		account.rays++;
 		surface s;
 		p.alive = arrive(p, found, hit, s);
 		if (p.alive)
-			scatter(p, s, rnd, l);
+			scatter(p, s, rnd, l, from);
 	}
 	if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
-		bool shadowed = trace_any(p.origin, l.segment, l.t_max);
+		if (EFFECT_ALPHA_BLEND)
+			trace_chance = ~trace_chance;
+		bool shadowed = trace_any(from, l.segment, l.t_max);
 		if (l.t_max > 0.0) {
 			account.rays++;
 			if (!shadowed)
@@ -218,8 +270,8 @@ void path_run(inout walker p, uvec2 pixel, uvec2 scrambles, inout tally account)
 void path_load(uint slot, out walker p)
 {
 	path_state s = paths[slot];
-	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event, s.taken,
-		   s.event != PATH_DONE);
+	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event,
+		   uvec2(s.media[0], s.media[1]), s.taken, s.event != PATH_DONE);
 }
 
 void path_store(uint slot, walker p)
@@ -230,6 +282,7 @@ void path_store(uint slot, walker p)
 	paths[slot].pdf = p.pdf;
 	paths[slot].throughput = float[3](p.throughput.r, p.throughput.g, p.throughput.b);
 	paths[slot].taken = p.taken;
+	paths[slot].media = uint[2](p.media.x, p.media.y);
 	paths[slot].radiance = float[3](p.radiance.r, p.radiance.g, p.radiance.b);
 }
 

@@ -52,19 +52,21 @@
 #define SPEC_ALPHA_MASK 7
 #define SPEC_VERTEX_COLORS 8
 #define SPEC_UNLIT 9
-#define SPEC_EFFECTS 10
+#define SPEC_GLASS 10
+#define SPEC_ALPHA_BLEND 11
+#define SPEC_EFFECTS 12
 // And of how a path is run.
-#define SPEC_RESUMED 10
-#define SPEC_PACKET 11 // walk the tree by subgroups
-#define SPEC_WIDTH 12 // lanes of a subgroup
-#define SPEC_CAMERA 13 // CAMERA_…
-#define SPEC_FILTER 14 // FILTER_…
-#define SPEC_INDEPENDENT 15 // samples know nothing of each other, else they are Sobol' points
-#define SPEC_UNIFORM 16 // diffuse directions are uniform over the hemisphere, else as the cosine
-#define SPEC_LAMPS_BY 17 // LAMPS_BY_…
-#define SPEC_ROULETTE 18 // dim paths end by chance
-#define SPEC_CLAMP 19 // no sample is brighter than pt_job.clamp
-#define SPEC_COUNT 20
+#define SPEC_RESUMED 12
+#define SPEC_PACKET 13 // walk the tree by subgroups
+#define SPEC_WIDTH 14 // lanes of a subgroup
+#define SPEC_CAMERA 15 // CAMERA_…
+#define SPEC_FILTER 16 // FILTER_…
+#define SPEC_INDEPENDENT 17 // samples know nothing of each other, else they are Sobol' points
+#define SPEC_UNIFORM 18 // diffuse directions are uniform over the hemisphere, else as the cosine
+#define SPEC_LAMPS_BY 19 // LAMPS_BY_…
+#define SPEC_ROULETTE 20 // dim paths end by chance
+#define SPEC_CLAMP 21 // no sample is brighter than pt_job.clamp
+#define SPEC_COUNT 22
 
 // How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
 // first alone; by the second alone.
@@ -80,10 +82,17 @@
 #define FILTER_BLACKMAN_HARRIS 2
 
 // The table at BIND_GGX_TABLE: for each of GGX_ROUGHNESSES perceptual roughnesses r, GGX_COSINES cosines μ, two floats, √r
-// and √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere.
+// and √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere. Behind them the rough
+// dielectric's: for each of GLASS_RATIOS indices of refraction η relative to the viewer's side, (η − 1) / (η + 1) evenly
+// spaced from −1/2 to 1/2, but the last, GLASS_ROUGHNESSES by GLASS_COSINES pairs of floats: the share of light that single
+// scattering keeps there and at the next η, √r and √μ spaced as above.
 #define GGX_COSINES 64
 #define GGX_ROUGHNESSES 64
 #define GGX_ALPHA_LEAST 1e-4 // α below it is a perfect mirror
+#define GGX_TABLE_PAIRS (GGX_ROUGHNESSES * (GGX_COSINES + 1)) // before the dielectric's
+#define GLASS_RATIOS 33
+#define GLASS_ROUGHNESSES 24
+#define GLASS_COSINES 24
 
 #define ACCUMULATOR_FLOATS 12
 #define AOV_WORDS 8
@@ -160,9 +169,9 @@ struct path_state {
 	float throughput[3];
 	uint taken; // samples that are done
 	float radiance[3];
-	uint reserved;
+	uint media[2]; // materials whose inside it is in, 16 bits each from below: number + 1, or 0
 };
-LAYOUT_ASSERT(path_state, 64)
+LAYOUT_ASSERT(path_state, 68)
 #define PATH_DONE 0xFFFFFFFFu
 
 struct cast_ray {

@@ -66,12 +66,14 @@ LAYOUT_ASSERT(leaf_triangle, 48)
 #define MATERIAL_EMITS_BOTH_SIDES 1u // glTF doubleSided emitters; else the front (counter-clockwise) side alone emits
 #define MATERIAL_ALPHA_MASK 2u // not there where alpha is below alpha_cutoff
 #define MATERIAL_UNLIT 4u // shows its base colour as radiance, neither lit nor casting light
+#define MATERIAL_ALPHA_BLEND 8u // there with the probability that its alpha says
+#define MATERIAL_THIN 16u // of what lets light through: a sheet without an inside, that does not bend it
 
 // Base colour, metallic and roughness as glTF 2.0 has them (appendix B), with KHR_materials_specular for what is no metal.
 // Colours are linear Rec.709, 0…1. A texture is an index or NONE and multiplies the factor beside it.
 struct material {
 	float albedo[3]; // base colour: diffuse albedo, or reflectance of a metal at normal incidence
-	uint albedo_texture; // its alpha is for MATERIAL_ALPHA_MASK
+	uint albedo_texture; // its alpha is for MATERIAL_ALPHA_MASK and _BLEND
 	float emission[3]; // radiance, W/(m² sr)
 	uint emission_texture;
 	float specular[3]; // reflectance of the dielectric part at normal incidence
@@ -85,9 +87,15 @@ struct material {
 	float alpha_cutoff; // with the base colour's alpha factor divided out
 	uint flags; // MATERIAL_…
 	float power_density; // π · mean luminance of the emission · sides, W/m²: emitters are chosen by it
-	float reserved[3];
+	float alpha; // base colour's factor, with MATERIAL_ALPHA_BLEND
+	// Of the light that is not the metal's, this share meets a clear dielectric in place of the opaque surface: reflected
+	// by Fresnel's equations, the rest let through, times the base colour.
+	float transmission; // 0…1
+	uint transmission_texture; // red
+	float ior; // index of refraction of what is behind the surface; that of a thin one's sheet
+	float absorption[3]; // of what is behind it, 1/m: light falls by exp(-absorption · distance)
 };
-LAYOUT_ASSERT(material, 96)
+LAYOUT_ASSERT(material, 112)
 
 #define WRAP_REPEAT 0u
 #define WRAP_CLAMP 1u

@@ -115,7 +115,7 @@ void test_packet(uint index, uint lane, sheared_ray ray, inout ray_hit hit)
 	vec2 uv;
 	bool inside = hit_triangle(ray, WORD_VEC3(w, 0u), WORD_VEC3(w, 4u), WORD_VEC3(w, 8u), t, uv);
 	bool nearer = inside && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE));
-	if (EFFECT_ALPHA_MASK && nearer)
+	if ((EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND) && nearer)
 		nearer = is_there(id, material, uv);
 	hit.t = nearer ? t : hit.t;
 	hit.id = nearer ? id : hit.id;

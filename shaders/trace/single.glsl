@@ -57,7 +57,7 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 			vec2 uv;
 			if (hit_triangle(ray, v0.xyz, v1.xyz, v2.xyz, t, uv) &&
 			    (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE)) &&
-			    (!EFFECT_ALPHA_MASK || is_there(id, floatBitsToUint(v1.w), uv))) {
+			    (!(EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND) || is_there(id, floatBitsToUint(v1.w), uv))) {
 				hit.t = t;
 				hit.id = id;
 				hit.uv = uv;

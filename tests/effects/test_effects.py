@@ -7,9 +7,10 @@ import numpy
 
 import make
 from render import Daemon
+from writers import Gltf, icosphere
 
 EFFECTS = ("textures", "emitters", "lights", "environment", "bounces", "glossy", "normal-maps", "alpha-mask", "vertex-colors",
-           "unlit")
+           "unlit", "glass", "alpha-blend")
 
 
 def setUpModule():
@@ -60,6 +61,26 @@ class Off(unittest.TestCase):
     def test_emitters_off_is_black(self):
         off = daemon.render(make.cornell(folder.name), spp=4, arguments=["--effects", "-emitters"])
         self.assertEqual(float(off.radiance.max()), 0)
+
+    def test_glass_off_is_opaque_with_the_base_colour(self):
+        def ball(name, **more):
+            g = Gltf()
+            positions, triangles = icosphere(2)
+            g.place(positions, triangles, g.material("ball", (.2, .4, .6), roughness=.3, **more))
+            g.camera((0, 0, 4), (0, 0, 0), 40)
+            return g.save(folder.name, name)
+        glass = ball("glass.gltf", clear=1, volume={"thicknessFactor": 1})
+        off = daemon.render(glass, spp=8, arguments=["--background", "1,1,1", "--effects", "-glass"])
+        self.assertEqual(states(off)["glass"], "switched-off")
+        opaque = daemon.render(ball("opaque.gltf"), spp=8, arguments=["--background", "1,1,1"])
+        self.assertEqual(states(opaque)["glass"], "absent")
+        self.assertTrue(numpy.array_equal(off.radiance, opaque.radiance))
+        on = daemon.render(glass, spp=8, arguments=["--background", "1,1,1"])
+        self.assertGreater(float(numpy.abs(on.radiance - off.radiance).max()), 0.1)
+
+    def test_only_pt_sees_through_glass(self):
+        direct = daemon.render(make.cornell_glass(folder.name), spp=1, arguments=["--technique", "direct"])
+        self.assertEqual((states(direct)["glass"], states(direct)["alpha-blend"]), ("unsupported",) * 2)
 
     def test_lights_off_is_black(self):
         off = daemon.render(make.lit_floor(folder.name, "spot"), spp=4, arguments=["--effects", "-lights"])

@@ -7,6 +7,7 @@ import numpy
 
 import make
 from render import Daemon
+from writers import Gltf, quad
 
 
 def setUpModule():
@@ -78,6 +79,47 @@ class AlphaMask(unittest.TestCase):
     def test_the_factor_counts(self):
         solid = daemon.render(make.alpha_mask(folder.name, alpha=0.4), size=(128, 96), spp=1, arguments=["--aov", "albedo"])
         self.assertEqual(int((numpy.abs(solid.channels["albedo.G"] - 0.6) < 0.01).sum()), 0)
+
+
+class AlphaBlend(unittest.TestCase):
+    WHITE = ["--background", "1,1,1"]
+
+    def test_what_is_not_there_lets_light_through(self):
+        for alpha, sheets in ((.25, 1), (.25, 4), (0, 2), (1, 1)):
+            picture = daemon.render(make.alpha_blend(folder.name, alpha, sheets), spp=256, arguments=self.WHITE)
+            self.assertLess(abs(float(middle(picture)[0]) - (1 - alpha) ** sheets), .02, (alpha, sheets))
+
+    def test_off_is_whole(self):
+        picture = daemon.render(make.alpha_blend(folder.name), spp=4, arguments=[*self.WHITE, "--effects", "-alpha-blend"])
+        self.assertEqual(float(middle(picture)[0]), 0)
+
+    def test_any_order_of_work_gives_the_same(self):
+        scene = make.alpha_blend(folder.name, sheets=3, albedo=.5)
+        first, *others = (daemon.render(scene, spp=8, arguments=self.WHITE, options=o).radiance
+                          for o in ({"pt.traversal": "single"}, {"pt.traversal": "packet"}, {"pt.segment": 2, "pt.batch": 3}))
+        for other in others:
+            self.assertTrue(numpy.array_equal(first, other))
+
+    def lit_floor(self, sheet):
+        g = Gltf()
+        g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("floor", (.5,) * 3))
+        sheet(g)
+        g.camera((0, 1, 3), (0, 0, 0), 10)
+        return float(daemon.render(g.save(folder.name, "lit.gltf"), size=(16, 16), spp=256).radiance.mean(dtype=numpy.float64))
+
+    def test_a_lamp_that_is_half_there_shines_half(self):
+        lamp = quad((-1, 2, -1), (1, 2, -1), (1, 2, 1), (-1, 2, 1))
+        half = self.lit_floor(lambda g: g.place(*lamp, g.material("lamp", (0, 0, 0), (2,) * 3, alpha=.5, blend=True)))
+        whole = self.lit_floor(lambda g: g.place(*lamp, g.material("lamp", (0, 0, 0), (1,) * 3)))
+        self.assertLess(abs(half / whole - 1), .02)
+
+    def test_a_shadow_is_as_deep_as_it_is_there(self):
+        def sheet(alpha):
+            def place(g):
+                g.light("point", 5.0, (0, 3, 0))
+                g.place(*quad((-2, 1.5, 2), (2, 1.5, 2), (2, 1.5, -2), (-2, 1.5, -2)), g.material("sheet", (0, 0, 0), alpha=alpha, blend=True))
+            return place
+        self.assertLess(abs(self.lit_floor(sheet(.3)) / self.lit_floor(sheet(0)) - .7), .02)
 
 
 class Colours(unittest.TestCase):

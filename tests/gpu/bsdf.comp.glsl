@@ -14,6 +14,7 @@ layout(push_constant) uniform Push {
 	uint seed;
 	uint mode;         // 0: sample; 1: evaluate the grid of directions; 2: both ways between two random directions
 	uint side;         // mode 1: directions are side × side, (z, phi) evenly
+	float eta;         // 0: opaque; below 0: a thin wall of −eta; else a clear solid's
 } push;
 layout(std430, set = 0, binding = 1) writeonly buffer Out {
 	vec4 results[];    // mode 0: direction and pdf, then weight; mode 1: value and pdf; mode 2: diffuse there and back, facets likewise
@@ -30,6 +31,10 @@ void main()
 	s.f0 = vec3(push.f0);
 	s.f90 = vec3(push.f0 > 0.0 ? 1.0 : 0.0);
 	s.roughness = push.roughness;
+	s.clear = push.eta != 0.0;
+	s.thin = push.eta < 0.0;
+	s.eta = abs(push.eta);
+	s.base = vec3(push.diffuse);
 	vec3 view = vec3(sqrt(1.0 - push.cosine * push.cosine), 0.0, push.cosine);
 	bsdf b = bsdf_make(s, -view);
 	if (push.mode == 0u) {
@@ -54,6 +59,7 @@ void main()
 				  ggx_eval(back.view, in_back, back.alpha, s.f0, s.f90).r / in_back.z);
 	} else {
 		float z = (float(i / push.side) + 0.5) / float(push.side);
+		z = s.clear ? 2.0 * z - 1.0 : z;
 		float phi = 2.0 * PI * (float(i % push.side) + 0.5) / float(push.side);
 		float r = sqrt(1.0 - z * z);
 		results[i] = bsdf_eval(b, vec3(r * cos(phi), r * sin(phi), z));

@@ -325,6 +325,33 @@ def cornell(folder, radiance=15.0, name="cornell.gltf"):
     return g.save(folder, name)
 
 
+def cornell_glass(folder, scale=1.0, name="cornell_glass.gltf"):
+    """A box with a ball of green glass and a thin pane before it, under a lamp. All lengths times `scale`, the glass's too."""
+    g = Gltf()
+    for part, colour, corners in CORNELL:
+        g.place(*quad(*[[scale * c for c in p] for p in corners]), g.material(part, colour))
+    ball, triangles = icosphere(3, radius=.45)
+    inside = {"thicknessFactor": 1, "attenuationDistance": .5 * scale, "attenuationColor": [.4, .9, .5]}
+    g.node(mesh=g.mesh(transformed(ball, scale=scale, offset=(0, .45 * scale, 0)), triangles,
+                       g.material("ball", clear=1, roughness=0, ior=1.5, volume=inside), normals=[[c / .45 for c in p] for p in ball]))
+    pane = [(.1, .1, .8), (.8, .1, .6), (.8, 1.2, .6), (.1, 1.2, .8)]
+    g.place(*quad(*[[scale * c for c in p] for p in pane]), g.material("pane", (1, .8, .6), clear=1, roughness=.2))
+    lamp = [(-.25, 1.98, -.25), (.25, 1.98, -.25), (.25, 1.98, .25), (-.25, 1.98, .25)]
+    g.place(*quad(*[[scale * c for c in p] for p in lamp]), g.material("lamp", (.78, .78, .78), (15,) * 3))
+    g.camera((0, scale, 3.9 * scale), (0, scale, 0), 39)
+    return g.save(folder, name)
+
+
+def alpha_blend(folder, alpha=.25, sheets=1, albedo=0.0, name="alpha_blend.gltf"):
+    """Black sheets before each other, each there by a share: of what is behind them (1 - alpha) ** sheets comes through."""
+    g = Gltf()
+    sheet = g.material("sheet", (albedo,) * 3, alpha=alpha, blend=True)
+    for i in range(sheets):
+        g.place(*quad((-1, -1, -.1 * i), (1, -1, -.1 * i), (1, 1, -.1 * i), (-1, 1, -.1 * i)), sheet)
+    g.camera((0, 0, 2), (0, 0, 0), 40)
+    return g.save(folder, name)
+
+
 def cornell_obj(folder, radiance=15.0, name="cornell.obj"):
     """The same as OBJ and MTL."""
     o = Obj()
@@ -373,6 +400,8 @@ SCENES = {
     "stage": stage,
     "cornell": cornell,
     "cornell_obj": cornell_obj,
+    "cornell_glass": cornell_glass,
+    "alpha_blend": alpha_blend,
 }
 
 

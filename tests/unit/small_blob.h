@@ -90,6 +90,9 @@ static inline void small_make(struct small_blob *b)
 				 .roughness = .5f,
 				 .normal_scale = 1,
 				 .alpha_cutoff = .5f,
+				 .alpha = 1,
+				 .transmission = .5f,
+				 .ior = 1.5f,
 				 .flags = MATERIAL_ALPHA_MASK};
 	m[1] = (struct material){.emission = {1, 1, 1},
 				 .albedo_texture = NONE,
@@ -97,6 +100,7 @@ static inline void small_make(struct small_blob *b)
 				 .specular_texture = NONE,
 				 .surface_texture = NONE,
 				 .normal_texture = NONE,
+				 .transmission_texture = NONE,
 				 .power_density = 3.14f};
 	struct vertex_color *colors = small_section(b, BLOB_COLORS);
 	struct vertex_tangent *tangents = small_section(b, BLOB_TANGENTS);

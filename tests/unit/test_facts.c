@@ -28,7 +28,7 @@ static void everything(void **state)
 	(void)state;
 	assert_int_equal(facts(), FACT_TEXTURES | FACT_EMITTERS | FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS |
 				      FACT_DIRECTIONAL_LIGHTS | FACT_REFLECTS | FACT_GLOSSY | FACT_NORMAL_MAPS |
-				      FACT_ALPHA_MASK | FACT_VERTEX_COLORS);
+				      FACT_ALPHA_MASK | FACT_VERTEX_COLORS | FACT_GLASS);
 }
 
 static void lights_by_kind(void **state)
@@ -65,10 +65,10 @@ static void textures_of_any_kind(void **state)
 {
 	struct material *m = small_section(&blob, BLOB_MATERIALS);
 	(void)state;
-	for (int i = 0; i < 5; i++) {
-		uint32_t *const slots[] = {&m->albedo_texture, &m->emission_texture, &m->specular_texture,
-					   &m->surface_texture, &m->normal_texture};
-		for (int k = 0; k < 5; k++)
+	for (int i = 0; i < 6; i++) {
+		uint32_t *const slots[] = {&m->albedo_texture,  &m->emission_texture, &m->specular_texture,
+					   &m->surface_texture, &m->normal_texture,   &m->transmission_texture};
+		for (int k = 0; k < 6; k++)
 			*slots[k] = k == i ? 0 : NONE;
 		assert_true(facts() & FACT_TEXTURES);
 		*slots[i] = NONE;
@@ -93,6 +93,16 @@ static void gloss(void **state)
 	assert_int_equal(facts() & (FACT_GLOSSY | FACT_REFLECTS | FACT_UNLIT | FACT_ALPHA_MASK), FACT_UNLIT);
 }
 
+static void glass(void **state)
+{
+	struct material *m = small_section(&blob, BLOB_MATERIALS);
+	(void)state;
+	*m = (struct material){.transmission = .1f};
+	assert_int_equal(facts() & (FACT_GLASS | FACT_REFLECTS | FACT_ALPHA_BLEND), FACT_GLASS | FACT_REFLECTS);
+	*m = (struct material){.transmission = .1f, .flags = MATERIAL_UNLIT | MATERIAL_ALPHA_BLEND};
+	assert_int_equal(facts() & (FACT_GLASS | FACT_REFLECTS | FACT_ALPHA_BLEND), FACT_ALPHA_BLEND);
+}
+
 static void white_vertices_have_no_colour(void **state)
 {
 	struct vertex_color *colors = small_section(&blob, BLOB_COLORS);
@@ -107,9 +117,9 @@ static void white_vertices_have_no_colour(void **state)
 static void every_fact_has_a_name(void **state)
 {
 	(void)state;
-	for (uint32_t bit = 1; bit <= FACT_UNLIT; bit <<= 1)
+	for (uint32_t bit = 1; bit <= FACT_ALPHA_BLEND; bit <<= 1)
 		assert_non_null(fact_name((enum fact)bit));
-	assert_null(fact_name((enum fact)(FACT_UNLIT << 1)));
+	assert_null(fact_name((enum fact)(FACT_ALPHA_BLEND << 1)));
 	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
 }
 
@@ -120,6 +130,7 @@ int main(void)
 	    cmocka_unit_test_setup(lights_by_kind, fresh),
 	    cmocka_unit_test_setup(textures_of_any_kind, fresh),
 	    cmocka_unit_test_setup(gloss, fresh),
+	    cmocka_unit_test_setup(glass, fresh),
 	    cmocka_unit_test_setup(white_vertices_have_no_colour, fresh),
 	    cmocka_unit_test_setup(emitters, fresh),
 	    cmocka_unit_test_setup(unused_materials_say_nothing, fresh),

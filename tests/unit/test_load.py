@@ -16,11 +16,11 @@ from writers import Gltf, Obj, look_at, png, quad, save  # noqa: E402
 LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
 SECTIONS = ["nodes", "leaf_triangles", "triangles", "vertices", "materials", "textures", "texels", "emitters", "lights",
             "cameras", "names", "uv1", "colors", "tangents"]
-FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fI3fIIffIf3f", "textures": "<4I3f3f", "texels": "<I",
+FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fI3fIIffIfffIf3f", "textures": "<4I3f3f", "texels": "<I",
            "emitters": "<IfIf", "lights": "<3fI3ff3fffIff", "uv1": "<2f", "colors": "<4f", "tangents": "<4f"}
 # Where a material's fields lie in its tuple.
-(ALBEDO, EMISSION, SPECULAR, WEIGHT, METALLIC, ROUGHNESS, SURFACE, NORMAL, SCALE, CUTOFF, FLAGS, POWER) = (
-    0, 4, 8, 12, 13, 14, 15, 16, 17, 18, 19, 20)
+(ALBEDO, EMISSION, SPECULAR, WEIGHT, METALLIC, ROUGHNESS, SURFACE, NORMAL, SCALE, CUTOFF, FLAGS, POWER, ALPHA, TRANSMISSION,
+ CLEAR_TEXTURE, IOR, ABSORPTION) = (0, 4, 8, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25)
 NONE = 0xFFFFFFFF
 
 
@@ -350,6 +350,49 @@ class Load(unittest.TestCase):
         self.assertEqual(blob.texels, [(0xFFFFFFFF,), (0x00FFFFFF,)])
         info, _ = self.material(alpha=.5)
         self.assertNotIn("alpha masks", info["facts"])
+
+    def test_alpha_blend(self):
+        def edit(g, m):
+            m["alphaMode"] = "BLEND"
+        info, m = self.material(edit, alpha=.25)
+        self.assertEqual((m[FLAGS], m[ALPHA], info["ignored"]), (8, .25, []))
+        self.assertIn("alpha blending", info["facts"])
+        _, m = self.material(edit, alpha=.25, unlit=True)
+        self.assertEqual((m[FLAGS], m[ALPHA]), (12, .25))
+
+    def test_glass(self):
+        def glass(volume=None, texture=False, **transmission):
+            def edit(g, m):
+                if texture:
+                    transmission["transmissionTexture"] = {"index": g.image(png(1, 1, lambda x, y: (9, 9, 9)))}
+                g.extend(m, "KHR_materials_transmission", transmission)
+                if volume is not None:
+                    g.extend(m, "KHR_materials_volume", volume)
+            return edit
+        info, m = self.material(glass(transmissionFactor=.5))
+        self.assertEqual((m[TRANSMISSION], m[FLAGS], m[IOR], m[CLEAR_TEXTURE]), (.5, 16, 1.5, NONE))
+        self.assertEqual((info["ignored"], info["warnings"]), ([], []))
+        self.assertIn("glass", info["facts"])
+        info, m = self.material(glass(transmissionFactor=1, texture=True), ior=1.25)
+        self.assertEqual((m[TRANSMISSION], m[IOR], m[CLEAR_TEXTURE]), (1, 1.25, 0))
+        solid = {"thicknessFactor": .1, "attenuationDistance": 2, "attenuationColor": [1, .5, .25]}
+        info, m = self.material(glass(solid, transmissionFactor=1))
+        self.assertEqual(m[FLAGS], 0)
+        self.near(m[ABSORPTION:ABSORPTION + 3], (0, math.log(2) / 2, math.log(4) / 2))
+        # Without thickness, distance or transmission there is no inside, no absorption, no glass.
+        self.assertEqual(self.material(glass({"attenuationDistance": 2, "attenuationColor": [0, 0, 0]}, transmissionFactor=1))[1][FLAGS], 16)
+        self.assertEqual(self.material(glass({"thicknessFactor": 1, "attenuationColor": [0, 0, 0]}, transmissionFactor=1))[1][ABSORPTION], 0)
+        self.assertNotIn("glass", self.material(glass({"thicknessFactor": 1}))[0]["facts"])
+        self.assertNotIn("glass", self.material(glass(transmissionFactor=1), ior=0)[0]["facts"])
+
+    def test_glass_out_of_range(self):
+        def edit(g, m):
+            g.extend(m, "KHR_materials_transmission", {"transmissionFactor": 3})
+            g.extend(m, "KHR_materials_volume", {"thicknessFactor": 1, "attenuationDistance": 0, "attenuationColor": [0, 2, -1]})
+        info, m = self.material(edit, ior=1e9)
+        self.assertEqual((m[TRANSMISSION], m[IOR]), (1, 10))
+        self.near([a / 1e9 for a in m[ABSORPTION:ABSORPTION + 3]], (1, 0, 1))
+        self.assertEqual(len(info["warnings"]), 1)
 
     def test_unlit(self):
         def edit(g, m):

@@ -39,7 +39,7 @@ static void exponents(void **state)
 
 static struct material surface(int illum, double ks, double ns)
 {
-	const struct mtl_note note = {.illum = illum, .specular = {ks, ks / 2, 0}, .exponent = ns, .bump = 1};
+	const struct mtl_note note = {.illum = illum, .specular = {ks, ks / 2, 0}, .exponent = ns, .bump = 1, .dissolve = 1};
 	struct material m = import_plain_material(0.5f);
 	assert_true(mtl_set_surface(&import, &note, &m) == (ks <= 1));
 	return m;
@@ -58,9 +58,12 @@ static void illumination_models(void **state)
 		assert_true(m.specular_weight == 0.5f && m.metallic == 0 && near_to(m.roughness, 0.5));
 	}
 	assert_int_equal(info.ignored_count, 0);
-	assert_true(surface(7, 0.5, 30).specular_weight == 0.5f);
+	for (int illum = 4; illum <= 9; illum++) // nothing says that light comes through
+		assert_true(surface(illum, 0.5, 30).specular_weight == 0.5f && surface(illum, 0.5, 30).transmission == 0);
+	assert_int_equal(info.ignored_count, 0);
+	assert_true(surface(10, 0.5, 30).specular_weight == 0.5f);
 	assert_int_equal(info.ignored_count, 1);
-	assert_string_equal(info.ignored[0], "illum 7");
+	assert_string_equal(info.ignored[0], "illum 10");
 	assert_true(surface(2, 3, 30).specular[0] == 1);
 	assert_true(surface(2, 0.5, 0).roughness == 1);
 	assert_true(surface(2, 0, 30).specular_weight == 0);
@@ -68,6 +71,59 @@ static void illumination_models(void **state)
 	assert_true(surface(-1, 0.5, 30).specular_weight == 0.5f);
 	assert_true(surface(-1, 0.5, 0).specular_weight == 0);
 	assert_true(surface(-1, 0, 30).specular_weight == 0);
+}
+
+static void glass(void **state)
+{
+	static const int clear[] = {4, 6, 7, 9};
+	struct mtl_note note = {
+	    .specular = {1, 1, 1}, .exponent = 9, .dissolve = 1, .has_filter = true, .filter = {1, .25, 0}};
+	(void)state;
+	for (int i = 0; i < 4; i++) {
+		struct material m = import_plain_material(0.5f);
+		note.illum = clear[i];
+		note.ior = i == 0 ? 0 : 1.25;
+		assert_true(mtl_set_surface(&import, &note, &m));
+		assert_true(m.transmission == 1 && m.roughness == 0 && m.ior == (i == 0 ? 1.5f : 1.25f));
+		assert_true(m.albedo[0] == 1 && m.albedo[1] == 0.5f && m.albedo[2] == 0);
+		assert_int_equal(m.flags, 0); // solid
+	}
+	assert_int_equal(info.ignored_count, 0);
+	struct material m = import_plain_material(0.5f);
+	note.ior = 1e9;
+	assert_false(mtl_set_surface(&import, &note, &m));
+	assert_true(m.ior == (float)LIMIT_IOR_MOST);
+	// No light comes through, or the model is none of glass.
+	const struct mtl_note opaque[] = {{.illum = 7, .ior = 2, .dissolve = 1, .has_filter = true},
+					  {.illum = 2, .ior = 2, .dissolve = 1}};
+	for (int i = 0; i < 2; i++) {
+		m = import_plain_material(0.5f);
+		assert_true(mtl_set_surface(&import, &opaque[i], &m));
+		assert_true(m.transmission == 0 && m.albedo[0] == 0.5f);
+	}
+	assert_int_equal(info.ignored_count, 2);
+	assert_string_equal(info.ignored[0], "Ni");
+	assert_string_equal(info.ignored[1], "Tf");
+}
+
+static void dissolve(void **state)
+{
+	static char text[] =
+	    "newmtl a\nd 0.25\nTr 0.5\nnewmtl b\nTr 0.25\nnewmtl c\nTr 1\nnewmtl e\nd 7\nnewmtl f\nd\nTf 0.5\nNi 2\n";
+	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
+	static const char *const names[] = {"a", "b", "c", "e", "f"};
+	static const float alphas[] = {.25f, .75f, 1, 1, 1};
+	struct mtl_notes notes = {0};
+	(void)state;
+	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
+	for (int i = 0; i < 5; i++) {
+		struct material m = import_plain_material(0.5f);
+		assert_true(mtl_set_surface(&import, mtl_notes_find(&notes, names[i]), &m) == (i != 3));
+		assert_true(m.alpha == alphas[i] && m.flags == (alphas[i] < 1 ? MATERIAL_ALPHA_BLEND : 0));
+	}
+	const struct mtl_note *f = mtl_notes_find(&notes, "f");
+	assert_true(f->ior == 2 && f->has_filter && f->filter[0] == .5 && f->filter[2] == .5);
+	mtl_notes_finish(&notes);
 }
 
 static void statements(void **state)
@@ -132,6 +188,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(exponents),
 	    cmocka_unit_test_setup(illumination_models, fresh),
+	    cmocka_unit_test_setup(glass, fresh),
+	    cmocka_unit_test_setup(dissolve, fresh),
 	    cmocka_unit_test_setup(statements, fresh),
 	    cmocka_unit_test(normal_maps_are_told_from_heights),
 	    cmocka_unit_test(heights_become_normals),

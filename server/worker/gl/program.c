@@ -35,7 +35,9 @@ void gl_define_effects(struct gl_defines *d, uint32_t effects)
 							[SPEC_NORMAL_MAPS] = "EFFECT_NORMAL_MAPS",
 							[SPEC_ALPHA_MASK] = "EFFECT_ALPHA_MASK",
 							[SPEC_VERTEX_COLORS] = "EFFECT_VERTEX_COLORS",
-							[SPEC_UNLIT] = "EFFECT_UNLIT"};
+							[SPEC_UNLIT] = "EFFECT_UNLIT",
+							[SPEC_GLASS] = "EFFECT_GLASS",
+							[SPEC_ALPHA_BLEND] = "EFFECT_ALPHA_BLEND"};
 	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
 		gl_define(d, names[i], "%s", effects >> i & 1u ? "true" : "false");
 }

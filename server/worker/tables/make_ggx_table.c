@@ -5,6 +5,9 @@
 //     F0 · A + F90 · B                             where facets follow Schlick's F0 + (F90 − F0)(1 − v·h)⁵.
 // Both are means of G2 / G1 over visible normals (Heitz 2018, JCGT 7-4), weighted by 1 − (1 − v·h)⁵ and (1 − v·h)⁵, over a
 // Hammersley set. The averages over the hemisphere are 2 ∫ μ A(μ) dμ.
+//
+// Of a rough dielectric it is the mean of F G2 / G1 where the reflected direction is above and of (1 − F) G1(l) where the
+// refracted one is below: shaders/common/glass.glsl.
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -63,6 +66,56 @@ static void albedo(double mu, double roughness, double out[2])
 	}
 }
 
+static double fresnel(double cosine, double eta)
+{
+	const double sine2 = (1 - cosine * cosine) / (eta * eta);
+	if (sine2 >= 1)
+		return 1;
+	const double t = sqrt(1 - sine2);
+	const double across = (cosine - eta * t) / (cosine + eta * t), along = (eta * cosine - t) / (eta * cosine + t);
+	return (across * across + along * along) / 2;
+}
+
+static double glass_albedo(double mu, double roughness, double eta)
+{
+	const double alpha = fmax(roughness * roughness, GGX_ALPHA_LEAST);
+	const double v[3] = {sqrt(fmax(0, 1 - mu * mu)), 0, mu};
+	const double lambda_v = lambda(mu, alpha);
+	double sum = 0;
+	for (uint32_t i = 0; i < SAMPLES; i++) {
+		double h[3];
+		visible_normal(v, alpha, (i + 0.5) / SAMPLES, radical_inverse(i), h);
+		const double vh = fmin(v[0] * h[0] + v[2] * h[2], 1);
+		if (vh <= 0)
+			continue;
+		const double f = fresnel(vh, eta), up = 2 * vh * h[2] - mu;
+		if (up > 0)
+			sum += f * (1 + lambda_v) / (1 + lambda_v + lambda(up, alpha));
+		const double t = sqrt(fmax(0, 1 - (1 - vh * vh) / (eta * eta)));
+		const double down = (vh / eta - t) * h[2] - mu / eta;
+		if (down < 0)
+			sum += (1 - f) / (1 + lambda(down, alpha));
+	}
+	return sum / SAMPLES;
+}
+
+static void print_glass(void)
+{
+	static double table[GLASS_RATIOS][GLASS_ROUGHNESSES][GLASS_COSINES];
+	for (int e = 0; e < GLASS_RATIOS; e++) {
+		const double x = e / (GLASS_RATIOS - 1.0) - 0.5, eta = (1 + x) / (1 - x);
+		for (int r = 0; r < GLASS_ROUGHNESSES; r++)
+			for (int c = 0; c < GLASS_COSINES; c++) {
+				const double s = c / (GLASS_COSINES - 1.0), t = r / (GLASS_ROUGHNESSES - 1.0);
+				table[e][r][c] = glass_albedo(fmax(s * s, 1e-6), t * t, eta);
+			}
+	}
+	for (int e = 0; e + 1 < GLASS_RATIOS; e++)
+		for (int r = 0; r < GLASS_ROUGHNESSES; r++)
+			for (int c = 0; c < GLASS_COSINES; c++)
+				printf("%.6ef, %.6ef,\n", table[e][r][c], table[e + 1][r][c]);
+}
+
 int main(void)
 {
 	static double table[GGX_ROUGHNESSES][GGX_COSINES][2];
@@ -83,6 +136,7 @@ int main(void)
 		}
 		printf("%.9ef, %.9ef,\n", sum[0], sum[1]);
 	}
+	print_glass();
 	printf("};\n");
 	return 0;
 }
