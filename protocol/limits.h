@@ -44,7 +44,8 @@
 #define LIMIT_DIRECT_SAMPLES 64u // direct.samples
 #define LIMIT_VCT_BOUNCES 8u // vct.bounces
 #define LIMIT_VCT_CONES 32u // vct.cones
-#define LIMIT_RADIANCE 1e12 // of a background component, W/(m² sr)
+#define LIMIT_RADIANCE 1e12 // of a component of a background or an emission, W/(m² sr)
+#define LIMIT_INTENSITY 1e20 // of a component of a light, W/sr; of a directional one, W/m²
 #define LIMIT_COORDINATE 1e12 // of a camera's position, metres
 #define LIMIT_EXPOSURE_EV 64.0 // either way
 #define LIMIT_PROGRESS_MS 3600000u

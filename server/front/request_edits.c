@@ -28,9 +28,9 @@ static enum status check_light(const candil_Light *l, struct error *err)
 {
 	if ((unsigned)l->kind > candil_LightKind_LIGHT_KIND_DIRECTIONAL)
 		return error_set(err, STATUS_BAD_ARGUMENT, "a light's kind %u is none of candil.proto", (unsigned)l->kind);
-	if (!l->has_intensity || !within(&l->intensity, 0, LIMIT_RADIANCE))
+	if (!l->has_intensity || !within(&l->intensity, 0, LIMIT_INTENSITY))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a light needs an intensity of components between 0 and %g",
-				 LIMIT_RADIANCE);
+				 LIMIT_INTENSITY);
 	if (l->kind != candil_LightKind_LIGHT_KIND_DIRECTIONAL &&
 	    (!l->has_position || !within(&l->position, -LIMIT_COORDINATE, LIMIT_COORDINATE)))
 		return error_set(err, STATUS_BAD_ARGUMENT,

@@ -45,7 +45,7 @@ bool set_intensity(struct punctual_light *out, const tinygltf::Light &light)
 		return false;
 	for (size_t c = 0; c < 3; c++) {
 		const double colour = light.color.size() == 3 ? light.color[c] : 1.0;
-		if (!import_fit(&out->intensity[c], colour * light.intensity, LIMIT_RADIANCE))
+		if (!import_fit(&out->intensity[c], colour * light.intensity, LIMIT_INTENSITY))
 			return false;
 		some = some || out->intensity[c] > 0;
 	}

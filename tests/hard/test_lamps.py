@@ -1,0 +1,222 @@
+"""Lamps and lights where they are hard: in one plane with a wall, touching what they light, next to nothing in size, fourteen
+decades apart in radiance, at any scale and place, without area or without a number."""
+import math
+import tempfile
+import unittest
+
+import numpy
+
+from images import relmse
+from render import Daemon, Failed
+from writers import Gltf, box, quad
+
+SCALES = (1e-3, 1e3, 1e6)
+
+
+def setUpModule():
+    global daemon, folder
+    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
+    daemon = Daemon().__enter__()
+
+
+def tearDownModule():
+    daemon.__exit__(None, None, None)
+    folder.cleanup()
+
+
+def floor(g, half, y=0.0, albedo=0.5):
+    return g.place(*quad((-half, y, half), (half, y, half), (half, y, -half), (-half, y, -half)), g.material("floor", (albedo,) * 3))
+
+
+def square(g, half, y, radiance, **material):
+    """A square lamp that looks down."""
+    g.place(*quad((-half, y, -half), (half, y, -half), (half, y, half), (-half, y, half)),
+            g.material("lamp", (0, 0, 0), (radiance,) * 3, **material))
+
+
+def below_square(half, height=1.0):
+    """Irradiance below the middle of a square of radiance 1."""
+    a = half / math.hypot(half, height)
+    return 4 * a * math.atan(a)
+
+
+def beside_wall(width, height, distance):
+    """Irradiance on the floor at a distance before the middle of a rectangle of radiance 1 that stands on it: Howell's catalogue
+    of configuration factors, B-4, twice."""
+    x, y = height / (width / 2), distance / (width / 2)
+    a = 1 / math.hypot(x, y)
+    return math.atan(1 / y) - a * y * math.atan(a)
+
+
+def irradiance(g, at, name, spp=1024, eye=None, albedo=0.5, **more):
+    """What comes to a place of the floor by direct light, seen through a narrow lens from straight above or from `eye`."""
+    x, y, z = at
+    eye = eye or (x, y + 0.5, z)
+    camera = (*eye, *at, 0, 0, -1, 0.01) if eye[0] == x and eye[2] == z else (*eye, *at, 0, 1, 0, 0.01)
+    picture = daemon.render(g.save(folder.name, name), size=(8, 8), spp=spp, camera=camera, options={"pt.depth": 1, **more})
+    assert picture.report["non_finite_samples"] == 0
+    return float(picture.radiance.mean(dtype=numpy.float64)) * math.pi / albedo
+
+
+class Near(unittest.TestCase):
+    def test_a_lamp_in_the_plane_of_the_ceiling(self):
+        """Let into the ceiling, or lying in the very plane of it: the ceiling takes nothing of its light."""
+        for hole in (True, False):
+            g = Gltf()
+            floor(g, 5)
+            plate = g.material("ceiling", (0, 0, 0))
+            parts = [(-5, -5, 5, -.5), (-5, .5, 5, 5), (-5, -.5, -.5, .5), (.5, -.5, 5, .5)] if hole else [(-5, -5, 5, 5)]
+            for x0, z0, x1, z1 in parts:
+                g.place(*quad((x0, 1, z0), (x1, 1, z0), (x1, 1, z1), (x0, 1, z1)), plate)
+            square(g, .5, 1, 1.0)
+            # Which of two surfaces in one plane is seen is nobody's to say: by its points the lamp is there.
+            ways = {} if hole else {"pt.lights": "nee"}
+            self.assertAlmostEqual(irradiance(g, (0, 0, 0), "ceiling.gltf", **ways) / below_square(.5), 1, delta=0.01)
+
+    def test_a_lamp_that_stands_on_the_floor(self):
+        for distance in (0.5, 0.05, 0.005):
+            g = Gltf()
+            floor(g, 5)
+            g.place(*quad((-1, 0, 0), (1, 0, 0), (1, 1, 0), (-1, 1, 0)), g.material("lamp", (0, 0, 0), (1, 1, 1)))
+            expected = beside_wall(2, 1, distance)
+            for ways in ({}, {"pt.lights": "none"}):
+                got = irradiance(g, (0, 0, distance), "standing.gltf", **ways)
+                self.assertAlmostEqual(got / expected, 1, delta=0.015, msg=f"at {distance} m, {ways}")
+
+    def test_a_lamp_that_shrinks_becomes_a_point(self):
+        """Of one intensity, 1 W/sr straight down, whatever its side: 1 W/m² a metre below."""
+        for half in (0.05, 1e-3, 1e-5):
+            g = Gltf()
+            floor(g, 5)
+            square(g, half, 1, 1 / (4 * half * half))
+            got = irradiance(g, (0, 0, 0), "shrinks.gltf", spp=64, eye=(0, .5, 3))
+            self.assertAlmostEqual(got / (below_square(half) / (4 * half * half)), 1, delta=2e-3, msg=f"half {half}")
+        self.assertAlmostEqual(got, 1, delta=2e-3)
+
+    def test_grazing_by_a_tenth_of_a_degree(self):
+        """A white floor in a white world, seen at 0.1 degrees, is white."""
+        g = Gltf()
+        floor(g, 1e4, albedo=1.0)
+        a = math.radians(0.1)
+        picture = daemon.render(g.save(folder.name, "grazing.gltf"), size=(8, 8), spp=16, arguments=["--background", "1,1,1"],
+                                camera=(0, math.sin(a), math.cos(a), 0, 0, 0, 0, 1, 0, 0.01))
+        self.assertLess(float(numpy.abs(picture.radiance - 1).max()), 1e-5)
+
+
+def lit_room(g, s, at=(0.0, 0.0, 0.0)):
+    """A lamp, a point light and a spot over blocks, all lengths times s: radiance and irradiance stay what they are."""
+    place = {"translation": list(at)}
+    wall = g.material("wall", (.7, .5, .3))
+    shape = lambda parts: ([[c * s for c in p] for p in parts[0]], parts[1])
+    g.place(*shape(box((-2, 0, -2), (2, 2.5, 2), inward=True)), wall, **place)
+    g.place(*shape(box((-1, 0, -.5), (-.3, .8, .3))), wall, **place)
+    g.place(*shape(quad((-.4, 2.4, -.4), (.4, 2.4, -.4), (.4, 2.4, .4), (-.4, 2.4, .4))), g.material("lamp", (0, 0, 0), (3, 3, 3)), **place)
+    here = lambda *p: [c * s + o for c, o in zip(p, at)]
+    g.light("point", 1.5 * s * s, here(1.5, 1.2, 1), here(1.5, 0, 1))
+    g.light("spot", 4.0 * s * s, here(-1.5, 2, 1.5), here(0, 0, 0), cone=(0.2, 0.5), up=(0, 1, 0))
+    return (*here(1.7, 1.6, 1.9), *here(0, .8, 0), 0, 1, 0, 70)
+
+
+class Anywhere(unittest.TestCase):
+    """One room at many scales and places. Same samples: what differs is rounding, and the few paths that it turns."""
+
+    @classmethod
+    def setUpClass(cls):
+        g = Gltf()
+        camera = lit_room(g, 1.0)
+        cls.usual = daemon.render(g.save(folder.name, "room.gltf"), size=(48, 48), spp=64, camera=camera).radiance
+
+    def test_scales(self):
+        for s in SCALES:
+            with self.subTest(scale=s):
+                g = Gltf()
+                camera = lit_room(g, s)
+                picture = daemon.render(g.save(folder.name, "scaled.gltf"), size=(48, 48), spp=64, camera=camera)
+                error = relmse(picture.radiance, self.usual)
+                print(f"scale {s:g}: relMSE {error:.1e}")
+                self.assertLess(error, 2e-3)
+                self.assertAlmostEqual(float(picture.radiance.mean() / self.usual.mean()), 1, delta=2e-3)
+
+    def test_far_away_by_a_node(self):
+        g = Gltf()
+        camera = lit_room(g, 1.0, (1e5, 0.0, -1e5))
+        scene = g.save(folder.name, "far.gltf")
+        # Lights and cameras are placed in double precision too: 1e5 m off, a float would be 8 mm coarse.
+        picture = daemon.render(scene, size=(48, 48), spp=64, camera=camera)
+        error = relmse(picture.radiance, self.usual)
+        print(f"1e5 m away: relMSE {error:.1e}")
+        self.assertLess(error, 2e-3)
+
+
+class Range(unittest.TestCase):
+    def test_a_dim_room_beside_a_glaring_one(self):
+        """Two closed rooms, their walls' radiance fourteen decades apart: each is as bright as it is alone."""
+        for eye, emission in ((-3, 1e-6), (3, 1e8)):
+            g = Gltf()
+            for x, e in ((-3, 1e-6), (3, 1e8)):
+                g.place(*box((x - 1, -1, -1), (x + 1, 1, 1), inward=True), g.material("walls", (.5,) * 3, (e,) * 3))
+            picture = daemon.render(g.save(folder.name, "rooms.gltf"), size=(16, 16), spp=64, camera=(eye, 0, .5, eye, 0, -1, 0, 1, 0, 60),
+                                    options={"pt.depth": 4})
+            expected = emission * (1 - .5 ** 5) / .5
+            self.assertAlmostEqual(float(picture.radiance.mean(dtype=numpy.float64)) / expected, 1, delta=0.01)
+            self.assertEqual(picture.report["non_finite_samples"], 0)
+
+    def test_a_thousand_sheets(self):
+        """Each lets through 999 of 1000 rays: 0.3677 of the light comes through all of them."""
+        g = Gltf()
+        sheet = g.material("sheet", (0, 0, 0), alpha=1e-3, blend=True)
+        positions, triangles = [], []
+        for i in range(1000):
+            p, t = quad((-1, -1, -i * 1e-3), (1, -1, -i * 1e-3), (1, 1, -i * 1e-3), (-1, 1, -i * 1e-3))
+            triangles += [[c + len(positions) for c in corner] for corner in t]
+            positions += p
+        g.place(positions, triangles, sheet)
+        picture = daemon.render(g.save(folder.name, "sheets.gltf"), size=(32, 32), spp=64, camera=(0, 0, 3, 0, 0, 0, 0, 1, 0, 10),
+                                arguments=["--background", "1,1,1"])
+        # 65536 rays: a standard deviation of 0.0019.
+        self.assertAlmostEqual(float(picture.radiance.mean(dtype=numpy.float64)), 0.999 ** 1000, delta=0.008)
+
+
+class Odd(unittest.TestCase):
+    def test_shading_normals_that_look_away(self):
+        """Normals that point into the floor count by the side that they are on: nothing is black, nothing gained."""
+        values = []
+        for up in (1, -1):
+            g = Gltf()
+            positions, triangles = quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5))
+            g.node(mesh=g.mesh(positions, triangles, g.material("floor", (.5,) * 3), normals=[(0.6, .8 * up, 0)] * 4))
+            picture = daemon.render(g.save(folder.name, "away.gltf"), size=(8, 8), spp=256, camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 1),
+                                    arguments=["--background", "1,1,1"])
+            values.append(float(picture.radiance.mean(dtype=numpy.float64)))
+        for value in values:
+            self.assertAlmostEqual(value, 0.5, delta=0.005)
+
+    def test_lamps_without_area_are_no_lamps(self):
+        means = []
+        for extra in (False, True):
+            g = Gltf()
+            floor(g, 5)
+            square(g, .5, 1, 1.0)
+            if extra:
+                glow = g.material("needle", (0, 0, 0), (1e6,) * 3)
+                g.place([(0, .5, 0), (1, .5, 0), (2, .5, 0)], [(0, 1, 2)], glow)
+                g.place([(0, .5, 0), (0, .5, 0), (0, .5, 0)], [(0, 1, 2)], glow)
+            means.append(irradiance(g, (0, 0, 0), "no_area.gltf", spp=64))
+        self.assertEqual(means[0], means[1])
+
+    def test_a_light_that_is_no_number_is_refused(self):
+        g = Gltf()
+        floor(g, 5)
+        scene = g.save(folder.name, "nan.gltf")
+        for intensity in ("nan", "inf", "-1"):
+            with self.assertRaises(Failed, msg=intensity):
+                daemon.render(scene, size=(8, 8), camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 10), arguments=["--light", f"point:at=0,1,0,intensity={intensity}"])
+        g.light("point", 1.0, (0, 1, 0))
+        g.json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = float("nan")
+        with self.assertRaises(Failed) as refused:
+            daemon.render(g.save(folder.name, "nan_light.gltf"), size=(8, 8), camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 10))
+        self.assertIn("scene-invalid", refused.exception.text)
+
+
+if __name__ == "__main__":
+    unittest.main()
