@@ -243,7 +243,7 @@ static candil_Render edited(void)
 
 static void edits(void **state)
 {
-	const double bad[] = {NAN, INFINITY, -INFINITY, 2 * LIMIT_COORDINATE, -1};
+	const double bad[] = {NAN, INFINITY, -INFINITY, 2 * LIMIT_INTENSITY, -1};
 	(void)state;
 	assert_int_equal(judge(edited()), STATUS_OK);
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
