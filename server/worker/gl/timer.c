@@ -42,6 +42,13 @@ void gl_timer_end(struct gl_timer *t)
 	glQueryCounter(t->pending[t->pending_count++].to, GL_TIMESTAMP);
 }
 
+void gl_timer_add(struct gl_timer *t, const char *stage, uint64_t us)
+{
+	const uint32_t i = stage_of(t, stage);
+	if (i < GL_TIMER_STAGES)
+		t->stages[i].us += us;
+}
+
 void gl_timer_collect(struct gl_timer *t)
 {
 	for (uint32_t i = 0; i < t->pending_count; i++) {

@@ -32,6 +32,9 @@ void gl_timer_finish(struct gl_timer *timer);
 void gl_timer_begin(struct gl_timer *timer, const char *stage);
 void gl_timer_end(struct gl_timer *timer);
 
+// Time that a stage took on the host.
+void gl_timer_add(struct gl_timer *timer, const char *stage, uint64_t us);
+
 // Wait for the stamps that are under way and add them up. Called by itself when too many are.
 void gl_timer_collect(struct gl_timer *timer);
 

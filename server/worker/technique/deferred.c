@@ -153,11 +153,10 @@ static void account(struct deferred *d, struct frame *f, uint64_t resolve_us)
 	f->rays = d->rays;
 	if (d->upload_us)
 		frame_add_stage(f, "upload", d->upload_us);
-	if (d->compile_us)
-		frame_add_stage(f, "compile", d->compile_us);
 	gl_timer_collect(&d->timer);
 	for (uint32_t i = 0; i < d->timer.stage_count; i++)
-		frame_add_stage(f, d->timer.stages[i].name, d->timer.stages[i].us);
+		if (d->timer.stages[i].us > 0 || d->timer.stages[i].passes > 0)
+			frame_add_stage(f, d->timer.stages[i].name, d->timer.stages[i].us);
 	frame_add_stage(f, "resolve", resolve_us);
 }
 
@@ -190,5 +189,5 @@ struct gl_timer *deferred_timer(struct deferred *d)
 void deferred_add_setup(struct deferred *d, uint64_t upload_us, uint64_t compile_us)
 {
 	d->upload_us += upload_us;
-	d->compile_us += compile_us;
+	gl_timer_add(&d->timer, "compile", compile_us);
 }

@@ -54,7 +54,7 @@ struct deferred {
 	struct pt_counters seen;
 	uint64_t rays, non_finite;
 	struct gl_timer timer;
-	uint64_t upload_us, compile_us;
+	uint64_t upload_us;
 };
 
 // Triangles, or tiles of the cursor's band.

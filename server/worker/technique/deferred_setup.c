@@ -144,7 +144,7 @@ static enum status make_program(struct deferred *d, struct deferred_work *work, 
 		return STATUS_OK;
 	s = deferred_warm_up(d, work, err);
 	program->warm = s == STATUS_OK;
-	d->compile_us += clock_us() - start;
+	gl_timer_add(&d->timer, "compile", clock_us() - start);
 	return s;
 }
 
@@ -204,6 +204,7 @@ enum status deferred_create(struct devices *devices, struct resident_scene *scen
 	d->pass_count = pass_count;
 	memcpy(d->passes, passes, pass_count * sizeof *passes);
 	gl_timer_init(&d->timer);
+	gl_timer_add(&d->timer, "compile", 0); // the first that is told, whichever program it is for
 	s = make_all(d, bindings, err);
 	if (s != STATUS_OK) {
 		deferred_destroy(d);

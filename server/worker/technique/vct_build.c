@@ -114,20 +114,102 @@ enum status vct_build_begin(struct vct_volume *v, const struct plan *plan, struc
 		if (s == STATUS_OK)
 			gl_texture_linear(&v->shares, false);
 	}
-	v->stage = VCT_VOXELISE;
+	v->stage = VCT_COMPILE;
 	return s;
 }
 
 // ---- running a stage ----------------------------------------------------------------------------------------------------
 
-static enum status use(struct vct_volume *v, const struct gl_source *source, const struct gl_defines *defines,
-		       struct error *err)
+// NULL: the stage has no program of its own, or is not gone through.
+static const struct gl_source *source_of(const struct vct_volume *v, enum vct_stage stage)
 {
-	static const struct gl_defines none;
+	switch (stage) {
+	case VCT_LIST:
+		return &cells_source;
+	case VCT_LIGHT:
+		return &light_source;
+	case VCT_SHARE:
+		return v->shares.name ? &inject_source : NULL;
+	case VCT_INJECT:
+		return &inject_source;
+	case VCT_LEVELS:
+		return v->params.top > 0 ? &level_source : NULL;
+	case VCT_GATHER:
+		return v->gathers_wanted > 0 ? &gather_source : NULL;
+	default:
+		return NULL;
+	}
+}
+
+static enum status program_of(const struct vct_volume *v, enum vct_stage stage, struct gl_program **program,
+			      struct error *err)
+{
+	struct gl_defines defines = {0};
+	if (stage == VCT_LIGHT)
+		defines = v->light_defines;
+	else if (stage != VCT_LIST)
+		defines = v->cone_defines;
+	if (stage == VCT_SHARE || stage == VCT_INJECT)
+		gl_define(&defines, "VCT_SHARES", "%s", stage == VCT_SHARE ? "true" : "false");
+	return gl_program_get(v->device, source_of(v, stage), &defines, program, err);
+}
+
+static void bind_images(const struct vct_volume *v, enum vct_stage stage)
+{
+	if (stage == VCT_SHARE || stage == VCT_INJECT)
+		gl_texture_bind_image(stage == VCT_SHARE ? &v->shares : &v->pyramid, VCT_PYRAMID_IMAGE, 0, GL_WRITE_ONLY);
+	if (stage == VCT_LEVELS)
+		gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, v->level, GL_WRITE_ONLY);
+}
+
+// All that the stage's program reads and writes, as far as it is there, with the program in use.
+static enum status bind(const struct vct_volume *v, enum vct_stage stage, const struct gl_program *program,
+			struct error *err)
+{
+	glUseProgram(program->name);
+	if (stage == VCT_LIGHT) {
+		struct gl_scene *scene;
+		enum status s = gl_scene_get(v->scene, v->device, v->bindings, &scene, err);
+		if (s != STATUS_OK)
+			return s;
+		gl_scene_bind(scene);
+		gl_buffer_bind(&v->job, BIND_JOB);
+		glUniform1f(VCT_LEVEL, v->voxels->grid.side);
+	}
+	voxels_bind(v->voxels);
+	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
+	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+	gl_buffer_bind(v->cells.name ? &v->cells : &v->voxels->cells, BIND_VCT_CELLS);
+	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
+	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
+	bind_images(v, stage);
+	return STATUS_OK;
+}
+
+static enum status use(const struct vct_volume *v, enum vct_stage stage, struct error *err)
+{
 	struct gl_program *program;
-	enum status s = gl_program_get(v->device, source, defines ? defines : &none, &program, err);
-	if (s == STATUS_OK)
-		glUseProgram(program->name);
+	enum status s = program_of(v, stage, &program, err);
+	return s == STATUS_OK ? bind(v, stage, program, err) : s;
+}
+
+// One program, run over no item: that is when drivers compile.
+static enum status warm_up(const struct vct_volume *v, enum vct_stage stage, struct gl_timer *timer, struct error *err)
+{
+	const uint64_t start = clock_us();
+	struct gl_program *program;
+	enum status s = program_of(v, stage, &program, err);
+	if (s != STATUS_OK || program->warm)
+		return s;
+	s = bind(v, stage, program, err);
+	if (s != STATUS_OK)
+		return s;
+	glUniform2ui(VCT_RANGE, 0, 0);
+	glDispatchCompute(1, 1, 1);
+	s = gl_wait(v->device, "compiling", err);
+	program->warm = s == STATUS_OK;
+	if (timer)
+		gl_timer_add(timer, "compile", clock_us() - start);
 	return s;
 }
 
@@ -183,48 +265,88 @@ static uint64_t irradiance_bytes(uint32_t entries)
 	return ((uint64_t)entries * VCT_ENTRY_FLOATS + 2) * sizeof(float);
 }
 
-static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
-{
-	enum status s = voxels_step(v->voxels, timer, budget_us, err);
-	if (s != STATUS_OK || !voxels_finished(v->voxels))
-		return s;
-	const uint64_t bytes = irradiance_bytes(v->voxels->grid.entries);
-	s = gl_buffer_init(&v->direct, v->device, bytes, NULL, err);
-	if (s == STATUS_OK)
-		s = gl_buffer_init(&v->total, v->device, bytes, NULL, err);
-	if (s == STATUS_OK)
-		s = gl_buffer_init(&v->cells, v->device, ((uint64_t)v->voxels->grid.entries + 1) * sizeof(uint32_t), NULL,
-				   err);
-	if (s != STATUS_OK) {
-		// All or none: it is tried again when others have made room.
-		gl_buffer_finish(&v->direct, v->device);
-		gl_buffer_finish(&v->total, v->device);
-		return s;
-	}
-	enter(v, v->voxels->grid.entries > 0 ? VCT_LIST : VCT_DONE);
-	return s;
-}
-
 // Whether the lights' shadows come out of the pyramid.
 static bool marches_for_light(const struct vct_volume *v)
 {
 	return v->options.volume_shadows == VCT_SHADOWS_MARCH || v->options.volume_shadows == VCT_SHADOWS_CONES;
 }
 
+static void enter_lighting(struct vct_volume *v)
+{
+	// Shadows out of the voxels need to know what they cover first.
+	enter(v, marches_for_light(v) ? VCT_INJECT : VCT_LIGHT);
+}
+
+// The programs of one more stage.
+static enum status compile(struct vct_volume *v, struct gl_timer *timer, struct error *err)
+{
+	while (v->compiled < VCT_DONE && !source_of(v, (enum vct_stage)v->compiled))
+		v->compiled++;
+	if (v->compiled == VCT_DONE) {
+		enter(v, VCT_VOXELISE);
+		return STATUS_OK;
+	}
+	v->level = v->params.top > 0;
+	enum status s = warm_up(v, (enum vct_stage)v->compiled, timer, err);
+	if (s == STATUS_OK)
+		v->compiled++;
+	return s;
+}
+
+static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	enum status s = voxels_step(v->voxels, timer, budget_us, err);
+	if (s != STATUS_OK || !voxels_finished(v->voxels))
+		return s;
+	const uint64_t entries = v->voxels->grid.entries, bytes = irradiance_bytes(v->voxels->grid.entries);
+	s = gl_buffer_init(&v->direct, v->device, bytes, NULL, err);
+	if (s == STATUS_OK)
+		s = gl_buffer_init(&v->total, v->device, bytes, NULL, err);
+	if (s == STATUS_OK && !v->voxels->cells.name)
+		s = gl_buffer_init(&v->cells, v->device, (entries + 1) * sizeof(uint32_t), NULL, err);
+	if (s != STATUS_OK) {
+		// All or none: it is tried again when others have made room.
+		gl_buffer_finish(&v->direct, v->device);
+		gl_buffer_finish(&v->total, v->device);
+		return s;
+	}
+	if (entries == 0)
+		enter(v, VCT_DONE);
+	else if (v->voxels->cells.name)
+		enter_lighting(v);
+	else
+		enter(v, VCT_LIST);
+	return s;
+}
+
+// Every volume over these voxels has the same cells: the first hands them over.
+static enum status keep_cells(struct vct_volume *v, struct error *err)
+{
+	struct voxels *of = v->voxels;
+	uint32_t count;
+	enum status s = gl_buffer_read(&v->cells, v->device, 0, sizeof count, &count, err);
+	if (s != STATUS_OK)
+		return s;
+	if (of->cells.name) {
+		gl_buffer_finish(&v->cells, v->device);
+		return STATUS_OK;
+	}
+	of->cells = v->cells;
+	of->cell_count = count;
+	v->cells = (struct gl_buffer){0};
+	return STATUS_OK;
+}
+
 static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, &cells_source, NULL, err);
+	enum status s = use(v, VCT_LIST, err);
 	if (s != STATUS_OK)
 		return s;
-	voxels_bind(v->voxels);
-	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
-	gl_buffer_bind(&v->cells, BIND_VCT_CELLS);
 	s = run_items(v, timer, "voxelise", v->voxels->grid.entries, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
-		// Shadows out of the voxels need to know what they cover first.
-		enter(v, marches_for_light(v) ? VCT_INJECT : VCT_LIGHT);
-		s = gl_buffer_read(&v->cells, v->device, 0, sizeof v->cell_count, &v->cell_count, err);
+		s = keep_cells(v, err);
+		enter_lighting(v);
 	}
 	return s;
 }
@@ -265,20 +387,10 @@ static void enter_first_pyramid(struct vct_volume *v)
 
 static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
-	struct gl_scene *scene;
 	bool done;
-	enum status s = gl_scene_get(v->scene, v->device, v->bindings, &scene, err);
-	if (s == STATUS_OK)
-		s = use(v, &light_source, &v->light_defines, err);
+	enum status s = use(v, VCT_LIGHT, err);
 	if (s != STATUS_OK)
 		return s;
-	gl_scene_bind(scene);
-	voxels_bind(v->voxels);
-	gl_buffer_bind(&v->job, BIND_JOB);
-	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
-	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
-	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
-	glUniform1f(VCT_LEVEL, v->voxels->grid.side);
 	s = run_items(v, timer, "voxel-light", v->voxels->grid.entries, budget_us, &done, err);
 	if (s != STATUS_OK || !done)
 		return s;
@@ -295,20 +407,12 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	const bool shares = v->stage == VCT_SHARE;
-	struct gl_defines defines = v->cone_defines;
-	gl_define(&defines, "VCT_SHARES", "%s", shares ? "true" : "false");
-	enum status s = use(v, &inject_source, &defines, err);
+	enum status s = use(v, (enum vct_stage)v->stage, err);
 	if (s != STATUS_OK)
 		return s;
-	voxels_bind(v->voxels);
-	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
-	gl_buffer_bind(&v->cells, BIND_VCT_CELLS);
-	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
-	gl_texture_bind_image(shares ? &v->shares : &v->pyramid, VCT_PYRAMID_IMAGE, 0, GL_WRITE_ONLY);
-	s = run_items(v, timer, "pyramid", 3ull * v->cell_count, budget_us, &done, err);
+	s = run_items(v, timer, "pyramid", 3ull * v->voxels->cell_count, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
-		if (shares)
+		if (v->stage == VCT_SHARE)
 			enter_first_pyramid(v);
 		else
 			enter(v, VCT_LEVELS);
@@ -329,12 +433,9 @@ static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 		after_pyramid(v);
 		return STATUS_OK;
 	}
-	enum status s = use(v, &level_source, &v->cone_defines, err);
+	enum status s = use(v, VCT_LEVELS, err);
 	if (s != STATUS_OK)
 		return s;
-	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
-	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
-	gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, v->level, GL_WRITE_ONLY);
 	glUniform1ui(VCT_LEVEL, v->level);
 	s = run_items(v, timer, "pyramid", (v->options.pyramid ? 1 : 6) * cells_of_level(&v->params, v->level), budget_us,
 		      &done, err);
@@ -350,14 +451,9 @@ static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, &gather_source, &v->cone_defines, err);
+	enum status s = use(v, VCT_GATHER, err);
 	if (s != STATUS_OK)
 		return s;
-	voxels_bind(v->voxels);
-	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
-	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
-	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
-	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
 	s = run_items(v, timer, "voxel-gather", 2ull * v->voxels->grid.entries, budget_us, &done, err);
 	if (s == STATUS_OK && done) {
 		v->gathers++;
@@ -369,6 +465,8 @@ static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t
 enum status vct_build_piece(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	switch ((enum vct_stage)v->stage) {
+	case VCT_COMPILE:
+		return compile(v, timer, err);
 	case VCT_VOXELISE:
 		return voxelise(v, timer, budget_us, err);
 	case VCT_LIST:

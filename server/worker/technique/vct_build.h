@@ -4,7 +4,7 @@
 
 #include "server/worker/technique/vct_volume.h"
 
-enum vct_stage { VCT_VOXELISE, VCT_LIST, VCT_LIGHT, VCT_SHARE, VCT_INJECT, VCT_LEVELS, VCT_GATHER, VCT_DONE };
+enum vct_stage { VCT_COMPILE, VCT_VOXELISE, VCT_LIST, VCT_LIGHT, VCT_SHARE, VCT_INJECT, VCT_LEVELS, VCT_GATHER, VCT_DONE };
 
 // The grid's parameters, and the pyramid made: needs voxel options alone. STATUS_MEMORY if it does not fit.
 enum status vct_build_begin(struct vct_volume *volume, const struct plan *plan, struct error *err);

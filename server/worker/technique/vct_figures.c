@@ -37,7 +37,7 @@ void vct_figures(struct frame *f, const struct voxels *voxels, const struct vct_
 		return;
 	}
 	const uint64_t light = v->direct.bytes + v->total.bytes;
-	const uint64_t rest = v->cells.bytes + v->job.bytes + v->params_block.bytes + v->shares.bytes;
+	const uint64_t rest = voxels->cells.bytes + v->cells.bytes + v->job.bytes + v->params_block.bytes + v->shares.bytes;
 	frame_add_figure(f, "bytes.light", (double)light, "bytes");
 	frame_add_figure(f, "bytes.pyramid", (double)v->pyramid.bytes, "bytes");
 	frame_add_figure(f, "bytes.all", (double)(surfaces + light + v->pyramid.bytes + rest), "bytes");

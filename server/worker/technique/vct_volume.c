@@ -9,8 +9,10 @@
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/technique/vct_build.h"
 
-// A scene's volumes: those that jobs hold, and one more at most.
-struct shelf {
+#define KEPT 2u // finished volumes that no job uses, of one scene and its variants
+
+// The volumes of a scene and its variants.
+struct vct_shelf {
 	struct derived derived;
 	struct vct_volume *first;
 	uint64_t turn;
@@ -34,7 +36,7 @@ static void destroy(struct vct_volume *v)
 // Derived things go one after the other in no order that we know: voxels that are gone need no release.
 static void shelf_destroy(struct derived *derived)
 {
-	struct shelf *s = (struct shelf *)derived;
+	struct vct_shelf *s = (struct vct_shelf *)derived;
 	while (s->first) {
 		struct vct_volume *v = s->first;
 		s->first = v->next;
@@ -44,7 +46,7 @@ static void shelf_destroy(struct derived *derived)
 	free(s);
 }
 
-static void drop(struct shelf *s, struct vct_volume *v)
+static void drop(struct vct_shelf *s, struct vct_volume *v)
 {
 	struct vct_volume **at = &s->first;
 	while (*at != v)
@@ -54,7 +56,7 @@ static void drop(struct shelf *s, struct vct_volume *v)
 }
 
 // All that nobody uses, but the latest `kept`. False: there was none.
-static bool drop_idle(struct shelf *s, uint32_t kept)
+static bool drop_idle(struct vct_shelf *s, uint32_t kept)
 {
 	for (bool any = false;; any = true) {
 		struct vct_volume *oldest = NULL;
@@ -73,12 +75,13 @@ static bool drop_idle(struct shelf *s, uint32_t kept)
 
 static bool trim(struct derived *derived)
 {
-	return drop_idle((struct shelf *)derived, 0);
+	return drop_idle((struct vct_shelf *)derived, 0);
 }
 
-static struct shelf *shelf_of(struct resident_scene *scene)
+static struct vct_shelf *shelf_of(struct resident_scene *of)
 {
-	struct shelf *s = (struct shelf *)resident_derived(scene, &kind);
+	struct resident_scene *scene = of->base ? of->base : of;
+	struct vct_shelf *s = (struct vct_shelf *)resident_derived(scene, &kind);
 	if (s)
 		return s;
 	s = calloc(1, sizeof *s);
@@ -154,6 +157,7 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	v->options = *options;
 	v->device = device;
 	v->scene = scene;
+	v->keys = scene->keys;
 	v->gathers_wanted = options->bounces > 0 ? options->bounces - 1 : 0;
 	v->gathers_first = options->bounces > 0 && sends_by_cones(options);
 	if (v->gathers_first)
@@ -170,21 +174,33 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	return s;
 }
 
+// What is being made is shared by the jobs of one variant alone: it reads that one's buffers.
+static struct vct_volume *find(const struct vct_shelf *s, const struct resident_scene *scene,
+			       const struct vct_options *options)
+{
+	for (struct vct_volume *v = s->first; v; v = v->next)
+		if (!memcmp(&v->options, options, sizeof *options) && !memcmp(&v->keys, &scene->keys, sizeof v->keys) &&
+		    (vct_volume_finished(v) || v->scene == scene))
+			return v;
+	return NULL;
+}
+
 enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
 			       const struct vct_options *options, struct vct_volume **volume, struct error *err)
 {
-	struct shelf *shelf = shelf_of(scene);
+	struct vct_shelf *shelf = shelf_of(scene);
 	enum status s = STATUS_OK;
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	struct vct_volume *v = shelf->first;
-	while (v && memcmp(&v->options, options, sizeof *options) != 0)
-		v = v->next;
+	struct vct_volume *v = find(shelf, scene, options);
 	if (!v) {
-		drop_idle(shelf, 0);
-		s = create(scene, device, plan, options, &v, err);
+		drop_idle(shelf, KEPT - 1);
+		do
+			s = create(scene, device, plan, options, &v, err);
+		while (s == STATUS_MEMORY && drop_idle(shelf, 0));
 		if (s != STATUS_OK)
 			return s;
+		v->shelf = shelf;
 		v->next = shelf->first;
 		shelf->first = v;
 	}
@@ -198,10 +214,10 @@ void vct_volume_release(struct vct_volume *v)
 {
 	if (!v)
 		return;
-	struct shelf *s = shelf_of(v->scene);
+	struct vct_shelf *s = v->shelf;
 	if (--v->users == 0 && !vct_volume_finished(v))
 		drop(s, v);
-	drop_idle(s, 1);
+	drop_idle(s, KEPT);
 }
 
 enum status vct_volume_step(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
@@ -225,6 +241,8 @@ double vct_volume_fraction(const struct vct_volume *v)
 {
 	if (vct_volume_finished(v))
 		return 1;
+	if (v->stage == VCT_COMPILE)
+		return 0;
 	if (v->stage == VCT_VOXELISE)
 		return 0.4 * voxels_fraction(v->voxels);
 	const double entries = v->voxels->grid.entries;

@@ -1,9 +1,10 @@
 // A scene's light in voxels: the irradiance of every entry of `voxels` and the directional pyramid over them, made in slices
-// and kept with the resident scene. A change of camera makes nothing again; a change of lights all but the voxels. Device's
-// thread only.
+// and kept with the scene as it was loaded, those of its variants too. A change of camera makes nothing again; a change of
+// lights all but the voxels; a change of what moves all, though of the voxels those alone that moved. Device's thread only.
 //
-// Stages, in this order: voxelise, light (shadow rays from every entry), pyramid; then, for the background's light and every
-// bounce but the first, gather (cones from every entry) and pyramid again.
+// Stages, in this order: compile (every program that is needed, run over nothing), voxelise, light (shadow rays from every
+// entry), pyramid; then, for the background's light and every bounce but the first, gather (cones from every entry) and
+// pyramid again.
 //
 //   vct_volume_acquire (vct_volume_step)* vct_volume_bind* vct_volume_release
 #ifndef CANDIL_WORKER_TECHNIQUE_VCT_VOLUME_H
@@ -30,18 +31,21 @@ struct vct_options {
 	float background[3];
 };
 
+struct vct_shelf; // vct_volume.c
+
 struct vct_volume {
 	struct vct_volume *next;
+	struct vct_shelf *shelf; // whose it is
+	struct scene_keys keys; // of the scene that it was made of
 	struct vct_options options;
 	uint32_t users; // jobs that hold it
 	uint64_t used; // when it was last acquired, in turns
 	struct gl_device *device;
-	struct resident_scene *scene;
+	struct resident_scene *scene; // while it is made: others with the same keys share it afterwards
 	struct voxels *voxels;
 	struct vct_params params;
 	struct gl_buffer params_block; // struct vct_params
-	struct gl_buffer cells; // BIND_VCT_CELLS
-	uint32_t cell_count; // occupied cells of the pyramid's finest level
+	struct gl_buffer cells; // BIND_VCT_CELLS, until the voxels have it: occupied cells of the pyramid's finest level
 	struct gl_buffer direct, total; // BIND_VCT_DIRECT, BIND_VCT_TOTAL
 	struct gl_buffer job; // struct pt_job, for the lights
 	struct gl_texture pyramid;
@@ -50,18 +54,19 @@ struct vct_volume {
 	uint32_t bindings; // of the scene, that the lights' program reads
 	float emission_most; // radiance of the brightest surface, W/(m² sr)
 	// Where its making stands.
-	uint32_t stage; // enum in vct_volume.c
+	uint32_t stage; // enum vct_stage
+	uint32_t compiled; // stages whose programs are
 	uint32_t level; // of the pyramid
 	bool lit; // the lights have been through
 	uint32_t gathers; // done
 	uint32_t gathers_wanted;
 	bool gathers_first; // what cones alone bring, before `direct` is in the pyramid: every light has as many bounces
 	uint64_t next_item; // of the stage
-	double item_us[8]; // measured, by stage; 0: not yet
+	double item_us[9]; // measured, by stage; 0: not yet
 };
 
-// The volume of a scene by these options, a new one begun if there is none. Pair with vct_volume_release. STATUS_MEMORY if
-// it cannot fit, with the resolution that would.
+// The volume of a scene by these options, a new one begun if there is none of the same triangles, materials and lights. Pair
+// with vct_volume_release. STATUS_MEMORY if it cannot fit, with the resolution that would.
 enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
 			       const struct vct_options *options, struct vct_volume **volume, struct error *err);
 
@@ -76,7 +81,7 @@ void vct_define(struct gl_defines *defines, const struct vct_options *options);
 // Bind parameters and pyramid for vct/cone.glsl.
 void vct_volume_bind(const struct vct_volume *volume);
 
-// NULL is allowed. Finished ones stay with the scene until another set of options takes their place.
+// NULL is allowed. The latest two that are finished stay.
 void vct_volume_release(struct vct_volume *volume);
 
 // About the device memory that it will take, voxels included.

@@ -20,28 +20,13 @@
 #define FIRST_WORDS 65536u
 #define RETRY_BITS 6u // less, where sums were full
 
-static const struct gl_source sources[] = {{.name = "voxel_mark", .compute = source_voxel_mark_comp},
-					   {.name = "voxel_count", .compute = source_voxel_count_comp},
-					   {.name = "voxel_prefix", .compute = source_voxel_prefix_comp},
-					   {.name = "voxel_merge", .compute = source_voxel_merge_comp},
-					   {.name = "voxel_sum", .compute = source_voxel_sum_comp},
-					   {.name = "voxel_finish", .compute = source_voxel_finish_comp}};
-
-static enum status get_programs(const struct voxels *v, struct error *err)
-{
-	struct voxel_programs *p = &v->build->programs;
-	struct gl_program **const programs[] = {&p->mark, &p->count, &p->prefix, &p->merge, &p->sum, &p->finish};
-	struct gl_defines with_effects = {0};
-	const struct gl_defines none = {0};
-	gl_define_effects(&with_effects, v->effects);
-	enum status r = STATUS_OK;
-	for (unsigned i = 0; r == STATUS_OK && i < sizeof sources / sizeof *sources; i++) {
-		r = gl_program_get(v->device, &sources[i], programs[i] == &p->sum ? &with_effects : &none, programs[i], err);
-		if (r == STATUS_OK)
-			gl_program_hold(*programs[i]);
-	}
-	return r;
-}
+static const struct gl_source sources[VOXEL_PROGRAMS] = {
+    [VOXEL_PROGRAM_MARK] = {.name = "voxel_mark", .compute = source_voxel_mark_comp},
+    [VOXEL_PROGRAM_COUNT] = {.name = "voxel_count", .compute = source_voxel_count_comp},
+    [VOXEL_PROGRAM_PREFIX] = {.name = "voxel_prefix", .compute = source_voxel_prefix_comp},
+    [VOXEL_PROGRAM_MERGE] = {.name = "voxel_merge", .compute = source_voxel_merge_comp},
+    [VOXEL_PROGRAM_SUM] = {.name = "voxel_sum", .compute = source_voxel_sum_comp},
+    [VOXEL_PROGRAM_FINISH] = {.name = "voxel_finish", .compute = source_voxel_finish_comp}};
 
 static enum status refuse(const struct voxels *v, const struct blob_view *scene, uint64_t entries, struct error *err)
 {
@@ -116,7 +101,7 @@ enum status voxel_build_create(struct voxels *v, struct resident_scene *scene, c
 	if (!b || !b->host_items)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	b->scene = scene;
-	b->phase = fixed ? VOXEL_FIXED : VOXEL_MARK;
+	b->phase = VOXEL_COMPILE;
 	b->area_bits = VOXEL_AREA_BITS;
 	b->emission_bits = VOXEL_EMISSION_BITS;
 	b->emission_max = emission_max(&scene->view);
@@ -129,9 +114,7 @@ enum status voxel_build_create(struct voxels *v, struct resident_scene *scene, c
 		return r;
 	voxel_items_init(&b->stream, &scene->view, &b->ranges, &v->grid);
 	fill_chunk(b);
-	r = get_programs(v, err);
-	if (r == STATUS_OK)
-		r = gl_scene_get(scene, v->device, scene_bindings(plan), &b->gl, err);
+	r = gl_scene_get(scene, v->device, scene_bindings(plan), &b->gl, err);
 	if (r == STATUS_OK)
 		r = make_buffers(v, plan, err);
 	return r;
@@ -142,10 +125,8 @@ void voxel_build_destroy(struct voxel_build *b, struct gl_device *device)
 	if (!b)
 		return;
 	voxels_release(b->fixed);
-	struct gl_program *const programs[] = {b->programs.mark,  b->programs.count, b->programs.prefix,
-					       b->programs.merge, b->programs.sum,   b->programs.finish};
-	for (unsigned i = 0; i < sizeof programs / sizeof *programs; i++)
-		gl_program_release(programs[i]);
+	for (unsigned i = 0; i < VOXEL_PROGRAMS; i++)
+		gl_program_release(b->programs[i]);
 	voxel_ranges_finish(&b->ranges);
 	gl_buffer_finish(&b->job, device);
 	gl_buffer_finish(&b->items, device);
@@ -167,6 +148,38 @@ static void run(uint32_t invocations, uint32_t group)
 	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 	glDispatchCompute((invocations + group - 1) / group, 1, 1);
 	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+// One more program, run over nothing: that is when drivers compile.
+static enum status compile_piece(struct voxels *v, struct error *err)
+{
+	struct voxel_build *b = v->build;
+	const uint32_t i = b->compiled;
+	struct gl_defines defines = {0};
+	if (i == VOXEL_PROGRAMS) {
+		b->phase = b->fixed ? VOXEL_FIXED : VOXEL_MARK;
+		return STATUS_OK;
+	}
+	const uint64_t start = clock_us();
+	if (i == VOXEL_PROGRAM_SUM)
+		gl_define_effects(&defines, v->effects);
+	enum status r = gl_program_get(v->device, &sources[i], &defines, &b->programs[i], err);
+	if (r != STATUS_OK)
+		return r;
+	gl_program_hold(b->programs[i]);
+	b->compiled++;
+	if (b->programs[i]->warm)
+		return STATUS_OK;
+	use(v, b->programs[i]);
+	if (i == VOXEL_PROGRAM_MARK || i == VOXEL_PROGRAM_SUM)
+		glUniform2ui(0, 0, 0);
+	else
+		glUniform1ui(0, 0);
+	run(1, 1);
+	r = gl_wait(v->device, "compiling", err);
+	b->programs[i]->warm = r == STATUS_OK;
+	b->compile_us += clock_us() - start;
+	return r;
 }
 
 // How much of `left` to do now, by the speed measured so far.
@@ -269,9 +282,9 @@ static enum status count_piece(struct voxels *v, struct error *err)
 		r = gl_buffer_init(&blocks, v->device, count * sizeof *host, NULL, err);
 	if (r != STATUS_OK)
 		goto out;
-	use(v, b->programs.count);
+	use(v, b->programs[VOXEL_PROGRAM_COUNT]);
 	gl_buffer_bind(&blocks, BIND_VOXEL_BLOCKS);
-	glProgramUniform1ui(b->programs.count->name, 0, words);
+	glProgramUniform1ui(b->programs[VOXEL_PROGRAM_COUNT]->name, 0, words);
 	run(count, VOXEL_WORD_GROUP);
 	r = gl_buffer_read(&blocks, v->device, 0, count * sizeof *host, host, err);
 	if (r == STATUS_OK)
@@ -279,9 +292,9 @@ static enum status count_piece(struct voxels *v, struct error *err)
 	if (r != STATUS_OK)
 		goto out;
 	gl_buffer_write(&blocks, 0, count * sizeof *host, host);
-	use(v, b->programs.prefix);
+	use(v, b->programs[VOXEL_PROGRAM_PREFIX]);
 	gl_buffer_bind(&blocks, BIND_VOXEL_BLOCKS);
-	glProgramUniform1ui(b->programs.prefix->name, 0, words);
+	glProgramUniform1ui(b->programs[VOXEL_PROGRAM_PREFIX]->name, 0, words);
 	run(count, VOXEL_WORD_GROUP);
 	v->build->phase = v->grid.entries == 0 ? VOXEL_DONE : b->fixed ? VOXEL_MERGE : VOXEL_SUM;
 out:
@@ -377,7 +390,7 @@ static enum status words_piece(struct voxels *v, const struct gl_program *p, uin
 static enum status finish_piece(struct voxels *v, uint32_t budget_us, struct error *err)
 {
 	const struct voxel_build *b = v->build;
-	const struct gl_program *p = b->programs.finish;
+	const struct gl_program *p = b->programs[VOXEL_PROGRAM_FINISH];
 	use(v, p);
 	glProgramUniform2f(p->name, 1, (float)ldexp(1, -(int)b->area_bits),
 			   (float)(b->emission_max * ldexp(1, -(int)b->emission_bits)));
@@ -391,12 +404,12 @@ static enum status merge_piece(struct voxels *v, uint32_t budget_us, struct erro
 		v->build->phase = VOXEL_SUM;
 		return STATUS_OK;
 	}
-	use(v, b->programs.merge);
-	glProgramUniform2ui(b->programs.merge->name, 1, b->fixed->grid.entries, v->grid.entries);
+	use(v, b->programs[VOXEL_PROGRAM_MERGE]);
+	glProgramUniform2ui(b->programs[VOXEL_PROGRAM_MERGE]->name, 1, b->fixed->grid.entries, v->grid.entries);
 	gl_buffer_bind(&b->fixed->words, BIND_VOXEL_FIXED_WORDS);
 	for (unsigned i = 0; i < VOXEL_PARTS; i++)
 		gl_buffer_bind(&b->fixed->parts[i], BIND_VOXEL_FIXED_PARTS + i);
-	return words_piece(v, b->programs.merge, budget_us, VOXEL_SUM, err);
+	return words_piece(v, b->programs[VOXEL_PROGRAM_MERGE], budget_us, VOXEL_SUM, err);
 }
 
 // The build of what stays in place goes on; once it is done its bits are where ours begin.
@@ -416,16 +429,18 @@ static enum status fixed_piece(struct voxels *v, uint32_t budget_us, struct erro
 enum status voxel_build_piece(struct voxels *v, uint32_t budget_us, struct error *err)
 {
 	switch (v->build->phase) {
+	case VOXEL_COMPILE:
+		return compile_piece(v, err);
 	case VOXEL_FIXED:
 		return fixed_piece(v, budget_us, err);
 	case VOXEL_MARK:
-		return stream_piece(v, v->build->programs.mark, budget_us, err);
+		return stream_piece(v, v->build->programs[VOXEL_PROGRAM_MARK], budget_us, err);
 	case VOXEL_COUNT:
 		return count_piece(v, err);
 	case VOXEL_MERGE:
 		return merge_piece(v, budget_us, err);
 	case VOXEL_SUM:
-		return stream_piece(v, v->build->programs.sum, budget_us, err);
+		return stream_piece(v, v->build->programs[VOXEL_PROGRAM_SUM], budget_us, err);
 	case VOXEL_CHECK:
 		return check_piece(v, err);
 	case VOXEL_FINISH:

@@ -12,6 +12,7 @@
 #define VOXEL_EMISSION_BITS 28u // of the brightest emission: room for 16 side² of it
 
 enum voxel_phase {
+	VOXEL_COMPILE,
 	VOXEL_FIXED, // of an edited scene: until the sums of what stays in place are there
 	VOXEL_MARK,
 	VOXEL_COUNT,
@@ -22,8 +23,14 @@ enum voxel_phase {
 	VOXEL_DONE
 };
 
-struct voxel_programs {
-	struct gl_program *mark, *count, *prefix, *merge, *sum, *finish;
+enum {
+	VOXEL_PROGRAM_MARK,
+	VOXEL_PROGRAM_COUNT,
+	VOXEL_PROGRAM_PREFIX,
+	VOXEL_PROGRAM_MERGE,
+	VOXEL_PROGRAM_SUM,
+	VOXEL_PROGRAM_FINISH,
+	VOXEL_PROGRAMS
 };
 
 struct voxel_build {
@@ -34,7 +41,9 @@ struct voxel_build {
 	struct gl_buffer job; // struct pt_job, for the scene's shaders
 	struct gl_buffer items; // up to VOXEL_ITEMS_CHUNK
 	struct voxel_item *host_items;
-	struct voxel_programs programs;
+	struct gl_program *programs[VOXEL_PROGRAMS]; // held
+	uint32_t compiled; // of them
+	uint64_t compile_us; // that this took and no stage has been told of
 	struct voxel_items stream;
 	uint32_t chunk; // items on the device
 	uint32_t chunk_at; // next of them

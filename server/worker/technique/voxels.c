@@ -9,9 +9,9 @@
 #include "server/base/log.h"
 #include "server/worker/technique/voxel_build.h"
 
-#define KEPT 2u // finished voxels that no job uses, of one scene
+#define KEPT 4u // finished voxels that no job uses, of one scene and its variants
 
-// All voxels of a scene.
+// All voxels of a scene and its variants.
 struct voxel_shelf {
 	struct derived derived;
 	struct voxels *first;
@@ -26,6 +26,7 @@ static void destroy(struct voxels *v)
 	voxel_ranges_finish(&v->ranges);
 	gl_buffer_finish(&v->grid_block, v->device);
 	gl_buffer_finish(&v->words, v->device);
+	gl_buffer_finish(&v->cells, v->device);
 	for (unsigned i = 0; i < VOXEL_PARTS; i++)
 		gl_buffer_finish(&v->parts[i], v->device);
 	free(v);
@@ -73,8 +74,9 @@ static bool trim(struct derived *derived)
 	return drop_oldest((struct voxel_shelf *)derived, 0);
 }
 
-static struct voxel_shelf *shelf_of(struct resident_scene *scene)
+static struct voxel_shelf *shelf_of(struct resident_scene *of)
 {
+	struct resident_scene *scene = of->base ? of->base : of;
 	struct voxel_shelf *s = (struct voxel_shelf *)resident_derived(scene, &kind);
 	if (s)
 		return s;
@@ -112,14 +114,15 @@ static bool same_grid(const struct voxel_grid *a, const struct voxel_grid *b)
 	       !memcmp(a->sides, b->sides, sizeof a->sides);
 }
 
-// Those on the shelf like `like`. What is being made is shared by the jobs of one scene alone: it reads that scene.
+// Those on the shelf like `like`. What is being made is shared by the jobs of one variant alone: it reads that one's
+// buffers.
 static struct voxels *find(const struct voxel_shelf *s, const struct voxels *like, const struct resident_scene *scene)
 {
 	for (struct voxels *v = s->first; v; v = v->next)
 		if (v->options.resolution == like->options.resolution && v->options.cube == like->options.cube &&
-		    v->effects == like->effects && v->fixed == like->fixed && v->materials == like->materials &&
-		    same_grid(&v->grid, &like->grid) && (!v->fixed || voxel_ranges_equal(&v->ranges, &like->ranges)) &&
-		    (!v->build || v->build->scene == scene))
+		    v->effects == like->effects && v->fixed == like->fixed && v->geometry == like->geometry &&
+		    v->materials == like->materials && same_grid(&v->grid, &like->grid) &&
+		    (!v->fixed || voxel_ranges_equal(&v->ranges, &like->ranges)) && (!v->build || v->build->scene == scene))
 			return v;
 	return NULL;
 }
@@ -147,12 +150,13 @@ static enum status acquire_fixed(const struct voxels *whole, struct resident_sce
 {
 	struct voxels like = *whole;
 	*out = NULL;
-	if (!scene->base || whole->fixed)
+	if (!scene->base || whole->fixed || scene->edited.move_count == 0)
 		return STATUS_OK;
-	struct voxel_shelf *shelf = shelf_of(scene->base);
+	struct voxel_shelf *shelf = shelf_of(scene);
 	enum status r = shelf ? voxel_ranges_init(&like.ranges, scene, VOXELS_UNMOVED, err)
 			      : error_set(err, STATUS_MEMORY, "out of memory");
 	like.fixed = true;
+	like.geometry = 0;
 	if (r == STATUS_OK && like.ranges.triangles > scene_count(scene, BLOB_TRIANGLES) / 2)
 		r = acquire_like(shelf, &like, scene, plan, out, err);
 	voxel_ranges_finish(&like.ranges);
@@ -169,6 +173,7 @@ static enum status create(const struct voxels *like, struct resident_scene *scen
 			     .options = like->options,
 			     .effects = like->effects,
 			     .fixed = like->fixed,
+			     .geometry = like->geometry,
 			     .materials = like->materials,
 			     .grid = like->grid};
 	enum status r = v->fixed ? voxel_ranges_init(&v->ranges, scene, VOXELS_UNMOVED, err) : STATUS_OK;
@@ -209,6 +214,7 @@ enum status voxels_acquire(struct resident_scene *scene, struct gl_device *devic
 	const struct voxels like = {.device = device,
 				    .options = *options,
 				    .effects = effects_that_color(plan),
+				    .geometry = scene->keys.geometry,
 				    .materials = scene->keys.materials,
 				    .grid = grid_over(scene, options)};
 	return s ? acquire_like(s, &like, scene, plan, voxels, err) : error_set(err, STATUS_MEMORY, "out of memory");
@@ -225,19 +231,30 @@ void voxels_release(struct voxels *v)
 		;
 }
 
+// Compiling is told as such, by the host's clock; all else by the device's.
+static enum status piece(struct voxels *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	const bool compiles = v->build->phase == VOXEL_COMPILE;
+	if (timer && !compiles)
+		gl_timer_begin(timer, "voxelise");
+	enum status r = voxel_build_piece(v, budget_us, err);
+	if (timer && !compiles)
+		gl_timer_end(timer);
+	if (r == STATUS_OK)
+		r = gl_wait(v->device, "voxelising", err);
+	if (timer && v->build->compile_us > 0)
+		gl_timer_add(timer, "compile", v->build->compile_us);
+	v->build->compile_us = 0;
+	return r;
+}
+
 enum status voxels_step(struct voxels *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	const uint64_t start = clock_us();
 	uint64_t spent = 0;
 	enum status r = STATUS_OK;
 	while (r == STATUS_OK && v->build && (spent == 0 || spent < budget_us)) {
-		if (timer)
-			gl_timer_begin(timer, "voxelise");
-		r = voxel_build_piece(v, spent < budget_us ? (uint32_t)(budget_us - spent) : 0, err);
-		if (timer)
-			gl_timer_end(timer);
-		if (r == STATUS_OK)
-			r = gl_wait(v->device, "voxelising", err);
+		r = piece(v, timer, spent < budget_us ? (uint32_t)(budget_us - spent) : 0, err);
 		spent = clock_us() - start + 1;
 		if (r == STATUS_OK && v->build->phase == VOXEL_DONE) {
 			voxel_build_destroy(v->build, v->device);
@@ -252,6 +269,8 @@ double voxels_fraction(const struct voxels *v)
 	const struct voxel_build *b = v->build;
 	if (!b)
 		return 1;
+	if (b->phase == VOXEL_COMPILE)
+		return 0;
 	if (b->phase == VOXEL_FIXED)
 		return 0.9 * voxels_fraction(b->fixed);
 	const double through = b->ranges.triangles > 0 ? (double)b->stream.done / b->ranges.triangles : 0;

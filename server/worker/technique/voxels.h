@@ -1,6 +1,7 @@
 // A scene's surfaces as voxels: exact, the same bits for the same triangles in any order, made in slices on the OpenGL
-// device and kept with the resident scene for the jobs that come after. What is kept and how it is read:
-// shaders/shared/voxel.h and shaders/voxel/lookup.glsl. Device's thread only.
+// device and kept with the resident scene for the jobs that come after. All variants of a scene keep theirs with it as it
+// was loaded: those whose triangles and materials are the same, other lights in them or not, share them. What is kept and
+// how it is read: shaders/shared/voxel.h and shaders/voxel/lookup.glsl. Device's thread only.
 //
 // Four passes over the work items of voxel_items.h. Mark: a bit for each (cell, layer) that a triangle overlaps. Count: how
 // many entries, and where each is. Sum: every triangle clipped to its cells, its area, place and colours added in integers.
@@ -29,19 +30,21 @@ struct voxels {
 	struct gl_device *device;
 	struct voxel_options options;
 	uint32_t effects; // of the plan, those that materials' colours depend on
+	uint64_t geometry, materials; // keys of the scene that it was made of; geometry is 0 with `fixed`
 	uint32_t users; // jobs that hold it
 	uint64_t used; // when it was last acquired, in turns
 
 	// Sums of what an edit left in place, for the build of edited scenes alone.
 	bool fixed;
 	struct voxel_ranges ranges; // triangles in it
-	uint64_t materials; // key of the materials that it was made with
 	uint32_t area_bits, emission_bits; // units of its sums
 
 	struct voxel_grid grid;
 	struct gl_buffer grid_block; // grid
 	struct gl_buffer words;
 	struct gl_buffer parts[VOXEL_PARTS]; // BIND_VOXEL_PLACE …; none if nothing is occupied
+	struct gl_buffer cells; // BIND_VCT_CELLS, from the first volume over them (vct_volume.h) for those that come after
+	uint32_t cell_count; // in it
 	struct voxel_build *build; // NULL: finished
 };
 
@@ -68,7 +71,7 @@ void voxels_release(struct voxels *voxels);
 // Bind what is finished: the grid's uniform block and the storage blocks of shaders/voxel/lookup.glsl.
 void voxels_bind(const struct voxels *voxels);
 
-// Device memory that they hold now.
+// Device memory that they hold now, without `cells`.
 uint64_t voxels_bytes(const struct voxels *voxels);
 
 // About what they will take, the memory needed only while they are made included: for technique.bytes.
