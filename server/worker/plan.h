@@ -29,7 +29,6 @@ enum plan_emitters { VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
 enum plan_volume_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONES, VCT_SHADOWS_VOLUME };
 enum plan_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
 enum plan_effect_times { EFFECT_TIMES_OFF, EFFECT_TIMES_ON, EFFECT_TIMES_ALL };
-enum plan_sampler { SAMPLER_SOBOL, SAMPLER_INDEPENDENT };
 enum plan_hemisphere { HEMISPHERE_COSINE, HEMISPHERE_UNIFORM };
 enum plan_roulette { ROULETTE_ON, ROULETTE_OFF };
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
@@ -46,7 +45,7 @@ struct plan {
 	uint32_t batch; // pt: samples in one dispatch; 0: as pays
 	uint32_t effect_times; // pt: enum plan_effect_times: measure what each effect costs, first
 	uint32_t traversal; // pt: enum plan_traversal
-	uint32_t sampler; // pt: enum plan_sampler
+	uint32_t sampler; // pt: SAMPLER_…
 	uint32_t hemisphere; // pt: enum plan_hemisphere, of diffuse directions
 	uint32_t lamps; // pt: how light of surfaces is found, LAMPS_BY_… of shaders/shared/bindings.h
 	uint32_t roulette; // pt: enum plan_roulette

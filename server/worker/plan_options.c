@@ -23,7 +23,7 @@ struct option_rule {
 
 static const char *const shadows[] = {"rays", "none", NULL};
 static const char *const effect_times[] = {"off", "on", "all", NULL};
-static const char *const samplers[] = {"sobol", "independent", NULL};
+static const char *const samplers[] = {"sobol", "independent", "blue", NULL};
 static const char *const hemispheres[] = {"cosine", "uniform", NULL};
 static const char *const lamp_ways[] = {"mis", "nee", "none", NULL};
 static const char *const roulettes[] = {"on", "off", NULL};

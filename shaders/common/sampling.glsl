@@ -4,6 +4,11 @@
 // its index shuffled and its digits scrambled by hashes of (pixel, half, set, seed): "Practical Hash-based Owen Scrambling",
 // Burley 2020 (JCGT 9-4). The two halves of a frame's samples have different hashes, so they are independent of each
 // other, and the difference of their means says how wrong the mean of both is.
+//
+// Or, instead of a hash for each pixel, pixels of a block have one in common and take runs of one sequence in Morton's order
+// (Ahmed and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of
+// pixels"). A run is as good as a pixel's own points. But neighbours' runs together are such points too, so that their errors
+// differ and cancel where they are looked at from afar or filtered.
 #ifndef COMMON_SAMPLING_GLSL
 #define COMMON_SAMPLING_GLSL
 
@@ -77,6 +82,26 @@ sampler_state sampler_make(uint pixel, uint sample_half, uint index, uint seed_l
 	s.index = index;
 	s.scramble = hash_combine(hash_combine(hash_combine(hash(seed_lo), seed_hi), pixel), sample_half);
 	return s;
+}
+
+// Bits of x and y by turns, x's lowest first.
+uint morton(uvec2 p)
+{
+	p = (p | p << 8) & 0x00ff00ffu;
+	p = (p | p << 4) & 0x0f0f0f0fu;
+	p = (p | p << 2) & 0x33333333u;
+	p = (p | p << 1) & 0x55555555u;
+	return p.x | p.y << 1;
+}
+
+// Where a pixel's run of 1 << bits samples begins in its block's sequence (x), and the block's number, by which its scramble
+// is made as others are by the pixel's (y). As many pixels are a block as 32 bits have room for.
+uvec2 sampler_run(uvec2 pixel, uint bits)
+{
+	uint levels = min((32u - bits) / 2u, 16u);
+	uvec2 within = pixel & ((1u << levels) - 1u);
+	uvec2 block = pixel >> levels;
+	return uvec2(morton(within) << bits, block.y << 16 | block.x);
 }
 
 // 32 random bits in each of two dimensions.

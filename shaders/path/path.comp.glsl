@@ -173,10 +173,26 @@ uint half_of(uint taken)
 	return (push.first_sample + taken) & 1u;
 }
 
+// Where this invocation's pixel has its samples in their sequence.
+uint run_start = 0u;
+
 sampler_state sampler_of(uvec2 scrambles, uint taken)
 {
 	uint sample_number = push.first_sample + taken;
-	return sampler_state(sample_number >> 1, half_of(taken) == 0u ? scrambles.x : scrambles.y);
+	return sampler_state(run_start + (sample_number >> 1), half_of(taken) == 0u ? scrambles.x : scrambles.y);
+}
+
+// The scrambles of both halves of a pixel's samples.
+uvec2 pixel_scrambles(uvec2 pixel, uint index)
+{
+	uint from = index;
+	if (WAY_SAMPLER == SAMPLER_BLUE) {
+		uvec2 run = sampler_run(pixel, job.run_bits);
+		run_start = run.x;
+		from = run.y;
+	}
+	return uvec2(sampler_make(from, 0u, 0u, job.seed[0], job.seed[1]).scramble,
+		     sampler_make(from, 1u, 0u, job.seed[0], job.seed[1]).scramble);
 }
 
 void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
@@ -312,8 +328,7 @@ void main()
 	uint slot = gl_WorkGroupID.x * TILE_PIXELS + gl_LocalInvocationIndex;
 	uint index = pixel.y * job.width + pixel.x;
 	uint at = index - push.first_row * job.width;
-	uvec2 scrambles = uvec2(sampler_make(index, 0u, 0u, job.seed[0], job.seed[1]).scramble,
-				sampler_make(index, 1u, 0u, job.seed[0], job.seed[1]).scramble);
+	uvec2 scrambles = pixel_scrambles(pixel, index);
 
 	walker p;
 	p.taken = 0u;

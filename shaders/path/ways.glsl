@@ -5,13 +5,13 @@
 
 #include "shared/bindings.h"
 
-layout(constant_id = SPEC_INDEPENDENT) const bool WAY_INDEPENDENT = false;
+layout(constant_id = SPEC_SAMPLER) const uint WAY_SAMPLER = SAMPLER_SOBOL;
 layout(constant_id = SPEC_UNIFORM) const bool WAY_UNIFORM = false;
 layout(constant_id = SPEC_LAMPS_BY) const uint WAY_LAMPS = LAMPS_BY_BOTH;
 layout(constant_id = SPEC_ROULETTE) const bool WAY_ROULETTE = true;
 layout(constant_id = SPEC_CLAMP) const bool WAY_CLAMP = false;
 
-#define SAMPLES_INDEPENDENT WAY_INDEPENDENT
+#define SAMPLES_INDEPENDENT (WAY_SAMPLER == SAMPLER_INDEPENDENT)
 #define HEMISPHERE_UNIFORM WAY_UNIFORM
 #define LAMPS_BY WAY_LAMPS
 

@@ -61,7 +61,7 @@
 #define SPEC_WIDTH 14 // lanes of a subgroup
 #define SPEC_CAMERA 15 // CAMERA_…
 #define SPEC_FILTER 16 // FILTER_…
-#define SPEC_INDEPENDENT 17 // samples know nothing of each other, else they are Sobol' points
+#define SPEC_SAMPLER 17 // SAMPLER_…
 #define SPEC_UNIFORM 18 // diffuse directions are uniform over the hemisphere, else as the cosine
 #define SPEC_LAMPS_BY 19 // LAMPS_BY_…
 #define SPEC_ROULETTE 20 // dim paths end by chance
@@ -73,6 +73,12 @@
 #define LAMPS_BY_BOTH 0
 #define LAMPS_BY_POINTS 1
 #define LAMPS_BY_CHANCE 2
+
+// Where samples come from: Sobol' points of the pixel's own, numbers that know nothing of each other, or Sobol' points shared
+// out over neighbouring pixels.
+#define SAMPLER_SOBOL 0
+#define SAMPLER_INDEPENDENT 1
+#define SAMPLER_BLUE 2
 
 #define CAMERA_PINHOLE 0
 #define CAMERA_LENS 1
@@ -122,8 +128,9 @@ struct pt_job {
 	float focus; // metres along `forward` to what a lens shows sharp
 	float lens_up[3]; // along its height
 	float clamp; // of a sample's largest component, W/(m² sr)
+	uint run_bits; // SAMPLER_BLUE: 1 << this many samples of a half are a pixel's
 };
-LAYOUT_ASSERT(pt_job, 144)
+LAYOUT_ASSERT(pt_job, 148)
 
 // Where a dispatch works.
 struct path_push {

@@ -6,11 +6,11 @@ import unittest
 import numpy
 
 import make
-from images import luminance
+from images import blurred, luminance, relmse
 from render import Daemon, Failed
 
 SIZE = (48, 48)
-WAYS = (("pt.sampler", "independent", 0.02), ("pt.hemisphere", "uniform", 0.02), ("pt.lights", "nee", 0.02),
+WAYS = (("pt.sampler", "independent", 0.02), ("pt.sampler", "blue", 0.02), ("pt.hemisphere", "uniform", 0.02), ("pt.lights", "nee", 0.02),
         ("pt.lights", "none", 0.08), ("pt.roulette", "off", 0.02))
 
 
@@ -42,6 +42,21 @@ class Ways(unittest.TestCase):
                   f"{picture.report['estimated_relmse'] / usual.report['estimated_relmse']:.2f} times")
             self.assertLess(abs(mean(picture) / mean(usual) - 1), tolerance)
             self.assertNotEqual(picture.radiance.tobytes(), usual.radiance.tobytes())
+
+    def test_neighbours_errors_cancel(self):
+        """By `blue` a pixel is as wrong as by `sobol`, and what a filter leaves of the error is less."""
+        path = make.cornell(folder.name)
+        reference = daemon.render(path, SIZE, 512, arguments=["--seed", "9"]).radiance.astype(numpy.float64)
+        inner = slice(4, -4)
+        errors = {}
+        for way in ("sobol", "blue"):
+            pictures = [daemon.render(path, SIZE, 2, options={"pt.sampler": way}, arguments=["--seed", str(i)]).radiance for i in range(8)]
+            errors[way] = [numpy.mean([relmse(blurred(p, s)[inner, inner] if s else p, blurred(reference, s)[inner, inner] if s else reference)
+                                       for p in pictures]) for s in (0, 1.5)]
+        plain, filtered = numpy.divide(errors["blue"], errors["sobol"])
+        print(f"relMSE by blue over that by sobol: {plain:.2f}, behind a Gaussian {filtered:.2f}")
+        self.assertAlmostEqual(plain, 1, delta=0.1)
+        self.assertLess(filtered, 0.85)
 
     def test_closed_sphere(self):
         # Radiance 1 by the series, cut after eight events at 1 - 2^-9.

@@ -254,7 +254,7 @@ static enum status make_pipeline(struct technique_job *j, const struct shader *s
 				 : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
 								  : CAMERA_PINHOLE;
 	constants[SPEC_FILTER] = j->plan.filter;
-	constants[SPEC_INDEPENDENT] = j->plan.sampler == SAMPLER_INDEPENDENT;
+	constants[SPEC_SAMPLER] = j->plan.sampler;
 	constants[SPEC_UNIFORM] = j->plan.hemisphere == HEMISPHERE_UNIFORM;
 	constants[SPEC_LAMPS_BY] = j->plan.lamps;
 	constants[SPEC_ROULETTE] = j->plan.roulette == ROULETTE_ON;

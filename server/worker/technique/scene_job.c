@@ -48,6 +48,15 @@ static void fill_lens(const struct plan_camera *c, const double axis[3], float o
 		out[i] = length > 0 ? (float)(axis[i] / length * c->lens_radius) : 0;
 }
 
+// For how many samples of each half a pixel has room in a sequence that it shares: the least power of two.
+static uint32_t run_bits(uint32_t samples)
+{
+	uint32_t bits = 0;
+	while (bits < 31 && (1u << bits) < samples / 2 + samples % 2)
+		bits++;
+	return bits;
+}
+
 void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct pt_job *out)
 {
 	memset(out, 0, sizeof *out);
@@ -73,6 +82,7 @@ void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct 
 	}
 	out->focus = (float)p->camera.focus;
 	out->clamp = p->clamp;
+	out->run_bits = run_bits(p->first_sample + p->samples);
 	fill_lens(&p->camera, p->camera.right, out->lens_right);
 	fill_lens(&p->camera, p->camera.up, out->lens_up);
 }
