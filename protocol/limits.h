@@ -42,6 +42,7 @@
 #define LIMIT_SAMPLES_TIMES_PIXELS (1ull << 44)
 #define LIMIT_DEPTH 4096u // pt.depth
 #define LIMIT_DIRECT_SAMPLES 64u // direct.samples
+#define LIMIT_MAP_LIGHTS 16u // lights of a scene that have shadow maps, the strongest; the others' shadows are by rays
 #define LIMIT_VCT_BOUNCES 8u // vct.bounces
 #define LIMIT_VCT_CONES 32u // vct.cones
 #define LIMIT_RADIANCE 1e12 // of a component of a background or an emission, W/(m² sr)

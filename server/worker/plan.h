@@ -9,6 +9,8 @@
 
 #define PLAN_DEPTH_DEFAULT 8u
 #define PLAN_POINTS_DEFAULT 2u
+#define PLAN_MAP_DEFAULT 1024u
+#define PLAN_MAP_LEAST 256u
 #define PLAN_SAMPLES_DEFAULT 64u
 #define PLAN_BATCH_MOST 256u
 
@@ -23,10 +25,10 @@ struct plan_camera {
 	double focus; // metres along `forward` to what is sharp
 };
 
-enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE };
+enum plan_shadows { DIRECT_SHADOWS_RAYS, DIRECT_SHADOWS_NONE, DIRECT_SHADOWS_MAP };
 enum plan_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
 enum plan_emitters { VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
-enum plan_volume_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONES, VCT_SHADOWS_VOLUME };
+enum plan_volume_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONES, VCT_SHADOWS_VOLUME, VCT_SHADOWS_MAP };
 enum plan_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
 enum plan_effect_times { EFFECT_TIMES_OFF, EFFECT_TIMES_ON, EFFECT_TIMES_ALL };
 enum plan_hemisphere { HEMISPHERE_COSINE, HEMISPHERE_UNIFORM };
@@ -52,6 +54,7 @@ struct plan {
 	float clamp; // pt: of a sample's largest component, W/(m² sr); 0: none
 	uint32_t direct_points; // direct: on lamps, for a pixel's sample
 	uint32_t direct_shadows; // direct: enum plan_shadows
+	uint32_t direct_map; // texels of a shadow map's side
 	uint32_t vct_voxels; // 0: textures, the one kind there is
 	uint32_t vct_resolution; // voxels along the scene's longest axis, a power of two
 	uint32_t vct_bounces; // of light between surfaces, 0…

@@ -21,7 +21,9 @@ struct option_rule {
 	size_t offset; // in struct plan
 };
 
-static const char *const shadows[] = {"rays", "none", NULL};
+static const char *const shadows[] = {"rays", "none", "map", NULL};
+static const char *const map_words[] = {"256", "512", "1024", "2048", "4096", NULL};
+static const uint32_t map_sides[] = {256, 512, 1024, 2048, 4096};
 static const char *const effect_times[] = {"off", "on", "all", NULL};
 static const char *const samplers[] = {"sobol", "independent", "blue", NULL};
 static const char *const hemispheres[] = {"cosine", "uniform", NULL};
@@ -35,7 +37,7 @@ static const char *const pyramids[] = {"directional", "isotropic", NULL};
 static const char *const covers[] = {"sum", "product", NULL};
 static const char *const owns[] = {"out", "in", NULL};
 static const char *const lamberts[] = {"plain", "weighted", NULL};
-static const char *const volume_shadows[] = {"rays", "march", "cones", "volume", NULL};
+static const char *const volume_shadows[] = {"rays", "march", "cones", "volume", "map", NULL};
 static const char *const shows[] = {"none", "albedo", "normal", "emission", "irradiance", "radiance", "coverage", NULL};
 static const char *const axes[] = {"x", "y", "z", NULL};
 static const char *const voxel_kinds[] = {"texture", NULL};
@@ -47,6 +49,7 @@ static const uint32_t resolutions[] = {16, 32, 64, 128, 256, 512};
 static const struct option_rule options[] = {
     {"direct.samples", 1, LIMIT_DIRECT_SAMPLES, NULL, NULL, false, FIELD(direct_points)},
     {"direct.shadows", 0, 0, shadows, NULL, false, FIELD(direct_shadows)},
+    {"direct.map", 0, 0, map_words, map_sides, false, FIELD(direct_map)},
     {"pt.depth", 1, LIMIT_DEPTH, NULL, NULL, false, FIELD(depth)},
     {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, NULL, false, FIELD(segment)},
     {"pt.batch", 1, PLAN_BATCH_MOST, NULL, NULL, false, FIELD(batch)},
@@ -86,6 +89,7 @@ void plan_options_default(struct plan *p)
 {
 	p->depth = PLAN_DEPTH_DEFAULT;
 	p->direct_points = PLAN_POINTS_DEFAULT;
+	p->direct_map = PLAN_MAP_DEFAULT;
 	p->vct_resolution = 128;
 	p->vct_bounces = 2;
 	p->vct_shadow_aperture = 10;

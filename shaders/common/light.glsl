@@ -115,19 +115,23 @@ vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3
 	return directional || d2 > 0.0 ? irradiance : vec3(0.0);
 }
 
-// The light that `pick` chooses, by power.
-punctual_light pick_punctual(uvec2 pick)
+// The light that `pick` chooses, by power, and its number.
+punctual_light pick_punctual(uvec2 pick, out uint number)
 {
-	punctual_light light = lights[alias_row(pick.x, job.light_count)];
+	number = alias_row(pick.x, job.light_count);
+	punctual_light light = lights[number];
 	bool keep = float(pick.y >> 8) * UNIT_24 < light.keep;
-	if (!keep)
-		light = lights[light.alias];
+	if (!keep) {
+		number = light.alias;
+		light = lights[number];
+	}
 	return light;
 }
 
 bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, out light_sample l)
 {
-	punctual_light light = pick_punctual(pick);
+	uint number;
+	punctual_light light = pick_punctual(pick, number);
 	vec3 w;
 	vec3 irradiance = punctual_irradiance(light, origin, w, l.segment, l.t_max);
 	vec4 f = bsdf_eval(b, w);

@@ -3,6 +3,8 @@
 // Point, spot and directional lights are exact: one shadow ray each, up to DIRECT_LIGHTS of them. Of more, so many are taken
 // at even steps of their summed power.
 //
+// With DIRECT_MAPS a light that has a shadow map (shadow_map.glsl) is looked up there instead.
+//
 // Emissive triangles, diffuse part. Where they are few and evenly bright, what they would send without shadows is known in
 // closed form (lamps.glsl); DIRECT_POINTS points on them, evenly over their power, tell how much of it arrives, as the ratio
 // of what the points' visible light adds up to, to what all of it does (Heitz, Hill and McGuire 2018, "Combining analytic
@@ -27,9 +29,16 @@
 #define DIRECT_SHADOWS true
 #define DIRECT_LAMPS true         // else emissive triangles send no light here
 #define DIRECT_SOFT true        // lamps' light is kept for soften.comp.glsl
+#define DIRECT_MAPS true        // defined: lights have shadow maps
+#define DIRECT_MAPS_FOR_ALL false // each of them
 #endif
 #ifndef DIRECT_TURN
 #define DIRECT_TURN turn.y        // which of the sets of points
+#endif
+#ifdef DIRECT_MAPS
+#include "direct/shadow_map.glsl"
+#else
+#define DIRECT_MAPS_FOR_ALL false
 #endif
 #define DIRECT_LIGHTS 64u
 #define DIRECT_BLOCK 16u        // pixels whose points are one set
@@ -43,7 +52,7 @@ float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
 	return DIRECT_OPEN(origin, normal, segment, t_max);
 }
 #else
-#define DIRECT_RAYS DIRECT_SHADOWS
+#define DIRECT_RAYS (DIRECT_SHADOWS && !(DIRECT_MAPS_FOR_ALL && !(EFFECT_EMITTERS && DIRECT_LAMPS)))
 float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
 {
 	return met ? 0.0 : 1.0;
@@ -115,16 +124,17 @@ void direct_point(uint pattern, uint k, out uvec2 pick, out vec2 where)
 	where = vec2(bits >> 8) * UNIT_24;
 }
 
-// A light's number and the reciprocal of its chance, for the i-th of so many shadow rays.
-punctual_light direct_punctual(uint i, out float weight)
+// A light and the reciprocal of its chance, for the i-th of so many shadow rays. `number`: its own.
+punctual_light direct_punctual(uint i, out float weight, out uint number)
 {
 	weight = 1.0;
+	number = i;
 	if (job.light_count <= DIRECT_LIGHTS)
 		return lights[i];
 	uint at = direct_step(i, DIRECT_LIGHTS, hash(direct_shift() + 3u));
 	uint row, low;
 	umulExtended(at, job.light_count, row, low);
-	punctual_light light = pick_punctual(uvec2(at, low));
+	punctual_light light = pick_punctual(uvec2(at, low), number);
 	weight = 1.0 / (float(DIRECT_LIGHTS) * light.pmf);
 	return light;
 }
@@ -154,13 +164,18 @@ struct direct_ray {
 	vec3 diffuse;       // radiance by the diffuse part, if nothing is in the way; by a white one, of a lamp's light
 	vec3 facets;        // by the microfacets
 	vec3 expected;      // lamps: what the closed form knows
+	uint map;           // of shadow_first, instead of a ray; NONE: a ray
 };
 
 void ray_to_light(bsdf b, vec3 origin, uint i, inout direct_ray r)
 {
 	float weight;
 	vec3 w;
-	punctual_light light = direct_punctual(i, weight);
+	uint number;
+	punctual_light light = direct_punctual(i, weight, number);
+#ifdef DIRECT_MAPS
+	r.map = shadow_first[number];
+#endif
 	vec3 irradiance = punctual_irradiance(light, origin, w, r.segment, r.t_max) * weight;
 	vec4 facets;
 	direct_eval(b, w, r.diffuse, facets);
@@ -238,7 +253,7 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 	vec3 radiance = vec3(0.0);
 	lamps = lamp_light(b.diffuse, vec3(0.0), vec3(0.0), vec3(0.0));
 	for (uint i = 0u; i < end; i++) {
-		direct_ray r = direct_ray(vec3(0.0, 0.0, 1.0), -1.0, vec3(0.0), vec3(0.0), vec3(0.0));
+		direct_ray r = direct_ray(vec3(0.0, 0.0, 1.0), -1.0, vec3(0.0), vec3(0.0), vec3(0.0), NONE);
 		float pdf = 0.0;
 		bool off_facets = EFFECT_GLOSSY && has_lamps && i >= lamp_end;
 		bool to_lamp = EFFECT_EMITTERS && i >= light_count;
@@ -249,12 +264,17 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
 			pdf = ray_off_facets(b, pattern, r);
 		bool sent = r.t_max > 0.0;
-		direct_rays += sent ? 1u : 0u;
+		bool mapped = r.map != NONE;
+		direct_rays += sent && !mapped ? 1u : 0u;
 		ray_hit hit;
 		bool met = false;
 		if (DIRECT_RAYS || (EFFECT_EMITTERS && EFFECT_GLOSSY))
-			met = walk_single(origin, r.segment, DIRECT_RAYS || off_facets ? r.t_max : -1.0, !off_facets, hit);
+			met = walk_single(origin, r.segment, (DIRECT_RAYS && !mapped) || off_facets ? r.t_max : -1.0, !off_facets, hit);
 		float open = sent ? direct_open(met, origin, s.geometric, r.segment, r.t_max) : 0.0;
+#ifdef DIRECT_MAPS
+		if (sent && mapped)
+			open = shadow_map_open(r.map, origin, s.geometric);
+#endif
 		direct_share += off_facets || !sent ? vec2(0.0) : luminance(r.diffuse) * vec2(open, 1.0);
 		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets) {
 			vec3 seen = met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);

@@ -222,7 +222,7 @@ def stages(daemon, given, folder):
 
 
 OPTIONS = [("as it is", {}), *((f"step {s}", {"step": s}) for s in (0.1, 0.25, 1, 2.5)),
-           *((f"shadows {s}", {"shadows": s}) for s in ("march", "cones", "volume")),
+           *((f"shadows {s}", {"shadows": s}) for s in ("march", "cones", "volume", "map")),
            *((f"shadow cones {a}°", {"shadows": "cones", "shadow_aperture": a}) for a in (1, 5, 20, 45)),
            *((f"{c} cones", {"cones": c}) for c in (6, 9, 16, 32)), ("every pixel", {"detail": "full"}),
            ("isotropic", {"pyramid": "isotropic"}), ("opacities multiply", {"cover": "product"}), ("own plane left in", {"own": "in"}),

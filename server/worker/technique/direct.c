@@ -1,6 +1,7 @@
 #include "server/worker/technique/direct.h"
 
 #include <epoxy/gl.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "server/worker/technique/scene_job.h"
@@ -59,6 +60,10 @@ void direct_define(struct gl_defines *defines, const struct plan *plan, const st
 	gl_define(defines, "DIRECT_LAMPS", "%s", word(!direct_lamps_in_volume(plan, scene)));
 	gl_define(defines, "DIRECT_SHADOWS", "%s", word(plan->direct_shadows != DIRECT_SHADOWS_NONE));
 	gl_define(defines, "DIRECT_SOFT", "%s", word(is_soft(plan, scene)));
+	if (!shadow_maps_wanted(plan, scene))
+		return;
+	gl_define(defines, "DIRECT_MAPS", "true");
+	gl_define(defines, "DIRECT_MAPS_FOR_ALL", "%s", word(shadow_maps_for_all(scene)));
 }
 
 // ---- the passes ---------------------------------------------------------------------------------------------------------
@@ -76,13 +81,17 @@ static struct gl_texture_desc lamp_desc(const struct gl_device *device, const st
 uint64_t direct_lighting_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
 	const struct gl_texture_desc desc = lamp_desc(devices->gl, plan);
-	return is_soft(plan, scene) ? (plan_has(plan, candil_Effect_EFFECT_GLOSSY) ? 4u : 3u) * gl_texture_bytes(&desc) : 0;
+	const uint64_t maps = shadow_maps_bytes(plan, scene);
+	const uint32_t images = !is_soft(plan, scene) ? 0 : plan_has(plan, candil_Effect_EFFECT_GLOSSY) ? 4 : 3;
+	return maps + images * gl_texture_bytes(&desc);
 }
 
 static void bind_lamps(void *user, const struct deferred_area *area)
 {
 	const struct direct_lighting *l = user;
 	(void)area;
+	if (l->maps)
+		shadow_maps_bind(l->maps);
 	if (!l->scale.name)
 		return;
 	gl_texture_bind_image(&l->scale, DIRECT_SCALE_UNIT, 0, GL_READ_WRITE);
@@ -100,25 +109,33 @@ static void add_pass(struct direct_lighting *l, const struct gl_source *source, 
 	direct_define(&pass->defines, plan, scene);
 }
 
-enum status direct_lighting_init(struct direct_lighting *l, struct devices *devices, const struct resident_scene *scene,
-				 const struct plan *plan, struct error *err)
+static enum status make_images(struct direct_lighting *l, const struct plan *plan, struct error *err)
 {
-	*l = (struct direct_lighting){0};
-	enum status s = devices_gl(devices, &l->device, err);
-	if (s != STATUS_OK)
-		return s;
-	add_pass(l, &light_source, plan, scene);
-	if (!is_soft(plan, scene))
-		return STATUS_OK;
-	add_pass(l, &soften_source, plan, scene);
 	const struct gl_texture_desc desc = lamp_desc(l->device, plan);
-	s = gl_texture_init(&l->scale, l->device, &desc, err);
+	enum status s = gl_texture_init(&l->scale, l->device, &desc, err);
 	if (s == STATUS_OK)
 		s = gl_texture_init(&l->arrived, l->device, &desc, err);
 	if (s == STATUS_OK)
 		s = gl_texture_init(&l->expected, l->device, &desc, err);
 	if (s == STATUS_OK && plan_has(plan, candil_Effect_EFFECT_GLOSSY))
 		s = gl_texture_init(&l->facets, l->device, &desc, err);
+	return s;
+}
+
+enum status direct_lighting_init(struct direct_lighting *l, struct devices *devices, struct resident_scene *scene,
+				 const struct plan *plan, struct error *err)
+{
+	*l = (struct direct_lighting){0};
+	enum status s = devices_gl(devices, &l->device, err);
+	if (s == STATUS_OK && shadow_maps_wanted(plan, scene))
+		s = shadow_maps_acquire(scene, l->device, plan, &l->compile_us, &l->maps, err);
+	if (s != STATUS_OK)
+		return s;
+	add_pass(l, &light_source, plan, scene);
+	if (!is_soft(plan, scene))
+		return STATUS_OK;
+	add_pass(l, &soften_source, plan, scene);
+	s = make_images(l, plan, err);
 	if (s != STATUS_OK)
 		direct_lighting_finish(l);
 	return s;
@@ -132,6 +149,18 @@ void direct_lighting_finish(struct direct_lighting *l)
 	gl_texture_finish(&l->arrived, l->device);
 	gl_texture_finish(&l->expected, l->device);
 	gl_texture_finish(&l->facets, l->device);
+	shadow_maps_release(l->maps);
+	l->maps = NULL;
+}
+
+enum status direct_lighting_step(struct direct_lighting *l, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	return l->maps ? shadow_maps_step(l->maps, timer, budget_us, err) : STATUS_OK;
+}
+
+bool direct_lighting_ready(const struct direct_lighting *l)
+{
+	return !l->maps || shadow_maps_finished(l->maps);
 }
 
 // ---- the technique ------------------------------------------------------------------------------------------------------
@@ -139,6 +168,26 @@ void direct_lighting_finish(struct direct_lighting *l)
 static uint64_t direct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
 	return deferred_bytes(devices, plan) + direct_lighting_bytes(devices, scene, plan);
+}
+
+void direct_advise_map(uint64_t (*bytes)(const struct devices *devices, const struct resident_scene *scene,
+					 const struct plan *plan),
+		       const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+		       uint64_t budget, char *advice)
+{
+	struct plan smaller = *plan;
+	if (!shadow_maps_wanted(plan, scene))
+		return;
+	while (smaller.direct_map > PLAN_MAP_LEAST && bytes(devices, scene, &smaller) > budget)
+		smaller.direct_map /= 2;
+	if (bytes(devices, scene, &smaller) <= budget)
+		snprintf(advice, TECHNIQUE_ADVICE_BYTES, "direct.map=%u would fit", smaller.direct_map);
+}
+
+static void direct_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+			  uint64_t budget, char *advice)
+{
+	direct_advise_map(direct_bytes, devices, scene, plan, budget, advice);
 }
 
 static void direct_end(struct technique_job *job)
@@ -165,13 +214,18 @@ static enum status direct_begin(struct devices *devices, struct resident_scene *
 		direct_end(j);
 		return s;
 	}
+	deferred_add_setup(j->deferred, 0, l->compile_us);
 	*job = j;
 	return STATUS_OK;
 }
 
 static enum status direct_step(struct technique_job *job, uint32_t budget_us, struct step_result *result, struct error *err)
 {
-	return deferred_step(job->deferred, budget_us, result, err);
+	struct direct_lighting *l = &job->lighting;
+	if (direct_lighting_ready(l))
+		return deferred_step(job->deferred, budget_us, result, err);
+	*result = (struct step_result){.estimated_relmse = -1};
+	return direct_lighting_step(l, deferred_timer(job->deferred), budget_us, err);
 }
 
 static enum status direct_read(struct technique_job *job, struct frame **frame, struct error *err)
@@ -181,6 +235,7 @@ static enum status direct_read(struct technique_job *job, struct frame **frame, 
 
 const struct technique technique_direct = {.name = "direct",
 					   .bytes = direct_bytes,
+					   .advise = direct_advise,
 					   .begin = direct_begin,
 					   .step = direct_step,
 					   .read = direct_read,

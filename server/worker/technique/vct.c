@@ -63,6 +63,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->cones = cones_of(plan);
 	o->points = plan->direct_points;
 	o->shadows = plan->direct_shadows;
+	o->map_side = shadow_maps_wanted(plan, scene) ? plan->direct_map : 0;
 	o->pyramid = plan->vct_pyramid;
 	o->cover = plan->vct_cover;
 	o->own = plan->vct_own;
@@ -84,7 +85,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 static bool needs_volume(const struct plan *plan, const struct resident_scene *scene)
 {
 	return plan_has(plan, candil_Effect_EFFECT_BOUNCES) || plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) ||
-	       direct_lamps_in_volume(plan, scene) || plan->vct_shadows != VCT_SHADOWS_RAYS || plan->vct_ambient > 0;
+	       direct_lamps_in_volume(plan, scene) || vct_shadows_in_volume(plan->vct_shadows) || plan->vct_ambient > 0;
 }
 
 static void bind_volume(void *user, const struct deferred_area *area)
@@ -172,6 +173,8 @@ static void vct_advise(const struct devices *devices, const struct resident_scen
 		smaller.vct_resolution /= 2;
 	if (vct_bytes(devices, scene, &smaller) <= budget)
 		snprintf(advice, TECHNIQUE_ADVICE_BYTES, "vct.resolution=%u would fit", smaller.vct_resolution);
+	else
+		direct_advise_map(vct_bytes, devices, scene, &smaller, budget, advice);
 }
 
 static void vct_end(struct technique_job *job)
@@ -212,7 +215,7 @@ static enum status make_passes(struct technique_job *j, struct devices *devices,
 		s = make_half(j, plan, err);
 	if (s != STATUS_OK)
 		return s;
-	if (plan->vct_shadows != VCT_SHADOWS_RAYS)
+	if (vct_shadows_in_volume(plan->vct_shadows))
 		take_shadows(j, &passes[0]);
 	*count = cone_passes(j, plan, passes, *count);
 	return STATUS_OK;
@@ -236,6 +239,7 @@ static enum status vct_begin(struct devices *devices, struct resident_scene *sce
 		vct_end(j);
 		return s;
 	}
+	deferred_add_setup(j->deferred, 0, j->lighting.compile_us);
 	*job = j;
 	return STATUS_OK;
 }
@@ -252,6 +256,10 @@ static enum status vct_step(struct technique_job *j, uint32_t budget_us, struct 
 		s = vct_volume_step(j->volume, deferred_timer(j->deferred), budget_us, err);
 		*result = (struct step_result){.fraction = BUILD_SHARE * vct_volume_fraction(j->volume)};
 		return s;
+	}
+	if (!direct_lighting_ready(&j->lighting)) {
+		*result = (struct step_result){.estimated_relmse = -1, .fraction = j->volume ? BUILD_SHARE : 0};
+		return direct_lighting_step(&j->lighting, deferred_timer(j->deferred), budget_us, err);
 	}
 	s = deferred_step(j->deferred, budget_us, result, err);
 	if (j->volume || j->show)

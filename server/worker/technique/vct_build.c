@@ -174,6 +174,8 @@ static enum status bind(const struct vct_volume *v, enum vct_stage stage, const 
 			return s;
 		gl_scene_bind(scene);
 		gl_buffer_bind(&v->job, BIND_JOB);
+		if (v->maps)
+			shadow_maps_bind(v->maps);
 		glUniform1f(VCT_LEVEL, v->voxels->grid.side);
 	}
 	voxels_bind(v->voxels);
@@ -388,6 +390,8 @@ static void enter_first_pyramid(struct vct_volume *v)
 static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
+	if (v->maps && !shadow_maps_finished(v->maps))
+		return shadow_maps_step(v->maps, timer, budget_us, err);
 	enum status s = use(v, VCT_LIGHT, err);
 	if (s != STATUS_OK)
 		return s;
@@ -395,6 +399,8 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	if (s != STATUS_OK || !done)
 		return s;
 	v->lit = true;
+	shadow_maps_release(v->maps);
+	v->maps = NULL;
 	s = take_scale(v, err);
 	if (v->shares.name)
 		enter(v, VCT_SHARE);

@@ -37,6 +37,7 @@ static void darken(struct plan *plan, struct vct_options *o)
 	o->effects = plan->effects;
 	o->bounces = 0;
 	o->volume_shadows = VCT_SHADOWS_RAYS;
+	o->map_side = 0;
 	o->ambient = o->falloff = 0;
 	o->emission = 1; // nobody aims at it
 	memset(o->background, 0, sizeof o->background);

@@ -30,6 +30,7 @@ static void destroy(struct vct_volume *v)
 	gl_texture_finish(&v->pyramid, v->device);
 	gl_texture_finish(&v->shares, v->device);
 	voxels_release(v->voxels);
+	shadow_maps_release(v->maps);
 	free(v);
 }
 
@@ -41,6 +42,7 @@ static void shelf_destroy(struct derived *derived)
 		struct vct_volume *v = s->first;
 		s->first = v->next;
 		v->voxels = NULL;
+		v->maps = NULL;
 		destroy(v);
 	}
 	free(s);
@@ -102,6 +104,11 @@ static float brightest(const struct resident_scene *scene)
 	return most;
 }
 
+bool vct_shadows_in_volume(uint32_t shadows)
+{
+	return shadows != VCT_SHADOWS_RAYS && shadows != VCT_SHADOWS_MAP;
+}
+
 void vct_define(struct gl_defines *d, const struct vct_options *o)
 {
 	gl_define(d, "VCT_OWN", "%s", o->own ? "false" : "true");
@@ -109,7 +116,7 @@ void vct_define(struct gl_defines *d, const struct vct_options *o)
 	gl_define(d, "VCT_ISOTROPIC", "%s", o->pyramid ? "true" : "false");
 	gl_define(d, "VCT_AMBIENT", "%s", o->ambient > 0 ? "true" : "false");
 	gl_define(d, "VCT_WEIGHTED", "%s", o->lambert ? "true" : "false");
-	if (o->volume_shadows == VCT_SHADOWS_RAYS)
+	if (!vct_shadows_in_volume(o->volume_shadows))
 		return;
 	gl_define(d, "VCT_SHADOW_HARD", "%s", o->volume_shadows == VCT_SHADOWS_MARCH ? "true" : "false");
 	if (o->volume_shadows == VCT_SHADOWS_VOLUME)
@@ -167,6 +174,9 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 		s = vct_build_begin(v, plan, err);
 	if (s == STATUS_OK)
 		s = prepare_light(v, plan, err);
+	uint64_t compile_us = 0; // told by the picture's own lighting, which looks into the same maps
+	if (s == STATUS_OK && shadow_maps_wanted(plan, scene))
+		s = shadow_maps_acquire(scene, device, plan, &compile_us, &v->maps, err);
 	if (s == STATUS_OK)
 		*out = v;
 	else

@@ -12,6 +12,7 @@
 
 #include "server/worker/gl/program.h"
 #include "server/worker/gl/texture.h"
+#include "server/worker/technique/shadow_maps.h"
 #include "server/worker/technique/voxels.h"
 #include "shaders/shared/vct.h"
 
@@ -23,6 +24,7 @@ struct vct_options {
 	uint32_t cones; // diffuse: 6, 9, 16 or 32
 	uint32_t points; // direct.samples, for shadow rays to emissive triangles
 	uint32_t shadows; // direct.shadows
+	uint32_t map_side; // texels of the shadow maps; 0: none
 	uint32_t pyramid, cover, own, lambert, volume_shadows; // as in struct plan
 	float shadow_tangent; // of the half aperture
 	uint32_t emission; // 1: surfaces' emission is in the pyramid, and nobody aims at emissive triangles
@@ -50,6 +52,7 @@ struct vct_volume {
 	struct gl_buffer job; // struct pt_job, for the lights
 	struct gl_texture pyramid;
 	struct gl_texture shares; // with VCT_SHADOWS_VOLUME: VCT_SHARES_UNIT
+	struct shadow_maps *maps; // until the lights have been through; NULL: none are wanted
 	struct gl_defines light_defines, cone_defines;
 	uint32_t bindings; // of the scene, that the lights' program reads
 	float emission_most; // radiance of the brightest surface, W/(m² sr)
@@ -74,6 +77,9 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 enum status vct_volume_step(struct vct_volume *volume, struct gl_timer *timer, uint32_t budget_us, struct error *err);
 bool vct_volume_finished(const struct vct_volume *volume);
 double vct_volume_fraction(const struct vct_volume *volume); // 0…1
+
+// Whether shadows by this enum plan_volume_shadows come out of the voxels.
+bool vct_shadows_in_volume(uint32_t shadows);
 
 // The macros of vct/cone.glsl and what includes it.
 void vct_define(struct gl_defines *defines, const struct vct_options *options);
