@@ -55,6 +55,7 @@ struct plan {
 	uint32_t direct_points; // direct: on lamps, for a pixel's sample
 	uint32_t direct_shadows; // direct: enum plan_shadows
 	uint32_t direct_map; // texels of a shadow map's side
+	uint32_t direct_rows; // of pixels that are worked on at once; 0: as many as the device binds
 	uint32_t vct_voxels; // 0: textures, the one kind there is
 	uint32_t vct_resolution; // voxels along the scene's longest axis, a power of two
 	uint32_t vct_bounces; // of light between surfaces, 0…

@@ -50,6 +50,7 @@ static const struct option_rule options[] = {
     {"direct.samples", 1, LIMIT_DIRECT_SAMPLES, NULL, NULL, false, FIELD(direct_points)},
     {"direct.shadows", 0, 0, shadows, NULL, false, FIELD(direct_shadows)},
     {"direct.map", 0, 0, map_words, map_sides, false, FIELD(direct_map)},
+    {"direct.rows", 0, LIMIT_SIDE, NULL, NULL, false, FIELD(direct_rows)},
     {"pt.depth", 1, LIMIT_DEPTH, NULL, NULL, false, FIELD(depth)},
     {"pt.segment", 1, LIMIT_DEPTH + 1, NULL, NULL, false, FIELD(segment)},
     {"pt.batch", 1, PLAN_BATCH_MOST, NULL, NULL, false, FIELD(batch)},

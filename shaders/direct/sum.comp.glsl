@@ -21,8 +21,11 @@ void main()
 	vec4 value = imageLoad(radiance_image, texel);
 	imageStore(radiance_image, texel, vec4(0.0));
 	uint rays = uint(abs(value.w));
-	if (rays > 0u)
-		atomicAdd(counters.rays, rays);
+	if (rays > 0u) {
+		uint before = atomicAdd(counters.rays, rays);
+		if (before + rays < before)
+			atomicAdd(counters.rays_high, 1u);
+	}
 	if (value.w < 0.0)
 		atomicAdd(counters.cut, 1u);
 	if (!finite(value.rgb)) {

@@ -163,7 +163,7 @@ struct pt_counters {
 	uint loop_rounds; // the most that an invocation went round in its loops
 	uint clamped; // samples that were too bright
 	uint removed[2]; // what they lost in luminance, low word first, in CLAMP_UNITS to pt_job.clamp
-	uint reserved;
+	uint rays_high; // of the deferred techniques: 2³² rays; the path tracer's host reads often enough
 };
 LAYOUT_ASSERT(pt_counters, 32)
 #define CLAMP_UNITS 256

@@ -44,9 +44,9 @@ static uint32_t affordable(const struct deferred *d, const struct deferred_work 
 	const uint32_t left = deferred_units(d, w) - d->unit;
 	*cost = w->unit_us > 0 ? us / w->unit_us : w->kind == DEFERRED_DRAW ? FIRST_COST : FIRST_TILES;
 	if (w->kind == DEFERRED_DRAW) {
-		const struct deferred_band *b = &d->bands[d->band];
+		const struct deferred_rows *r = &d->bands[d->band].outer;
 		*cost = *cost > LEAST_COST ? *cost : LEAST_COST;
-		return deferred_drawable(&d->plan, d->scene, b->first_row, b->rows, d->unit, left, cost);
+		return deferred_drawable(&d->plan, d->scene, r->first_row, r->rows, d->unit, left, cost);
 	}
 	const uint32_t n = *cost < 1 ? 1 : *cost < left ? (uint32_t)*cost : left;
 	*cost = n;
@@ -59,7 +59,7 @@ static enum status take_counters(struct deferred *d, struct error *err)
 	enum status s = gl_buffer_read(&d->counters, d->device, 0, sizeof now, &now, err);
 	if (s != STATUS_OK)
 		return s;
-	d->rays += now.rays - d->seen.rays; // modulo 2^32, which no piece reaches
+	d->rays = (uint64_t)now.rays_high << 32 | now.rays;
 	d->non_finite += now.non_finite - d->seen.non_finite;
 	d->seen = now;
 	if (now.cut)
@@ -118,20 +118,28 @@ enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_re
 
 // ---- read ---------------------------------------------------------------------------------------------------------------
 
+static enum status read_pixels(const struct gl_buffer *b, struct gl_device *device, uint64_t before, uint64_t count,
+			       uint64_t each, void *out, struct error *err)
+{
+	return gl_buffer_read(b, device, before * each, count * each, out, err);
+}
+
 static enum status read_band(struct deferred *d, uint32_t index, struct frame *f, struct pt_resolver *r, struct error *err)
 {
 	const struct deferred_band *b = &d->bands[index];
-	void *host = malloc((size_t)b->sums.bytes);
+	const uint64_t before = (uint64_t)(b->own.first_row - b->outer.first_row) * d->plan.width;
+	const uint64_t pixels = (uint64_t)b->own.rows * d->plan.width;
+	void *host = malloc((size_t)pixels * ACCUMULATOR_FLOATS * sizeof(float));
 	if (!host)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = gl_buffer_read(&b->sums, d->device, 0, b->sums.bytes, host, err);
+	enum status s = read_pixels(&b->sums, d->device, before, pixels, ACCUMULATOR_FLOATS * sizeof(float), host, err);
 	if (s == STATUS_OK)
-		pt_resolve(r, host, b->first_row, b->rows, f);
+		pt_resolve(r, host, b->own.first_row, b->own.rows, f);
 	if (s == STATUS_OK && b->aov.bytes > 0) {
 		// Smaller than the sums, which are no longer needed.
-		s = gl_buffer_read(&b->aov, d->device, 0, b->aov.bytes, host, err);
+		s = read_pixels(&b->aov, d->device, before, pixels, AOV_WORDS * sizeof(uint32_t), host, err);
 		if (s == STATUS_OK)
-			pt_resolve_aov(host, b->first_row, b->rows, f);
+			pt_resolve_aov(host, b->own.first_row, b->own.rows, f);
 	}
 	free(host);
 	return s;
@@ -143,7 +151,7 @@ static uint32_t tiles_ahead(const struct deferred *d)
 	if (finished(d) || !d->aov_done)
 		return 0;
 	const struct deferred_band *b = &d->bands[d->band];
-	return b->first_tile + (d->work == d->work_count - 1 ? d->unit : 0);
+	return b->own.first_tile + (d->work == d->work_count - 1 ? d->unit : 0);
 }
 
 static void account(struct deferred *d, struct frame *f, uint64_t resolve_us)

@@ -3,8 +3,9 @@
 //
 // A sample is: the visibility pass (every triangle drawn, its ids kept), the technique's passes one after the other, each
 // over all pixels, and their sum added to the picture's. The passes of one sample see one jittered ray a pixel: through the
-// pixel's middle if the picture has one sample. Pictures of more pixels than the device binds are made in bands of rows. A
-// technique's struct technique_job holds a struct deferred and hands its calls on. Device's thread only.
+// pixel's middle if the picture has one sample. Pictures of more pixels than the device binds are made in bands of rows, each
+// with TILE_SIDE rows more on either side for what passes read of pixels near by, so that where a band ends shows in no bit.
+// A technique's struct technique_job holds a struct deferred and hands its calls on. Device's thread only.
 #ifndef CANDIL_WORKER_TECHNIQUE_DEFERRED_H
 #define CANDIL_WORKER_TECHNIQUE_DEFERRED_H
 
@@ -53,7 +54,7 @@ void deferred_destroy(struct deferred *deferred); // NULL is allowed
 enum status deferred_step(struct deferred *deferred, uint32_t budget_us, struct step_result *result, struct error *err);
 enum status deferred_read(struct deferred *deferred, struct frame **frame, struct error *err);
 
-// The most pixels that a band has, and its rows: for a technique's own textures of a value a pixel.
+// The most rows that a pass works on at once: for a technique's own textures of a value a pixel.
 uint32_t deferred_band_rows(const struct gl_device *device, const struct plan *plan);
 
 // For a technique's own passes before the first sample; told by deferred_read with the rest.

@@ -6,12 +6,18 @@
 #include "server/worker/gl/scene.h"
 #include "server/worker/technique/deferred.h"
 
-// Rows whose sums fit one storage block. Most pictures are one band.
-struct deferred_band {
+// Rows of tiles, or of pixels.
+struct deferred_rows {
 	uint32_t first_row, rows; // pixels; first_row is a multiple of TILE_SIDE
 	uint32_t first_tile, tiles;
-	struct gl_buffer sums;
-	struct gl_buffer aov; // only if asked for
+};
+
+// Rows whose sums fit one storage block. Most pictures are one band. Passes look at pixels near by: they work on a row of
+// tiles more on either side, as far as the picture goes, of which no sum is taken.
+struct deferred_band {
+	struct deferred_rows own, outer;
+	struct gl_buffer sums; // of the outer rows
+	struct gl_buffer aov; // likewise, only if asked for
 };
 
 enum deferred_kind { DEFERRED_DRAW, DEFERRED_SHADE, DEFERRED_SUM, DEFERRED_AOV };

@@ -8,7 +8,10 @@
 
 uint32_t deferred_units(const struct deferred *d, const struct deferred_work *work)
 {
-	return work->kind == DEFERRED_DRAW ? scene_count(d->scene, BLOB_TRIANGLES) : d->bands[d->band].tiles;
+	const struct deferred_band *b = &d->bands[d->band];
+	if (work->kind == DEFERRED_DRAW)
+		return scene_count(d->scene, BLOB_TRIANGLES);
+	return work->kind == DEFERRED_SHADE ? b->outer.tiles : b->own.tiles;
 }
 
 struct deferred_work *deferred_current(struct deferred *d)
@@ -59,13 +62,14 @@ static void jitter(const struct deferred *d, uint32_t half, uint32_t index, floa
 	out[1] = (float)(y >> 8) * 0x1p-24f;
 }
 
+// `first_tile` is the image's.
 static void set_uniforms(const struct deferred *d, uint32_t first_tile, uint32_t tiles)
 {
-	const struct deferred_band *b = &d->bands[d->band];
+	const struct deferred_rows *r = &d->bands[d->band].outer;
 	const uint32_t global = d->plan.first_sample + d->sample;
 	float at[2];
 	jitter(d, global & 1u, global >> 1, at);
-	glUniform4ui(DEFERRED_AREA, b->first_row, b->rows, b->first_tile + first_tile, tiles);
+	glUniform4ui(DEFERRED_AREA, r->first_row, r->rows, first_tile, tiles);
 	glUniform4ui(DEFERRED_SAMPLE, global & 1u, global >> 1, d->sample, d->plan.width);
 	glUniform2fv(DEFERRED_JITTER, 1, at);
 }
@@ -82,7 +86,7 @@ static void set_raster(const struct deferred *d)
 {
 	const struct deferred_band *b = &d->bands[d->band];
 	glBindFramebuffer(GL_FRAMEBUFFER, d->framebuffer);
-	glViewport(0, -(GLint)b->first_row, (GLsizei)d->plan.width, (GLsizei)d->plan.height);
+	glViewport(0, -(GLint)b->outer.first_row, (GLsizei)d->plan.width, (GLsizei)d->plan.height);
 	glDisable(GL_SCISSOR_TEST);
 	glDisable(GL_CULL_FACE);
 	glDisable(GL_BLEND);
@@ -95,6 +99,15 @@ static void set_raster(const struct deferred *d)
 	glBindVertexArray(d->device->vertex_array);
 }
 
+// A sum clears what it takes: of the outer rows something may be left.
+static void clear_radiance(const struct deferred *d)
+{
+	if (d->band_count == 1)
+		return;
+	glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+	glClearTexImage(d->radiance.name, 0, GL_RGBA, GL_FLOAT, NULL);
+}
+
 static void record_draw(const struct deferred *d, const struct deferred_work *work, uint32_t first, uint32_t count)
 {
 	const GLuint nothing[4] = {0};
@@ -104,6 +117,7 @@ static void record_draw(const struct deferred *d, const struct deferred_work *wo
 	if (first == 0) {
 		glClearBufferuiv(GL_COLOR, 0, nothing);
 		glClearBufferfv(GL_DEPTH, 0, &far);
+		clear_radiance(d);
 	}
 	set_uniforms(d, 0, 0);
 	glUniform1ui(DEFERRED_TRIANGLE, first);
@@ -117,7 +131,7 @@ static void record_tiles(const struct deferred *d, const struct deferred_work *w
 {
 	const struct deferred_band *b = &d->bands[d->band];
 	const struct deferred_area area = {
-	    .width = d->plan.width, .first_row = b->first_row, .rows = b->rows, .sample = d->sample};
+	    .width = d->plan.width, .first_row = b->outer.first_row, .rows = b->outer.rows, .sample = d->sample};
 	bind_common(d, work->program);
 	gl_texture_bind(&d->visibility, DEFERRED_VISIBILITY_UNIT);
 	gl_texture_bind_image(&d->radiance, DEFERRED_RADIANCE_UNIT, 0, GL_READ_WRITE);
@@ -129,6 +143,7 @@ static void record_tiles(const struct deferred *d, const struct deferred_work *w
 	} else if (work->pass->bind) {
 		work->pass->bind(work->pass->user, &area);
 	}
+	first += work->kind == DEFERRED_SHADE ? b->outer.first_tile : b->own.first_tile;
 	while (count > 0) {
 		const uint32_t n = count < TILES_PER_DISPATCH ? count : TILES_PER_DISPATCH;
 		set_uniforms(d, first, n);

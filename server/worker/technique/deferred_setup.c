@@ -28,7 +28,7 @@ static uint32_t tile_rows(const struct plan *plan)
 	return (plan->height + TILE_SIDE - 1) / TILE_SIDE;
 }
 
-// Tile rows of a band; 0: not one fits.
+// Tile rows that a band works on; fewer than the image's: with one on either side that is the next band's.
 static uint32_t band_tile_rows(const struct gl_device *device, const struct plan *plan)
 {
 	uint64_t most = BAND_BYTES_MAX;
@@ -36,7 +36,9 @@ static uint32_t band_tile_rows(const struct gl_device *device, const struct plan
 		most = device->storage_bytes_max;
 	const uint64_t fit = most / ((uint64_t)plan->width * TILE_SIDE * ACCUMULATOR_FLOATS * sizeof(float));
 	const uint32_t all = tile_rows(plan);
-	return fit < all ? (uint32_t)fit : all;
+	const uint32_t asked = (plan->direct_rows + TILE_SIDE - 1) / TILE_SIDE + 2;
+	const uint32_t wanted = plan->direct_rows && asked < all ? asked : all;
+	return fit < wanted ? (uint32_t)fit : wanted;
 }
 
 uint32_t deferred_band_rows(const struct gl_device *device, const struct plan *plan)
@@ -49,34 +51,45 @@ uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan)
 {
 	const uint64_t pixels = (uint64_t)plan->width * plan->height;
 	const uint64_t texels = (uint64_t)plan->width * deferred_band_rows(devices->gl, plan);
-	uint64_t bytes = sizeof(struct pt_job) + sizeof(struct pt_counters);
+	uint64_t bytes = sizeof(struct pt_job) + sizeof(struct pt_counters), summed = pixels;
+	const uint32_t most = band_tile_rows(devices->gl, plan), all = tile_rows(plan);
+	if (most > 2 && most < all)
+		summed += 2ull * ((all - 1) / (most - 2)) * TILE_SIDE * plan->width; // rows that two bands work on
 	bytes += texels * 24; // id, depth, radiance
-	bytes += pixels * ACCUMULATOR_FLOATS * sizeof(float);
+	bytes += summed * ACCUMULATOR_FLOATS * sizeof(float);
 	if (plan->aovs)
-		bytes += pixels * AOV_WORDS * sizeof(uint32_t);
+		bytes += summed * AOV_WORDS * sizeof(uint32_t);
 	return bytes;
 }
 
 // ---- bands and buffers --------------------------------------------------------------------------------------------------
 
+// Rows of tiles [first, end).
+static struct deferred_rows rows_of(const struct plan *p, uint32_t first, uint32_t end)
+{
+	const uint32_t low = first * TILE_SIDE, high = end * TILE_SIDE < p->height ? end * TILE_SIDE : p->height;
+	return (struct deferred_rows){.first_row = low,
+				      .rows = high - low,
+				      .first_tile = first * tile_columns(p),
+				      .tiles = (end - first) * tile_columns(p)};
+}
+
 static enum status cut_bands(struct deferred *d, struct error *err)
 {
 	const struct plan *p = &d->plan;
-	const uint32_t most = band_tile_rows(d->device, p), all = tile_rows(p);
-	if (most == 0)
-		return error_set(err, STATUS_MEMORY, "this device cannot bind eight rows of %u pixels: render narrower",
-				 p->width);
+	const uint32_t fit = band_tile_rows(d->device, p), all = tile_rows(p);
+	if (fit < all && fit < 3)
+		return error_set(err, STATUS_MEMORY, "this device cannot bind %u rows of %u pixels: render narrower",
+				 3 * TILE_SIDE, p->width);
+	const uint32_t most = fit < all ? fit - 2 : all;
 	d->band_count = (all + most - 1) / most;
 	d->bands = calloc(d->band_count, sizeof *d->bands);
 	if (!d->bands)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	for (uint32_t i = 0; i < d->band_count; i++) {
-		struct deferred_band *b = &d->bands[i];
-		const uint32_t first = i * most, rows = all - first < most ? all - first : most;
-		b->first_row = first * TILE_SIDE;
-		b->rows = b->first_row + rows * TILE_SIDE <= p->height ? rows * TILE_SIDE : p->height - b->first_row;
-		b->first_tile = first * tile_columns(p);
-		b->tiles = rows * tile_columns(p);
+		const uint32_t first = i * most, end = all - first < most ? all : first + most;
+		d->bands[i].own = rows_of(p, first, end);
+		d->bands[i].outer = rows_of(p, first > 0 ? first - 1 : 0, end < all ? end + 1 : all);
 	}
 	return STATUS_OK;
 }
@@ -90,7 +103,7 @@ static enum status make_buffers(struct deferred *d, struct error *err)
 		s = gl_buffer_init(&d->counters, d->device, sizeof(struct pt_counters), NULL, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++) {
 		struct deferred_band *b = &d->bands[i];
-		const uint64_t pixels = (uint64_t)b->rows * d->plan.width;
+		const uint64_t pixels = (uint64_t)b->outer.rows * d->plan.width;
 		s = gl_buffer_init(&b->sums, d->device, pixels * ACCUMULATOR_FLOATS * sizeof(float), NULL, err);
 		if (s == STATUS_OK && d->plan.aovs)
 			s = gl_buffer_init(&b->aov, d->device, pixels * AOV_WORDS * sizeof(uint32_t), NULL, err);

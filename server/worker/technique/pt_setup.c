@@ -201,7 +201,7 @@ static bool walks_in_packets(const struct technique_job *j)
 	       resident_buffer(j->scene, BIND_LEAF_TRIANGLES)->bytes <= most;
 }
 
-static enum status bind_band(struct technique_job *j, const struct pipeline *pipeline, const struct pt_band *band,
+static enum status bind_band(struct technique_job *j, struct pipeline *pipeline, const struct pt_band *band,
 			     struct binding_set *set, struct error *err)
 {
 	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};

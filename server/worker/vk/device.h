@@ -55,7 +55,8 @@ struct device {
 	uint64_t bytes; // allocated now
 	uint64_t budget;
 	bool lost; // by the driver's word: only a new process can have it again
-	struct pipeline *pipelines; // every one made so far, by pipeline.c
+	struct pipeline *pipelines; // those that are kept, by pipeline.c
+	uint64_t pipeline_turn;
 };
 
 // List what is there. *count is at most DEVICE_MAX. STATUS_DEVICE if there is no Vulkan loader or driver at all.

@@ -67,12 +67,30 @@ static void destroy(struct device *d, struct pipeline *p)
 	free(p);
 }
 
+// Make room for one more.
+static void trim(struct device *d)
+{
+	struct pipeline **oldest = NULL;
+	unsigned count = 0;
+	for (struct pipeline **at = &d->pipelines; *at; at = &(*at)->next) {
+		count++;
+		if ((*at)->users == 0 && (!oldest || (*at)->used < (*oldest)->used))
+			oldest = at;
+	}
+	if (count < PIPELINES_MAX || !oldest)
+		return;
+	struct pipeline *p = *oldest;
+	*oldest = p->next;
+	destroy(d, p);
+}
+
 enum status pipeline_get(struct device *d, const struct shader *shader, const uint32_t *constants, uint32_t count,
 			 struct pipeline **pipeline, struct error *err)
 {
 	for (struct pipeline *p = d->pipelines; p; p = p->next)
 		if (p->shader == shader && p->constant_count == count &&
 		    (count == 0 || !memcmp(p->constants, constants, count * 4u))) {
+			p->used = ++d->pipeline_turn;
 			*pipeline = p;
 			return STATUS_OK;
 		}
@@ -90,6 +108,8 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const ui
 		destroy(d, p);
 		return s;
 	}
+	trim(d);
+	p->used = ++d->pipeline_turn;
 	p->next = d->pipelines;
 	d->pipelines = p;
 	*pipeline = p;
@@ -139,7 +159,7 @@ static enum status make_view(VkBufferView *view, struct device *d, const struct 
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "making a view of a buffer", err);
 }
 
-enum status binding_set_init(struct binding_set *set, struct device *d, const struct pipeline *p,
+enum status binding_set_init(struct binding_set *set, struct device *d, struct pipeline *p,
 			     const struct buffer *const *buffers, const struct buffer *filler, struct error *err)
 {
 	const uint32_t count = p->shader->bindings;
@@ -147,6 +167,8 @@ enum status binding_set_init(struct binding_set *set, struct device *d, const st
 	VkWriteDescriptorSet writes[PIPELINE_BINDINGS_MAX];
 	uint32_t views = 0;
 	memset(set, 0, sizeof *set);
+	set->pipeline = p;
+	p->users++;
 	enum status s = make_pool(set, d, p, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < count; i++) {
 		const struct buffer *b = buffers[i] && buffers[i]->handle ? buffers[i] : filler;
@@ -176,5 +198,7 @@ void binding_set_finish(struct binding_set *set, struct device *d)
 			vkDestroyBufferView(d->handle, set->views[i], NULL);
 	if (set->pool)
 		vkDestroyDescriptorPool(d->handle, set->pool, NULL);
+	if (set->pipeline)
+		set->pipeline->users--;
 	memset(set, 0, sizeof *set);
 }
