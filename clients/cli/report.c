@@ -112,6 +112,8 @@ void report_print(const struct report *r, FILE *stream)
 	print_unlit(&r->accepted, stream);
 	for (uint32_t i = 0; i < r->accepted.note_count; i++)
 		fprintf(stream, "note       %s\n", r->accepted.notes[i]);
+	for (uint32_t i = 0; i < done->note_count; i++)
+		fprintf(stream, "note       %s\n", done->notes[i]);
 	if (r->scene->warning_count == 1 && r->scene->warnings_more == 0)
 		fputs("warning    1 about the scene; see candil describe\n", stream);
 	else if (r->scene->warning_count > 0)
@@ -236,6 +238,8 @@ json_t *report_json(const struct report *r)
 	json_t *notes = json_array();
 	for (uint32_t i = 0; i < r->accepted.note_count; i++)
 		json_array_append_new(notes, cli_json_text(r->accepted.notes[i]));
+	for (uint32_t i = 0; i < done->note_count; i++)
+		json_array_append_new(notes, cli_json_text(done->notes[i]));
 	json_object_set_new(o, "notes", notes);
 	json_object_set_new(o, "stages", report_stages_json(done));
 	json_object_set_new(o, "figures", report_figures_json(done));

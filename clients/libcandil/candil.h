@@ -419,6 +419,8 @@ struct candil_done {
 	char reason[64]; // why it ended: "samples", "error" or "time"
 	uint32_t figure_count;
 	struct candil_figure figures[32];
+	uint32_t note_count;
+	char notes[2][192]; // sentences on what may surprise and came out in the work alone
 };
 
 // An encoded image file, whole: EXR or PNG bytes, to be written to a file as they are.

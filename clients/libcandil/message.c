@@ -371,6 +371,10 @@ static void read_done(const candil_Done *from, struct candil_done *to)
 	to->retries = from->retries;
 	TEXT(to->device, from->device);
 	TEXT(to->reason, from->reason);
+	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil.h and candil.options differ");
+	to->note_count = from->notes_count;
+	for (size_t i = 0; i < from->notes_count; i++)
+		TEXT(to->notes[i], from->notes[i]);
 	read_figures(from, to);
 }
 

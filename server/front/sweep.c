@@ -67,6 +67,8 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 		total->estimated_relmse += done->estimated_relmse;
 	total->figures_count = done->figures_count;
 	memcpy(total->figures, done->figures, sizeof total->figures);
+	total->notes_count = done->notes_count;
+	memcpy(total->notes, done->notes, sizeof total->notes);
 	total->samples = done->samples;
 	total->non_finite_samples += done->non_finite_samples;
 	total->rays += done->rays;

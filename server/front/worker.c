@@ -276,8 +276,11 @@ static bool accepted_holds(candil_Accepted *accepted)
 static bool done_holds(candil_Done *done)
 {
 	if (done->stages_count > sizeof done->stages / sizeof *done->stages ||
-	    done->figures_count > sizeof done->figures / sizeof *done->figures)
+	    done->figures_count > sizeof done->figures / sizeof *done->figures ||
+	    done->notes_count > sizeof done->notes / sizeof *done->notes)
 		return false;
+	for (size_t i = 0; i < done->notes_count; i++)
+		text_clean(done->notes[i], sizeof done->notes[i]);
 	for (size_t i = 0; i < done->figures_count; i++) {
 		text_clean(done->figures[i].name, sizeof done->figures[i].name);
 		text_clean(done->figures[i].unit, sizeof done->figures[i].unit);

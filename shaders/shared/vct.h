@@ -1,8 +1,9 @@
 // Voxel cone tracing, for C and GLSL: the directional pyramid, its parameters and bindings.
 //
-// The pyramid. Six values a cell, one for each way along an axis that light is looked for (+x, −x, +y, −y, +z, −z): the share of
-// the cell's face that surfaces cover when looked at that way, and that share × the radiance that they send back. Its finest
-// level has cells of two voxels; each next level's are twice as large. The six lie side by side along x in one texture.
+// The pyramid. Six values a cell, one for each way along an axis that light is looked for (+x, −x, +y, −y, +z, −z): the
+// share of the cell's face that surfaces cover when looked at that way, and that share × the radiance that they send back.
+// Its finest level has cells of two voxels; each next level's are twice as large. The six lie side by side along x in one
+// texture.
 #ifndef CANDIL_SHARED_VCT_H
 #define CANDIL_SHARED_VCT_H
 
@@ -10,8 +11,8 @@
 
 #define VCT_CONES_MAX 32
 #define VCT_LEVELS_MAX 9
-// Cones of an entry's side when light goes from surface to surface: a quarter each, by the place of its voxel, so that the four
-// entries that a wall has in a cell of the pyramid have all together.
+// Cones of an entry's side when light goes from surface to surface: a quarter each, by the place of its voxel, so that the
+// four entries that a wall has in a cell of the pyramid have all together.
 #define VCT_GATHER_CONES 16
 #define VCT_GATHER_GROUPS 4
 
@@ -40,14 +41,22 @@ struct vct_params {
 LAYOUT_ASSERT(vct_params, 96 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
 #define UNIFORM_VCT_PARAMS 1 // uniform block binding
 
-// Storage blocks: floats, four a side of an entry, its front (counter-clockwise) first: irradiance, W/m², and the share of the
-// lights' that no shadow takes away.
+// Storage blocks: floats, four a side of an entry, its front (counter-clockwise) first: irradiance, W/m², and the share of
+// the lights' that no shadow takes away.
 #define VCT_SIDE_FLOATS 4
 #define VCT_ENTRY_FLOATS 8
-#define BIND_VCT_DIRECT 26 // from the lights; two uints more at the end: bits of the largest of all, walks that the driver cut short
+#define BIND_VCT_DIRECT \
+	26 // from the lights; two uints more at the end: bits of the largest of all, walks that the driver cut short
 #define BIND_VCT_TOTAL 27 // and from other surfaces and the background
 
-#define BIND_VCT_CELLS 28 // uints: how many cells of the finest level have entries, then which
+// Uints: how many cells of the finest level have entries, then which, with room for as many as there are entries; and behind
+// that the area, in VCT_AREA_UNITS to side², of surfaces that bound thin walls, and of all surfaces.
+#define BIND_VCT_CELLS 28
+#define VCT_AREA_UNITS 16
+#define VCT_AREA_MOST 8 // side², of an entry that is counted: 2^25 of them fit a sum
+// A wall is thin, in voxels, where light is known to leak through: tests/bench/RESULTS.md.
+#define VCT_THIN_ALIGNED 2 // at right angles to an axis of the grid…
+#define VCT_THIN_OBLIQUE 5 // …or not
 
 #define VCT_PYRAMID_UNIT 4 // texture
 #define VCT_SHARES_UNIT 7 // texture: like the pyramid's finest level, with shares in the place of radiance

@@ -1,5 +1,5 @@
 // The cells of the pyramid's finest level that have entries, one after the other in any order: one invocation an entry, and the
-// first entry of a cell puts it on the list.
+// first entry of a cell puts it on the list. Also how much of the surface bounds a wall too thin for voxels to hold the light.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -9,14 +9,48 @@ layout(local_size_x = VCT_GROUP) in;
 layout(location = VCT_RANGE) uniform uvec2 range;
 
 layout(std430, binding = BIND_VCT_CELLS) buffer VctCells {
-	uint vct_cells[];   // how many, then their numbers
+	uint vct_cells[];   // how many, then their numbers; areas
 };
+
+const float ALIGNED = 0.99;    // of a unit normal, along an axis
+const float OPPOSITE = -0.8;   // cosine of a wall's two faces' normals
+const float ROUNDING = 0.05;   // voxels
+
+// Whether there is another face behind this one, the other way about, so near that light leaks through what is between them.
+// Whatever faces a lower end of an axis is in the other layer, so that the two of the thinnest wall are not mixed.
+bool bounds_thin_wall(uint entry, uvec3 cell)
+{
+	vec3 normal = voxel_normal(entry);
+	vec3 size = abs(normal);
+	uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+	float thin = size[axis] > ALIGNED ? float(VCT_THIN_ALIGNED) : float(VCT_THIN_OBLIQUE);
+	ivec3 inwards = ivec3(0);
+	inwards[axis] = normal[axis] > 0.0 ? -1 : 1;
+	bool found = false;
+	int reach = int(ceil(thin / size[axis])) + 1;
+	for (int i = 0; i <= reach; i++) {
+		ivec3 at = ivec3(cell) + i * inwards;
+		if (!voxel_is_inside(at))
+			break;
+		uint other = voxel_entry(uvec3(at), 1u - voxel_layer(entry));
+		if (other == NONE)
+			continue;
+		float between = dot(voxel_position(entry) - voxel_position(other), normal) / voxel_side();
+		bool opposite = dot(voxel_normal(other), normal) < OPPOSITE;
+		found = found || opposite && between > -ROUNDING && between < thin - ROUNDING;
+	}
+	return found;
+}
 
 void main()
 {
 	uint entry = range.x + gl_GlobalInvocationID.x;
 	if (gl_GlobalInvocationID.x >= range.y)
 		return;
+	uint area = uint(min(voxel_area(entry), float(VCT_AREA_MOST)) * float(VCT_AREA_UNITS) + 0.5);
+	atomicAdd(vct_cells[voxel_entries() + 2u], area);
+	if (bounds_thin_wall(entry, voxel_cell(entry)))
+		atomicAdd(vct_cells[voxel_entries() + 1u], area);
 	uvec3 cell = voxel_cell(entry) / 2u;
 	uint first = NONE;
 	for (uint k = 0u; k < 8u; k++) {

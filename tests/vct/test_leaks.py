@@ -3,7 +3,8 @@ as a table."""
 import unittest
 
 import rooms
-from common import Fixture
+from common import Fixture, WHITE
+from writers import Gltf, box
 
 fixture = Fixture()
 
@@ -34,6 +35,32 @@ class Leaks(unittest.TestCase):
     def test_thin_and_oblique_walls_hold_most_of_it(self):
         for voxels, turned, mean in ((2, 30, 0.04), (.25, 0, 0.06), (.25, 30, 0.12)):
             self.check(64, voxels, turned, mean, 0.5)
+
+    def test_the_reply_warns_of_walls_that_leak(self):
+        """And of none else: by what it measured of the voxels, the wall's two faces of all that there is."""
+        for voxels, turned, thin in ((2.2, 0, 0), (2, 0, 0), (1.8, 0, 1 / 6), (1, 0, 1 / 6), (.25, 0, 1 / 6), (6, 30, 0), (4, 30, 1 / 6),
+                                     (2, 30, 1 / 6), (.5, 30, 1 / 6)):
+            for shift in rooms.LEAK_SHIFTS[:2]:
+                with self.subTest(voxels=voxels, turned=turned, shift=shift):
+                    scene = rooms.TwoRooms(fixture.folder, 64, voxels, shift, turned)
+                    report = fixture.vct(scene.path, 64, (8, 8), camera="inside").report
+                    found = next(f["value"] for f in report["figures"] if f["name"] == "thin")
+                    self.assertLess(abs(found - thin), 0.02)
+                    warned = [note for note in report["notes"] if "light may leak" in note]
+                    self.assertEqual(len(warned), thin > 0, report["notes"])
+
+    def test_edges_corners_and_gaps_are_no_walls(self):
+        g = Gltf()
+        m = g.material("m", (.5,) * 3)
+        # A solid, an empty room around it, and a slit of half a voxel between two solids.
+        g.place(*box((-1, -1, -1), (1, 1, 1), inward=True), m)
+        side = 2 / (32 - rooms.MARGIN)
+        g.place(*box((-.5, -.5, -.5), (-.1, .5, .5)), m)
+        g.place(*box((-.1 + .5 * side, -.5, -.5), (.5, .5, .5)), m)
+        g.camera((.8, .8, .8), (0, 0, 0), 60)
+        report = fixture.vct(g.save(fixture.folder, "solids.gltf"), size=(8, 8), arguments=WHITE).report
+        self.assertEqual([f["value"] for f in report["figures"] if f["name"] == "thin"], [0])
+        self.assertEqual(report["notes"], [])
 
 
 if __name__ == "__main__":

@@ -61,6 +61,9 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 		stage->us = f->stages[i].us;
 	}
 	fill_figures(f, done);
+	_Static_assert(sizeof done->notes == sizeof f->notes, "frame.h and candil.options differ");
+	done->notes_count = (pb_size_t)f->note_count;
+	memcpy(done->notes, f->notes, sizeof done->notes);
 	done->estimated_relmse = f->estimated_relmse;
 	done->non_finite_samples = f->non_finite_samples;
 	done->rays = f->rays;

@@ -92,3 +92,13 @@ void frame_add_figure(struct frame *frame, const char *name, double value, const
 	snprintf(f->unit, sizeof f->unit, "%s", unit);
 	f->value = value;
 }
+
+void frame_add_note(struct frame *frame, const char *format, ...)
+{
+	if (frame->note_count >= FRAME_NOTES_MAX)
+		return;
+	va_list args;
+	va_start(args, format);
+	vsnprintf(frame->notes[frame->note_count++], sizeof frame->notes[0], format, args);
+	va_end(args);
+}

@@ -10,6 +10,7 @@
 #define FRAME_METADATA_MAX 32u
 #define FRAME_STAGES_MAX 16u
 #define FRAME_FIGURES_MAX 32u
+#define FRAME_NOTES_MAX 2u
 
 struct frame_stage {
 	char name[24];
@@ -41,6 +42,8 @@ struct frame {
 	uint32_t stage_count;
 	struct frame_figure figures[FRAME_FIGURES_MAX];
 	uint32_t figure_count;
+	char notes[FRAME_NOTES_MAX][192]; // sentences on what may surprise
+	uint32_t note_count;
 
 	// Goes into the file as candil/KEY = VALUE.
 	struct {
@@ -58,5 +61,6 @@ void frame_destroy(struct frame *frame);
 void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 void frame_add_stage(struct frame *frame, const char *name, uint64_t us);
 void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit);
+void frame_add_note(struct frame *frame, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -305,7 +305,7 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&v->total, v->device, bytes, NULL, err);
 	if (s == STATUS_OK && !v->voxels->cells.name)
-		s = gl_buffer_init(&v->cells, v->device, (entries + 1) * sizeof(uint32_t), NULL, err);
+		s = gl_buffer_init(&v->cells, v->device, (entries + 3) * sizeof(uint32_t), NULL, err);
 	if (s != STATUS_OK) {
 		// All or none: it is tried again when others have made room.
 		gl_buffer_finish(&v->direct, v->device);
@@ -325,8 +325,11 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 static enum status keep_cells(struct vct_volume *v, struct error *err)
 {
 	struct voxels *of = v->voxels;
-	uint32_t count;
+	uint32_t count, areas[2];
 	enum status s = gl_buffer_read(&v->cells, v->device, 0, sizeof count, &count, err);
+	if (s == STATUS_OK)
+		s = gl_buffer_read(&v->cells, v->device, (of->grid.entries + 1ull) * sizeof(uint32_t), sizeof areas, areas,
+				   err);
 	if (s != STATUS_OK)
 		return s;
 	if (of->cells.name) {
@@ -335,6 +338,7 @@ static enum status keep_cells(struct vct_volume *v, struct error *err)
 	}
 	of->cells = v->cells;
 	of->cell_count = count;
+	of->thin = areas[1] > 0 ? (double)areas[0] / areas[1] : 0;
 	v->cells = (struct gl_buffer){0};
 	return STATUS_OK;
 }

@@ -5,6 +5,8 @@
 
 #include "server/worker/technique/voxel_occupancy.h"
 
+#define THIN_WORTH_A_NOTE 0.005 // of the surface
+
 static void add_axes(struct frame *f, const char *name, const double values[3], const char *unit)
 {
 	for (int c = 0; c < 3; c++) {
@@ -27,6 +29,18 @@ static void add_grid(struct frame *f, const struct voxel_grid *grid, const doubl
 	frame_add_figure(f, "entries", grid->entries, "");
 }
 
+static void add_thin(struct frame *f, const struct voxels *voxels)
+{
+	const double side = (double)voxels->grid.side;
+	frame_add_figure(f, "thin", voxels->thin, "");
+	if (voxels->thin > THIN_WORTH_A_NOTE)
+		frame_add_note(
+		    f,
+		    "light may leak: %.2g %% of the surface bounds walls thinner than %d voxels (%.3g m), or %d where "
+		    "oblique to the grid: a finer vct.resolution or thicker walls hold it",
+		    100 * voxels->thin, VCT_THIN_ALIGNED, VCT_THIN_ALIGNED * side, VCT_THIN_OBLIQUE);
+}
+
 void vct_figures(struct frame *f, const struct voxels *voxels, const struct vct_volume *v, const double origin[3])
 {
 	const uint64_t surfaces = voxels_bytes(voxels);
@@ -44,6 +58,7 @@ void vct_figures(struct frame *f, const struct voxels *voxels, const struct vct_
 	frame_add_figure(f, "levels", v->params.top + 1, "");
 	frame_add_figure(f, "cones", v->params.cones, "");
 	frame_add_figure(f, "bounces", v->options.bounces, "");
+	add_thin(f, voxels);
 }
 
 enum status vct_figures_occupied(struct frame *f, const struct voxels *voxels, uint32_t top, struct error *err)

@@ -45,6 +45,7 @@ struct voxels {
 	struct gl_buffer parts[VOXEL_PARTS]; // BIND_VOXEL_PLACE …; none if nothing is occupied
 	struct gl_buffer cells; // BIND_VCT_CELLS, from the first volume over them (vct_volume.h) for those that come after
 	uint32_t cell_count; // in it
+	double thin; // 0…1: of the surface, what bounds walls that light leaks through; with `cells`
 	struct voxel_build *build; // NULL: finished
 };
 
