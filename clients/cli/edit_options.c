@@ -142,6 +142,12 @@ static bool take_material_pair(const struct pair *pair, struct candil_material_e
 		return (m->has_specular_weight = take_number(pair, &m->specular_weight));
 	if (strcmp(pair->key, "metallic") == 0)
 		return (m->has_metallic = take_number(pair, &m->metallic));
+	if (strcmp(pair->key, "diffuse-roughness") == 0)
+		return (m->has_diffuse_roughness = take_number(pair, &m->diffuse_roughness));
+	if (strcmp(pair->key, "coat") == 0)
+		return (m->has_coat = take_number(pair, &m->coat));
+	if (strcmp(pair->key, "coat-roughness") == 0)
+		return (m->has_coat_roughness = take_number(pair, &m->coat_roughness));
 	return strcmp(pair->key, "roughness") == 0 && (m->has_roughness = take_number(pair, &m->roughness));
 }
 
@@ -242,9 +248,8 @@ const char *edit_option_form(int option)
 		return "point:at=x,y,z,intensity=I or spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I or "
 		       "directional:direction=x,y,z,intensity=I, up to 32 times";
 	case OPTION_MATERIAL:
-		return "NAME: and then color, emission, specular (=r,g,b or =v), specular-weight, metallic or roughness "
-		       "(=v) "
-		       "between commas, up to 32 times";
+		return "NAME: and then color, emission, specular (=r,g,b or =v), specular-weight, metallic, roughness, "
+		       "diffuse-roughness, coat or coat-roughness (=v) between commas, up to 32 times";
 	case OPTION_NODE:
 		return "NAME: and then translate=x,y,z, rotate=x,y,z,DEGREES or scale=x,y,z between commas, up to 32 times";
 	case OPTION_ANIMATION:

@@ -49,7 +49,8 @@ const char *edit_option_form(int option);
 	"  --replace-lights      the scene's own point, spot and directional lights are out\n" \
 	"  --material NAME:KEY=VALUE,...\n" \
 	"                        another look for a material: color, emission (W/(m² sr)), specular (each r,g,b or one\n" \
-	"                        number), specular-weight, metallic, roughness; textures go on multiplying\n" \
+	"                        number), specular-weight, metallic, roughness, diffuse-roughness, coat,\n" \
+	"                        coat-roughness; textures go on multiplying\n" \
 	"  --node NAME:KEY=VALUE,...\n" \
 	"                        another place for a node and all beneath it, relative to its parent: translate=x,y,z,\n" \
 	"                        rotate=x,y,z,DEGREES (about that axis), scale=S or x,y,z; what is not said stays\n" \

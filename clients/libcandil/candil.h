@@ -222,8 +222,10 @@ enum candil_effect {
 	CANDIL_EFFECT_UNLIT = 9,
 	CANDIL_EFFECT_GLASS = 10,
 	CANDIL_EFFECT_ALPHA_BLEND = 11,
+	CANDIL_EFFECT_CLEARCOAT = 12,
+	CANDIL_EFFECT_ROUGH_DIFFUSE = 13,
 };
-#define CANDIL_EFFECT_COUNT 12u
+#define CANDIL_EFFECT_COUNT 14u
 
 enum candil_effect_state {
 	CANDIL_EFFECT_SIMULATED = 0,
@@ -272,10 +274,13 @@ struct candil_light {
 struct candil_material_edit {
 	const char *name; // all materials of this name
 	bool has_base_color, has_emission, has_specular, has_specular_weight, has_metallic, has_roughness;
+	bool has_diffuse_roughness, has_coat, has_coat_roughness;
 	struct candil_vec3 base_color; // 0…1
 	struct candil_vec3 emission; // W/(m² sr)
 	struct candil_vec3 specular; // reflectance at normal incidence of what is no metal, 0…1
 	double specular_weight, metallic, roughness; // 0…1
+	double diffuse_roughness; // Oren and Nayar's, 0…1; 0: Lambert
+	double coat, coat_roughness; // of a clear coat: how much of it there is, and how rough, 0…1
 };
 
 // Relative to the node's parent, as glTF has it. What is beneath the node goes along.

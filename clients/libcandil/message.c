@@ -102,7 +102,13 @@ static candil_status write_material(const struct candil_material_edit *from, can
 				    .has_metallic = from->has_metallic,
 				    .metallic = from->metallic,
 				    .has_roughness = from->has_roughness,
-				    .roughness = from->roughness};
+				    .roughness = from->roughness,
+				    .has_diffuse_roughness = from->has_diffuse_roughness,
+				    .diffuse_roughness = from->diffuse_roughness,
+				    .has_coat = from->has_coat,
+				    .coat = from->coat,
+				    .has_coat_roughness = from->has_coat_roughness,
+				    .coat_roughness = from->coat_roughness};
 	to->base_color = vec3_write(&from->base_color);
 	to->emission = vec3_write(&from->emission);
 	to->specular = vec3_write(&from->specular);

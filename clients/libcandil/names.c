@@ -27,6 +27,8 @@ SAME(CANDIL_EFFECT_VERTEX_COLORS, candil_Effect_EFFECT_VERTEX_COLORS);
 SAME(CANDIL_EFFECT_UNLIT, candil_Effect_EFFECT_UNLIT);
 SAME(CANDIL_EFFECT_GLASS, candil_Effect_EFFECT_GLASS);
 SAME(CANDIL_EFFECT_ALPHA_BLEND, candil_Effect_EFFECT_ALPHA_BLEND);
+SAME(CANDIL_EFFECT_CLEARCOAT, candil_Effect_EFFECT_CLEARCOAT);
+SAME(CANDIL_EFFECT_ROUGH_DIFFUSE, candil_Effect_EFFECT_ROUGH_DIFFUSE);
 SAME(CANDIL_EFFECT_COUNT, _candil_Effect_ARRAYSIZE);
 SAME(CANDIL_EFFECT_SIMULATED, candil_EffectState_EFFECT_STATE_SIMULATED);
 SAME(CANDIL_EFFECT_ABSENT, candil_EffectState_EFFECT_STATE_ABSENT);
@@ -71,9 +73,9 @@ const char *candil_technique_name(enum candil_technique technique)
 
 const char *candil_effect_name(enum candil_effect effect)
 {
-	static const char *const names[] = {"textures",      "emitters", "lights",      "environment",
-					    "bounces",       "glossy",   "normal-maps", "alpha-mask",
-					    "vertex-colors", "unlit",    "glass",       "alpha-blend"};
+	static const char *const names[] = {"textures", "emitters",    "lights",     "environment",   "bounces",
+					    "glossy",   "normal-maps", "alpha-mask", "vertex-colors", "unlit",
+					    "glass",    "alpha-blend", "clearcoat",  "rough-diffuse"};
 	_Static_assert(sizeof(names) / sizeof(names[0]) == CANDIL_EFFECT_COUNT, "a name is missing");
 	return NAME_OF(names, effect);
 }

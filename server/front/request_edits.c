@@ -64,12 +64,12 @@ static enum status check_material(const candil_MaterialEdit *m, struct error *er
 		return err->code;
 	if ((m->has_base_color && !within(&m->base_color, 0, 1)) || (m->has_specular && !within(&m->specular, 0, 1)) ||
 	    !is_share(m->has_specular_weight, m->specular_weight) || !is_share(m->has_metallic, m->metallic) ||
-	    !is_share(m->has_roughness, m->roughness))
-		return error_set(
-		    err, STATUS_BAD_ARGUMENT,
-		    "material '%s': base_color, specular, specular_weight, metallic and roughness are between 0 "
-		    "and 1",
-		    m->name);
+	    !is_share(m->has_roughness, m->roughness) || !is_share(m->has_diffuse_roughness, m->diffuse_roughness) ||
+	    !is_share(m->has_coat, m->coat) || !is_share(m->has_coat_roughness, m->coat_roughness))
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "material '%s': base_color, specular, specular_weight, metallic, roughness, "
+				 "diffuse_roughness, coat and coat_roughness are between 0 and 1",
+				 m->name);
 	if (m->has_emission && !within(&m->emission, 0, LIMIT_RADIANCE))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "material '%s': an emission's components are between 0 and %g W/(m² sr)", m->name,

@@ -191,7 +191,7 @@ static bool wants_colors(const struct import *im)
 static bool wants_tangents(const struct import *im)
 {
 	for (size_t i = 0; i < im->triangle_count && im->material_count > 0; i++)
-		if (im->materials[im->triangles[i].material].normal_texture != NONE)
+		if (import_tangent_map(&im->materials[im->triangles[i].material]) != NONE)
 			return true;
 	return false;
 }

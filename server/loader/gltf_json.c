@@ -297,11 +297,19 @@ static enum status check_root(const json_t *root, struct error *err)
 	return check_object(root, &scene, 1, "the file", err);
 }
 
-const char *const gltf_extensions_read[] = {"KHR_lights_punctual",        "KHR_materials_emissive_strength",
-					    "KHR_materials_ior",          "KHR_materials_specular",
-					    "KHR_materials_transmission", "KHR_materials_unlit",
-					    "KHR_materials_volume",       "KHR_mesh_quantization",
-					    "KHR_texture_transform",      NULL};
+const char *const gltf_extensions_read[] = {"EXT_materials_diffuse_roughness",
+					    "KHR_lights_punctual",
+					    "KHR_materials_clearcoat",
+					    "KHR_materials_diffuse_roughness",
+					    "KHR_materials_emissive_strength",
+					    "KHR_materials_ior",
+					    "KHR_materials_specular",
+					    "KHR_materials_transmission",
+					    "KHR_materials_unlit",
+					    "KHR_materials_volume",
+					    "KHR_mesh_quantization",
+					    "KHR_texture_transform",
+					    NULL};
 
 static enum status check_extensions(const json_t *root, struct error *err)
 {

@@ -4,17 +4,15 @@
 #include <cmath>
 #include <string>
 
+extern "C" {
+#include "server/loader/gltf_json.h"
+}
+
 namespace
 {
 
 // Of a dielectric whose file gives neither KHR_materials_ior nor KHR_materials_specular: an index of 1.5.
 const double standard_ior = 1.5;
-
-const tinygltf::Value *extension_of(const tinygltf::Material &m, const char *name)
-{
-	const auto found = m.extensions.find(name);
-	return found == m.extensions.end() ? nullptr : &found->second;
-}
 
 template <typename info> gltf_slot slot_of(const info &texture)
 {
@@ -23,17 +21,14 @@ template <typename info> gltf_slot slot_of(const info &texture)
 
 void list_ignored(struct import *import, const tinygltf::Material &m)
 {
-	static const char *const read[] = {
-	    "KHR_materials_emissive_strength", "KHR_materials_ior",   "KHR_materials_specular",
-	    "KHR_materials_transmission",      "KHR_materials_unlit", "KHR_materials_volume"};
 	if (m.occlusionTexture.index >= 0)
 		import_ignore(import, "occlusionTexture");
 	if (m.alphaMode != "OPAQUE" && m.alphaMode != "MASK" && m.alphaMode != "BLEND")
 		import_ignore(import, ("alphaMode " + m.alphaMode).c_str());
 	for (const auto &extension : m.extensions) {
 		bool known = false;
-		for (const char *name : read)
-			known = known || extension.first == name;
+		for (size_t i = 0; gltf_extensions_read[i]; i++)
+			known = known || extension.first == gltf_extensions_read[i];
 		if (!known)
 			import_ignore(import, extension.first.c_str());
 	}
@@ -44,7 +39,7 @@ bool fill_factors(const tinygltf::Material &m, struct material *out)
 {
 	const tinygltf::PbrMetallicRoughness &pbr = m.pbrMetallicRoughness;
 	const std::vector<double> &base = pbr.baseColorFactor;
-	const tinygltf::Value *strong = extension_of(m, "KHR_materials_emissive_strength");
+	const tinygltf::Value *strong = gltf_extension_of(m, "KHR_materials_emissive_strength");
 	const double strength = strong ? gltf_number(*strong, "emissiveStrength", 1) : 1;
 	bool fit = true;
 	for (size_t c = 0; c < 3; c++) {
@@ -61,8 +56,8 @@ bool fill_factors(const tinygltf::Material &m, struct material *out)
 // and `factor` at grazing. An index of 0 stands for F0 = 1, which is what the formula gives.
 bool fill_specular(const tinygltf::Material &m, struct material *out)
 {
-	const tinygltf::Value *index = extension_of(m, "KHR_materials_ior");
-	const tinygltf::Value *specular = extension_of(m, "KHR_materials_specular");
+	const tinygltf::Value *index = gltf_extension_of(m, "KHR_materials_ior");
+	const tinygltf::Value *specular = gltf_extension_of(m, "KHR_materials_specular");
 	const double ior = index ? gltf_number(*index, "ior", standard_ior) : standard_ior;
 	const double f0 = (ior - 1) / (ior + 1) * ((ior - 1) / (ior + 1));
 	bool fit = import_fit(&out->specular_weight, specular ? gltf_number(*specular, "specularFactor", 1) : 1, 1.0);
@@ -93,11 +88,11 @@ bool fill_volume(const tinygltf::Value &volume, struct material *out)
 }
 
 // KHR_materials_transmission, its index that of KHR_materials_ior. An index of 0 says that everything is reflected.
-bool fill_transmission(const tinygltf::Material &m, struct material *out)
+bool fill_transmission(struct import *import, const tinygltf::Material &m, struct material *out)
 {
-	const tinygltf::Value *transmission = extension_of(m, "KHR_materials_transmission");
-	const tinygltf::Value *index = extension_of(m, "KHR_materials_ior");
-	const tinygltf::Value *volume = extension_of(m, "KHR_materials_volume");
+	const tinygltf::Value *transmission = gltf_extension_of(m, "KHR_materials_transmission");
+	const tinygltf::Value *index = gltf_extension_of(m, "KHR_materials_ior");
+	const tinygltf::Value *volume = gltf_extension_of(m, "KHR_materials_volume");
 	const double ior = index ? gltf_number(*index, "ior", standard_ior) : standard_ior;
 	if (!transmission || ior == 0)
 		return true;
@@ -107,43 +102,32 @@ bool fill_transmission(const tinygltf::Material &m, struct material *out)
 	out->flags |= MATERIAL_THIN;
 	fit &= import_fit(&out->ior, ior, LIMIT_IOR_MOST) && ior >= LIMIT_IOR_LEAST;
 	out->ior = std::fmax(out->ior, (float)LIMIT_IOR_LEAST);
+	if (volume && volume->Has("thicknessTexture"))
+		import_ignore(import, "thicknessTexture");
 	if (volume && gltf_number(*volume, "thicknessFactor", 0) > 0)
 		fit &= fill_volume(*volume, out);
 	return fit;
 }
 
-// A texture that an extension's object names, which tinygltf does not read itself.
-enum status find_in_extension(gltf_reader *reader, const tinygltf::Value &object, const char *key, uint32_t flags,
-			      uint32_t *texture, struct error *err)
-{
-	const tinygltf::Value &info = object.Get(key);
-	tinygltf::ExtensionMap extensions;
-	if (info.Has("extensions"))
-		for (const std::string &name : info.Get("extensions").Keys())
-			extensions.emplace(name, info.Get("extensions").Get(name));
-	const gltf_slot slot = {(int)gltf_number(info, "index", -1), (int)gltf_number(info, "texCoord", 0), &extensions};
-	return gltf_find_texture(reader, slot, flags, texture, err);
-}
-
 enum status find_transmission_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out,
 				      struct error *err)
 {
-	const tinygltf::Value *transmission = extension_of(m, "KHR_materials_transmission");
+	const tinygltf::Value *transmission = gltf_extension_of(m, "KHR_materials_transmission");
 	if (out->transmission == 0 || !transmission->Has("transmissionTexture"))
 		return STATUS_OK;
-	return find_in_extension(reader, *transmission, "transmissionTexture", 0, &out->transmission_texture, err);
+	return gltf_texture_in(reader, *transmission, "transmissionTexture", 0, &out->transmission_texture, err);
 }
 
 enum status find_specular_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out, struct error *err)
 {
-	const tinygltf::Value *specular = extension_of(m, "KHR_materials_specular");
+	const tinygltf::Value *specular = gltf_extension_of(m, "KHR_materials_specular");
 	if (!specular)
 		return STATUS_OK;
 	if (specular->Has("specularTexture"))
 		import_ignore(reader->import, "specularTexture");
 	if (!specular->Has("specularColorTexture") || out->specular_weight == 0)
 		return STATUS_OK;
-	return find_in_extension(reader, *specular, "specularColorTexture", TEXTURE_SRGB, &out->specular_texture, err);
+	return gltf_texture_in(reader, *specular, "specularColorTexture", TEXTURE_SRGB, &out->specular_texture, err);
 }
 
 enum status find_normal_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out, struct error *err)
@@ -185,7 +169,9 @@ enum status find_textures(gltf_reader *reader, const tinygltf::Material &m, stru
 	    find_specular_texture(reader, m, out, err) != STATUS_OK ||
 	    find_transmission_texture(reader, m, out, err) != STATUS_OK)
 		return err->code;
-	return find_normal_texture(reader, m, out, err);
+	if (find_normal_texture(reader, m, out, err) != STATUS_OK)
+		return err->code;
+	return gltf_find_layer_textures(reader, m, out, err);
 }
 
 enum status add_material(gltf_reader *reader, const tinygltf::Material &m, struct error *err)
@@ -193,13 +179,14 @@ enum status add_material(gltf_reader *reader, const tinygltf::Material &m, struc
 	struct material out = import_plain_material(1.0f);
 	bool fit = fill_factors(m, &out);
 	fit &= fill_specular(m, &out);
-	fit &= fill_transmission(m, &out);
+	fit &= fill_transmission(reader->import, m, &out);
 	fit &= fill_alpha(m, &out);
+	fit &= gltf_fill_layers(reader, m, &out);
 	if (!fit)
 		import_warn(reader->import, "material '%.60s' has a colour or factor out of range, which was clamped",
 			    m.name.c_str());
 	list_ignored(reader->import, m);
-	if (extension_of(m, "KHR_materials_unlit")) {
+	if (gltf_extension_of(m, "KHR_materials_unlit")) {
 		// What is left of it: base colour and alpha. It is no emitter either.
 		struct material unlit = import_plain_material(1.0f);
 		for (int c = 0; c < 3; c++)
@@ -220,6 +207,24 @@ enum status add_material(gltf_reader *reader, const tinygltf::Material &m, struc
 }
 
 } // namespace
+
+const tinygltf::Value *gltf_extension_of(const tinygltf::Material &m, const char *name)
+{
+	const auto found = m.extensions.find(name);
+	return found == m.extensions.end() ? nullptr : &found->second;
+}
+
+enum status gltf_texture_in(gltf_reader *reader, const tinygltf::Value &object, const char *key, uint32_t flags,
+			    uint32_t *texture, struct error *err)
+{
+	const tinygltf::Value &info = object.Get(key);
+	tinygltf::ExtensionMap extensions;
+	if (info.Has("extensions"))
+		for (const std::string &name : info.Get("extensions").Keys())
+			extensions.emplace(name, info.Get("extensions").Get(name));
+	const gltf_slot slot = {(int)gltf_number(info, "index", -1), (int)gltf_number(info, "texCoord", 0), &extensions};
+	return gltf_find_texture(reader, slot, flags, texture, err);
+}
 
 enum status gltf_add_materials(gltf_reader *reader, struct error *err)
 {

@@ -64,7 +64,7 @@ enum status read_attributes(const gltf_reader *reader, const tinygltf::Primitive
 	if (uses_second_uvs(import) &&
 	    read_attribute(reader, primitive, "TEXCOORD_1", TINYGLTF_TYPE_VEC2, &out->uvs1, err) != STATUS_OK)
 		return err->code;
-	if (import->materials[material].normal_texture != NONE &&
+	if (import_tangent_map(&import->materials[material]) != NONE &&
 	    read_attribute(reader, primitive, "TANGENT", TINYGLTF_TYPE_VEC4, &out->tangents, err) != STATUS_OK)
 		return err->code;
 	for (const gltf_elements *e : {&out->normals, &out->uvs, &out->uvs1, &out->colors, &out->tangents})

@@ -40,6 +40,19 @@ enum status gltf_find_texture(gltf_reader *reader, const gltf_slot &slot, uint32
 double gltf_number(const tinygltf::Value &object, const char *key, double standard);
 double gltf_number_in(const tinygltf::Value &object, const char *key, int index, double standard);
 
+// What a material says under an extension's name; null: nothing. gltf_material.cpp
+const tinygltf::Value *gltf_extension_of(const tinygltf::Material &m, const char *name);
+
+// A texture that an extension's object names, which tinygltf does not read itself. gltf_material.cpp
+enum status gltf_texture_in(gltf_reader *reader, const tinygltf::Value &object, const char *key, uint32_t flags,
+			    uint32_t *texture, struct error *err);
+
+// KHR_materials_clearcoat and KHR_materials_diffuse_roughness: factors, after the transmission is known, then the textures,
+// after the normal map. False if something had to be clamped. gltf_layers.cpp
+bool gltf_fill_layers(gltf_reader *reader, const tinygltf::Material &m, struct material *out);
+enum status gltf_find_layer_textures(gltf_reader *reader, const tinygltf::Material &m, struct material *out,
+				     struct error *err);
+
 // The material of primitives that name none. gltf_material.cpp
 enum status gltf_default_material(gltf_reader *reader, uint32_t *material, struct error *err);
 

@@ -127,7 +127,16 @@ struct material import_plain_material(float albedo)
 				 .normal_scale = 1.0f,
 				 .alpha = 1.0f,
 				 .transmission_texture = NONE,
-				 .ior = 1.5f};
+				 .ior = 1.5f,
+				 .coat_texture = NONE,
+				 .coat_roughness_texture = NONE,
+				 .coat_normal_texture = NONE,
+				 .coat_normal_scale = 1.0f};
+}
+
+uint32_t import_tangent_map(const struct material *m)
+{
+	return m->normal_texture != NONE ? m->normal_texture : m->coat_normal_texture;
 }
 
 enum status import_add_light(struct import *im, const struct import_light *light, struct error *err)

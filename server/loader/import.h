@@ -97,6 +97,9 @@ enum status import_add_material(struct import *import, const struct material *ma
 // A Lambert surface of that albedo, without textures, emission or flags.
 struct material import_plain_material(float albedo);
 
+// The texture that a material's tangents are for, or NONE: its normal map, else its coat's.
+uint32_t import_tangent_map(const struct material *material);
+
 enum status import_add_light(struct import *import, const struct import_light *light, struct error *err);
 enum status import_add_camera(struct import *import, const struct blob_camera *camera, struct error *err);
 

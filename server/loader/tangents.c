@@ -152,7 +152,7 @@ static enum status group_corners(struct builder *b, struct error *err)
 	const struct geometry *g = b->g;
 	for (uint32_t i = 0; i < g->triangle_count; i++) {
 		const struct triangle *t = &g->triangles[i];
-		const uint32_t map = b->import->materials[t->material].normal_texture;
+		const uint32_t map = import_tangent_map(&b->import->materials[t->material]);
 		struct face face;
 		if (map == NONE || !find_face(b, t, &b->import->textures[map], &face))
 			continue;

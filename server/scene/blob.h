@@ -17,7 +17,7 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 4u
+#define BLOB_FORMAT 5u
 #define BLOB_ALIGN 256u
 #define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
@@ -64,6 +64,8 @@ enum fact {
 	FACT_UNLIT = 1u << 10,
 	FACT_GLASS = 1u << 11, // some lit surface lets light through: transmission above zero
 	FACT_ALPHA_BLEND = 1u << 12,
+	FACT_CLEARCOAT = 1u << 13, // some lit surface has one
+	FACT_ROUGH_DIFFUSE = 1u << 14, // some lit surface has a diffuse_roughness above zero
 };
 
 struct blob_header {

@@ -242,7 +242,9 @@ static bool textures_are_known(const struct material *m, uint32_t count)
 {
 	return texture_is_known(m->albedo_texture, count) && texture_is_known(m->emission_texture, count) &&
 	       texture_is_known(m->specular_texture, count) && texture_is_known(m->surface_texture, count) &&
-	       texture_is_known(m->normal_texture, count) && texture_is_known(m->transmission_texture, count);
+	       texture_is_known(m->normal_texture, count) && texture_is_known(m->transmission_texture, count) &&
+	       texture_is_known(m->coat_texture, count) && texture_is_known(m->coat_roughness_texture, count) &&
+	       texture_is_known(m->coat_normal_texture, count);
 }
 
 // What lets light through is in its ranges.
@@ -274,6 +276,9 @@ static enum status check_materials(const struct blob_header *h, struct error *er
 		if (!is_share(m->specular_weight) || !is_share(m->metallic) || !is_share(m->roughness) ||
 		    !isfinite(m->normal_scale) || !isfinite(m->alpha_cutoff) || m->alpha_cutoff < 0)
 			return bad(err, "a material's surface is out of range");
+		if (!is_share(m->coat) || !is_share(m->coat_roughness) || !isfinite(m->coat_normal_scale) ||
+		    !is_share(m->diffuse_roughness))
+			return bad(err, "a material's coat or diffuse roughness is out of range");
 		if (!clears(m))
 			return bad(err, "a material's glass is out of range");
 		if (!isfinite(m->power_density) || m->power_density < 0 || (m->flags & ~flags))

@@ -11,7 +11,8 @@ static uint32_t material_facts(const struct material *m)
 	const bool unlit = m->flags & MATERIAL_UNLIT;
 	const bool glossy = !unlit && (m->metallic > 0 || m->specular_weight > 0 || above_zero(m->specular));
 	if (m->albedo_texture != NONE || m->emission_texture != NONE || m->specular_texture != NONE ||
-	    m->surface_texture != NONE || m->normal_texture != NONE || m->transmission_texture != NONE)
+	    m->surface_texture != NONE || m->normal_texture != NONE || m->transmission_texture != NONE ||
+	    m->coat_texture != NONE || m->coat_roughness_texture != NONE || m->coat_normal_texture != NONE)
 		facts |= FACT_TEXTURES;
 	if (glossy)
 		facts |= FACT_GLOSSY | FACT_REFLECTS;
@@ -19,7 +20,11 @@ static uint32_t material_facts(const struct material *m)
 		facts |= FACT_REFLECTS;
 	if (!unlit && m->transmission > 0)
 		facts |= FACT_GLASS | FACT_REFLECTS;
-	if (m->normal_texture != NONE)
+	if (!unlit && m->coat > 0)
+		facts |= FACT_CLEARCOAT | FACT_REFLECTS;
+	if (!unlit && m->diffuse_roughness > 0)
+		facts |= FACT_ROUGH_DIFFUSE;
+	if (m->normal_texture != NONE || m->coat_normal_texture != NONE)
 		facts |= FACT_NORMAL_MAPS;
 	if (m->flags & MATERIAL_ALPHA_MASK)
 		facts |= FACT_ALPHA_MASK;
@@ -108,6 +113,10 @@ const char *fact_name(enum fact fact)
 		return "glass";
 	case FACT_ALPHA_BLEND:
 		return "alpha blending";
+	case FACT_CLEARCOAT:
+		return "clear coats";
+	case FACT_ROUGH_DIFFUSE:
+		return "rough diffuse surfaces";
 	}
 	return NULL;
 }

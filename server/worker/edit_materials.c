@@ -23,6 +23,12 @@ static void change(const struct blob_view *view, const candil_MaterialEdit *edit
 		m->metallic = (float)edit->metallic;
 	if (edit->has_roughness)
 		m->roughness = (float)edit->roughness;
+	if (edit->has_diffuse_roughness)
+		m->diffuse_roughness = (float)edit->diffuse_roughness;
+	if (edit->has_coat)
+		m->coat = (float)edit->coat;
+	if (edit->has_coat_roughness)
+		m->coat_roughness = (float)edit->coat_roughness;
 	// What is unlit shows its base colour and casts no light (KHR_materials_unlit).
 	if (edit->has_emission && !(m->flags & MATERIAL_UNLIT)) {
 		set_colour(true, &edit->emission, m->emission);

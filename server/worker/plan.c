@@ -45,6 +45,10 @@ static const struct effect_rule rules[] = {
      "clear surfaces are opaque with their base colour"},
     {candil_Effect_EFFECT_ALPHA_BLEND, "alpha-blend", "materials are partly there", "no material is partly there",
      "blended surfaces are whole"},
+    {candil_Effect_EFFECT_CLEARCOAT, "clearcoat", "materials have a clear coat", "no material has a clear coat",
+     "coats are left out"},
+    {candil_Effect_EFFECT_ROUGH_DIFFUSE, "rough-diffuse", "diffuse surfaces are rough", "no diffuse surface is rough",
+     "diffuse surfaces are smooth: Lambert's"},
 };
 
 const char *effect_name(candil_Effect effect)
@@ -96,6 +100,10 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 		return facts & FACT_GLASS;
 	case candil_Effect_EFFECT_ALPHA_BLEND:
 		return facts & FACT_ALPHA_BLEND;
+	case candil_Effect_EFFECT_CLEARCOAT:
+		return facts & FACT_CLEARCOAT;
+	case candil_Effect_EFFECT_ROUGH_DIFFUSE:
+		return facts & FACT_ROUGH_DIFFUSE;
 	}
 	return false;
 }
@@ -109,6 +117,10 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 		return "only pt follows light through glass: clear surfaces are opaque with their base colour";
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ALPHA_BLEND)
 		return "only pt blends by alpha: blended surfaces are whole";
+	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_CLEARCOAT)
+		return "only pt has clear coats: surfaces are without";
+	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ROUGH_DIFFUSE)
+		return "only pt has rough diffuse surfaces: they are Lambert's";
 	if (p->technique != candil_Technique_TECHNIQUE_VCT || p->vct_show == VCT_SHOW_NONE)
 		return NULL;
 	if (effect == candil_Effect_EFFECT_NORMAL_MAPS)

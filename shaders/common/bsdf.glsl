@@ -1,32 +1,26 @@
-// How a surface scatters: a microfacet lobe over a diffuse one, both about the shading normal, kept above the true surface.
+// How a surface scatters: lobes over each other, each a file of its own, all about the shading normal and kept above the true
+// surface. From the top: a clear coat (coat.glsl, EFFECT_CLEARCOAT), microfacets (facets.glsl, EFFECT_GLOSSY) and the diffuse
+// part (diffuse.glsl). Or, with EFFECT_GLASS, a clear boundary (glass.glsl), which is never coated.
 //
-// Without EFFECT_GLOSSY it is Lambert, ρ/π. With it, the microfacets reflect
-//     D G2 F / (4 v·n l·n) · k(v),   k = 1 + F0 (1 − E(v)) / E(v),
-// where E = A + B of ggx.glsl is what single scattering leaves of white light and k gives back what was scattered between
-// facets (Turquin 2019, "Practical multiple scattering compensation for microfacet models"). Their directional albedo is
-// S = (F0 A + F90 B) k: 1 for F0 = F90 = 1, at every angle and roughness. k knows one of the two directions, so this part is
-// not reciprocal, and does not claim to be. The diffuse part gets what is left of the light, on the way in and on the way out:
+// The diffuse part gets what the microfacets, whose albedo is S, leave of the light, on the way in and on the way out:
 //     ρ/π (1 − S(v)) (1 − S(l)) / (1 − S̄),
-// which is reciprocal, and with ρ = 1 returns all of it (after Kulla and Conty 2017).
+// which is reciprocal, and with ρ = 1 returns all of it (after Kulla and Conty 2017). Of a rough diffuse part it is the factor
+// beside f in place of ρ/π; such a part is not spread as the lobes above let light through, and a white one then returns between
+// 98 and 101 % of it.
 //
 // A shading normal that leans away from the triangle's puts part of a lobe below the surface. Dropping that part darkens
 // edges, letting it through leaks light. Here it is folded back: a direction below is mirrored at the surface. What a direction
 // ω above the surface then has, of a lobe f and of its density alike, is f(ω) + f(ω'), ω' being ω mirrored at the surface:
-// no energy is lost or made, whatever the normal is.
-//
-// Or, with EFFECT_GLASS, it is a clear boundary, glass.glsl's: what is reflected is folded to above the surface, what comes
-// through to below.
+// no energy is lost or made, whatever the normal is. Of a clear boundary, what is reflected is folded to above the surface,
+// what comes through to below.
 #ifndef COMMON_BSDF_GLSL
 #define COMMON_BSDF_GLSL
 
-#include "common/ggx.glsl"
+#include "common/coat.glsl"
+#include "common/diffuse.glsl"
+#include "common/facets.glsl"
 #include "common/glass.glsl"
 #include "common/surface.glsl"
-
-// How directions of the diffuse part are sampled: as its cosine, or for comparison uniformly.
-#ifndef HEMISPHERE_UNIFORM
-#define HEMISPHERE_UNIFORM false
-#endif
 
 // A BSDF as seen from one direction.
 struct bsdf {
@@ -36,57 +30,58 @@ struct bsdf {
 	vec3 y;
 	vec3 view;            // in the frame; z > 0
 	vec3 diffuse;         // ρ
+	float diffuse_roughness;   // with EFFECT_ROUGH_DIFFUSE
 	// The rest only with EFFECT_GLOSSY.
-	vec3 f0;
-	vec3 f90;
-	float roughness;
-	float alpha;
-	bool mirror;          // α too small to evaluate
+	microfacets gloss;
 	float share;          // probability that a direction comes from the microfacets, not from the cosine
-	vec3 boost;           // k(v)
-	vec3 outward;         // (1 − S(v)) / (1 − S̄)
+	vec3 outward;         // (1 − S(v)) / (1 − S̄); under a coat (1 − S(v)) / T̄; with EFFECT_CLEARCOAT too
 	// With EFFECT_GLASS.
 	bool clear;
 	dielectric glass;     // if clear
+	// With EFFECT_CLEARCOAT.
+	clearcoat film;
 };
-
-// A density that stands for a perfect mirror's: no other way of sampling competes with it.
-const float PDF_MIRROR = 1e30;
 
 float luminance(vec3 c)
 {
 	return dot(c, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// k, from (A, B). A mirror's facets are one: nothing goes between them.
-vec3 facet_boost(bsdf b, vec2 ab)
-{
-	float e = clamp(ab.x + ab.y, 0.05, 1.0);
-	return b.mirror ? vec3(1.0) : 1.0 + b.f0 * ((1.0 - e) / e);
-}
-
-// S, from (A, B).
-vec3 specular_albedo(bsdf b, vec2 ab)
-{
-	return min((b.f0 * ab.x + b.f90 * ab.y) * facet_boost(b, ab), 1.0);
-}
-
 void make_glossy(inout bsdf b, surface s)
 {
-	b.f0 = s.f0;
-	b.f90 = s.f90;
-	b.roughness = s.roughness;
-	b.alpha = max(s.roughness * s.roughness, GGX_ALPHA_LEAST);
-	b.mirror = s.roughness * s.roughness < GGX_ALPHA_LEAST;
-	vec2 ab = ggx_albedo(b.view.z, b.roughness);
-	b.boost = facet_boost(b, ab);
-	vec3 specular = specular_albedo(b, ab);
+	vec2 ab = ggx_albedo(b.view.z, s.roughness);
+	b.gloss = facets_make(s.f0, s.f90, s.roughness, ab);
+	vec3 specular = facets_albedo(b.gloss, ab);
 	vec3 left = 1.0 - specular;
-	b.outward = left / max(1.0 - specular_albedo(b, ggx_average(b.roughness)), 1e-4);
+	b.outward = left / max(1.0 - facets_albedo(b.gloss, ggx_average(b.gloss.roughness)), 1e-4);
 	float facets = luminance(specular);
 	float wide = luminance(b.diffuse * left);
 	// Neither way of sampling may starve where its share is but a guess.
 	b.share = facets <= 0.0 ? 0.0 : wide <= 0.0 ? 1.0 : clamp(facets / (facets + wide), 0.1, 0.9);
+}
+
+// 1 − S of the microfacets at a cosine.
+vec3 below_facets(bsdf b, float mu)
+{
+	return EFFECT_GLOSSY ? 1.0 - facets_albedo(b.gloss, ggx_albedo(mu, b.gloss.roughness)) : vec3(1.0);
+}
+
+void make_coat(inout bsdf b, surface s)
+{
+	vec3 normal = vec3(dot(s.coat_normal, b.x), dot(s.coat_normal, b.y), dot(s.coat_normal, b.normal));
+	vec3 left = below_facets(b, b.view.z);
+	float below = luminance(b.diffuse * left + (1.0 - left));
+	b.film = coat_make(b.view, normal, b.clear ? 0.0 : s.coat, s.coat_roughness, below);
+	if (!(b.film.share > 0.0)) {
+		b.outward = EFFECT_GLOSSY ? b.outward : vec3(1.0);
+		return;
+	}
+	vec3 mean = vec3(0.0);
+	for (int i = 0; i < 4; i++) {
+		float mu = COAT_COSINES[i];
+		mean += COAT_WEIGHTS[i] * coat_passed(b.film, mu) * below_facets(b, mu);
+	}
+	b.outward = left / max(mean, 1e-4);
 }
 
 // The BSDF of a surface seen along `direction`, which points at it.
@@ -103,49 +98,58 @@ bsdf bsdf_make(surface s, vec3 direction)
 	frame_make(b.normal, b.x, b.y);
 	b.view = vec3(dot(v, b.x), dot(v, b.y), max(dot(v, b.normal), 1e-4));
 	b.diffuse = s.albedo;
+	b.diffuse_roughness = EFFECT_ROUGH_DIFFUSE ? s.diffuse_roughness : 0.0;
 	b.share = 0.0;
-	b.mirror = false;
+	b.gloss.mirror = false;
 	b.clear = EFFECT_GLASS && s.clear;
 	if (EFFECT_GLOSSY)
 		make_glossy(b, s);
+	if (EFFECT_CLEARCOAT)
+		make_coat(b, s);
 	if (EFFECT_GLASS && b.clear)
 		b.glass = glass_make(b.view.z, s.roughness, s.eta, s.thin, s.base);
 	return b;
 }
 
-float diffuse_pdf(float cosine)
-{
-	return HEMISPHERE_UNIFORM ? 0.5 / PI : cosine * (1.0 / PI);
-}
-
-// Of a direction in the frame, without folding: the diffuse part's BSDF × cosine, 1/sr.
+// Of a direction in the frame, without folding: the diffuse part's BSDF × cosine, 1/sr, but for the coat's 1 − C(v).
 vec3 diffuse_lobe(bsdf b, vec3 l)
 {
 	float cosine = max(l.z, 0.0) * (1.0 / PI);
-	if (!EFFECT_GLOSSY)
-		return b.diffuse * cosine;
-	vec3 inward = 1.0 - specular_albedo(b, ggx_albedo(l.z, b.roughness));
-	return b.diffuse * b.outward * inward * cosine;
+	vec3 reflected = diffuse_value(b.diffuse, b.diffuse_roughness, b.view, l);
+	if (!EFFECT_GLOSSY && !EFFECT_CLEARCOAT)
+		return reflected * cosine;
+	vec3 inward = below_facets(b, l.z);
+	if (EFFECT_CLEARCOAT && b.film.share > 0.0)
+		inward *= coat_passed(b.film, max(dot(l, b.film.normal), 0.0));
+	return reflected * b.outward * inward * cosine;
 }
 
 // The microfacets' (xyz), and the density of their own sampling (w). A perfect mirror's are zero.
 vec4 facet_lobe(bsdf b, vec3 l)
 {
-	if (!EFFECT_GLOSSY || b.mirror || !(b.share > 0.0) || l.z <= 0.0)
-		return vec4(0.0);
-	return vec4(ggx_eval(b.view, l, b.alpha, b.f0, b.f90) * b.boost, ggx_pdf(b.view, l, b.alpha));
+	return EFFECT_GLOSSY && b.share > 0.0 ? facets_eval(b.gloss, b.view, l) : vec4(0.0);
 }
 
-// Of a direction in the frame: BSDF × cosine (xyz) and density (w), 1/sr, without folding.
+// Of a direction in the frame: BSDF × cosine (xyz) and density (w), 1/sr, without folding, but for the coat.
 vec4 lobes(bsdf b, vec3 l)
 {
 	if (l.z <= 0.0)
 		return vec4(0.0);
-	float cosine = l.z * (1.0 / PI);
+	vec3 diffuse = diffuse_lobe(b, l);
 	if (!EFFECT_GLOSSY)
-		return vec4(b.diffuse * cosine, diffuse_pdf(l.z));
+		return vec4(diffuse, diffuse_pdf(l.z));
 	vec4 facets = facet_lobe(b, l);
-	return vec4(diffuse_lobe(b, l) + facets.xyz, (1.0 - b.share) * diffuse_pdf(l.z) + b.share * facets.w);
+	return vec4(diffuse + facets.xyz, (1.0 - b.share) * diffuse_pdf(l.z) + b.share * facets.w);
+}
+
+// The same with the coat.
+vec4 coated_lobes(bsdf b, vec3 l)
+{
+	vec4 f = lobes(b, l);
+	if (!EFFECT_CLEARCOAT || !(b.film.share > 0.0))
+		return f;
+	vec4 c = coat_eval(b.film, l);
+	return vec4(c.xyz + b.film.passed * f.xyz, mix(f.w, c.w, b.film.share));
 }
 
 vec3 into_frame(bsdf b, vec3 w)
@@ -166,7 +170,7 @@ vec4 bsdf_eval(bsdf b, vec3 w)
 	if (above <= 0.0)
 		return vec4(0.0);
 	vec3 folded = w - 2.0 * above * b.geometric;
-	return lobes(b, into_frame(b, w)) + lobes(b, into_frame(b, folded));
+	return coated_lobes(b, into_frame(b, w)) + coated_lobes(b, into_frame(b, folded));
 }
 
 // bsdf_sample of a clear boundary.
@@ -184,30 +188,60 @@ vec3 clear_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
 	return w;
 }
 
-// A direction above the surface, or through it where it is clear, the weight BSDF × cosine / density and the density. `lobe` and u are uniform in [0, 1).
-// A weight of zero means that there is none.
+// A lobe's own direction in the frame.
+struct lobe_sample {
+	vec3 l;
+	bool whole;           // it left on the lobe's upper side
+	bool mirror;          // a perfect mirror's, which takes `weight`
+	vec3 weight;
+};
+
+// The lobe that `lobe` chooses, and its direction.
+lobe_sample lobes_sample(bsdf b, float lobe, vec2 u)
+{
+	lobe_sample r = lobe_sample(diffuse_sample(u), true, false, vec3(0.0));
+	float passed = 1.0;
+	bool coated = EFFECT_CLEARCOAT && lobe < b.film.share;
+	if (EFFECT_CLEARCOAT && !coated && b.film.share > 0.0) {
+		passed = b.film.passed / max(1.0 - b.film.share, 1e-6);
+		lobe = (lobe - b.film.share) / max(1.0 - b.film.share, 1e-6);
+	}
+	bool facets = EFFECT_GLOSSY && !coated && lobe < b.share;
+	if (EFFECT_GLOSSY && facets) {
+		r.l = facets_sample(b.gloss, b.view, u);
+		r.mirror = b.gloss.mirror;
+		r.weight = facets_mirrored(b.gloss, b.view.z) / b.share;
+		if (EFFECT_CLEARCOAT)
+			r.weight *= passed;
+	}
+	r.whole = r.l.z > 0.0;
+	if (EFFECT_CLEARCOAT && coated) {
+		r.l = coat_sample(b.film, u, r.whole);
+		r.mirror = b.film.film.mirror;
+		r.weight = facets_mirrored(b.film.film, b.film.view.z) / b.film.share;
+	}
+	return r;
+}
+
+// A direction above the surface, or through it where it is clear, the weight BSDF × cosine / density and the density. `lobe`
+// and u are uniform in [0, 1). A weight of zero means that there is none.
 vec3 bsdf_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
 {
 	if (EFFECT_GLASS && b.clear)
 		return clear_sample(b, lobe, u, weight, pdf);
-	vec3 l = HEMISPHERE_UNIFORM ? uniform_hemisphere(u) : cosine_hemisphere(u);
-	bool facets = EFFECT_GLOSSY && lobe < b.share;
-	if (EFFECT_GLOSSY && facets) {
-		vec3 h = b.mirror ? vec3(0.0, 0.0, 1.0) : ggx_sample_half(b.view, b.alpha, u);
-		l = 2.0 * dot(b.view, h) * h - b.view;
-	}
-	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
+	lobe_sample r = lobes_sample(b, lobe, u);
+	vec3 w = r.l.x * b.x + r.l.y * b.y + r.l.z * b.normal;
 	float above = dot(b.geometric, w);
 	w = above < 0.0 ? w - 2.0 * above * b.geometric : w;
-	if (!EFFECT_GLOSSY && !HEMISPHERE_UNIFORM) {
+	if (!EFFECT_GLOSSY && !EFFECT_CLEARCOAT && !EFFECT_ROUGH_DIFFUSE && !HEMISPHERE_UNIFORM) {
 		weight = b.diffuse;
 		pdf = bsdf_eval(b, w).w;
-	} else if (facets && b.mirror) {
-		weight = schlick(b.f0, b.f90, b.view.z) / b.share;
+	} else if (r.mirror) {
+		weight = r.weight;
 		pdf = PDF_MIRROR;
 	} else {
 		vec4 f = bsdf_eval(b, w);
-		weight = l.z > 0.0 && f.w > 0.0 ? f.xyz / f.w : vec3(0.0);
+		weight = r.whole && f.w > 0.0 ? f.xyz / f.w : vec3(0.0);
 		pdf = f.w;
 	}
 	return w;

@@ -19,6 +19,8 @@ layout(constant_id = SPEC_VERTEX_COLORS) const bool EFFECT_VERTEX_COLORS = true;
 layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
 layout(constant_id = SPEC_GLASS) const bool EFFECT_GLASS = true;
 layout(constant_id = SPEC_ALPHA_BLEND) const bool EFFECT_ALPHA_BLEND = true;
+layout(constant_id = SPEC_CLEARCOAT) const bool EFFECT_CLEARCOAT = true;
+layout(constant_id = SPEC_ROUGH_DIFFUSE) const bool EFFECT_ROUGH_DIFFUSE = true;
 #define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
 #else
 #ifndef EFFECT_TEXTURES
@@ -34,6 +36,8 @@ layout(constant_id = SPEC_ALPHA_BLEND) const bool EFFECT_ALPHA_BLEND = true;
 #define EFFECT_UNLIT true
 #define EFFECT_GLASS true
 #define EFFECT_ALPHA_BLEND true
+#define EFFECT_CLEARCOAT true
+#define EFFECT_ROUGH_DIFFUSE true
 #endif
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #endif

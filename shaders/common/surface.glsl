@@ -13,6 +13,10 @@ struct surface {
 	vec3 f0;            // microfacets' reflectance at normal incidence; with EFFECT_GLOSSY alone
 	vec3 f90;           // and at grazing incidence
 	float roughness;    // perceptual
+	float diffuse_roughness;   // with EFFECT_ROUGH_DIFFUSE alone
+	float coat;         // how much of a clear coat there is; this and what follows with EFFECT_CLEARCOAT alone
+	float coat_roughness;
+	vec3 coat_normal;   // as `shading`
 	vec3 emission;      // radiance towards where the ray came from, W/(m² sr)
 	float emission_pdf; // next-event estimation finds this point with this density over area, 1/m²
 	float offset;       // metres: rays start this far off along `geometric`
@@ -111,6 +115,17 @@ float transmission_at(material m, vec4 uv)
 	return t;
 }
 
+// KHR_materials_clearcoat: how much of it there is, and how rough it is.
+void set_coat(inout surface s, material m, vec4 uv)
+{
+	s.coat = m.coat;
+	s.coat_roughness = m.coat_roughness;
+	if (EFFECT_TEXTURES && m.coat_texture != NONE)
+		s.coat *= sample_texture(m.coat_texture, uv).r;
+	if (EFFECT_TEXTURES && m.coat_roughness_texture != NONE)
+		s.coat_roughness *= sample_texture(m.coat_roughness_texture, uv).g;
+}
+
 // Base colour into diffuse albedo and microfacets: glTF 2.0, appendix B, and KHR_materials_specular.
 void set_reflectance(inout surface s, material m, vec4 uv)
 {
@@ -138,7 +153,7 @@ void set_reflectance(inout surface s, material m, vec4 uv)
 
 // The normal that a tangent-space map gives, on the side of `n`.
 #ifndef SCENE_WITHOUT_TANGENTS
-vec3 mapped_normal(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
+vec3 mapped_normal(uint map_texture, float scale, triangle tri, vec3 bary, vec4 uv, vec3 n)
 {
 	vec4 t = vec4(0.0);
 	for (uint i = 0u; i < 3u; i++) {
@@ -151,12 +166,12 @@ vec3 mapped_normal(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
 		return n;
 	along /= l;
 	vec3 across = cross(n, along) * (t.w < 0.0 ? -1.0 : 1.0);
-	vec3 map = sample_texture(m.normal_texture, uv).xyz * 2.0 - 1.0;
-	map.xy *= m.normal_scale;
+	vec3 map = sample_texture(map_texture, uv).xyz * 2.0 - 1.0;
+	map.xy *= scale;
 	return normalize(map.x * along + map.y * across + max(map.z, 1e-3) * n);
 }
 #else
-vec3 mapped_normal(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
+vec3 mapped_normal(uint map_texture, float scale, triangle tri, vec3 bary, vec4 uv, vec3 n)
 {
 	return n;
 }
@@ -182,14 +197,21 @@ surface surface_at(uint id, vec2 uv, vec3 direction)
 	float ns_length = length(ns);
 	ns = ns_length > 1e-6 ? ns / ns_length : k.normal;
 	ns = dot(ns, k.normal) < 0.0 ? -ns : ns;
+	if (EFFECT_CLEARCOAT) {
+		bool mapped = EFFECT_NORMAL_MAPS && m.coat_normal_texture != NONE;
+		vec3 nc = mapped ? mapped_normal(m.coat_normal_texture, m.coat_normal_scale, tri, bary, at, ns) : ns;
+		s.coat_normal = front ? nc : -nc;
+		set_coat(s, m, at);
+	}
 	if (EFFECT_NORMAL_MAPS && m.normal_texture != NONE)
-		ns = mapped_normal(m, tri, bary, at, ns);
+		ns = mapped_normal(m.normal_texture, m.normal_scale, tri, bary, at, ns);
 	s.shading = front ? ns : -ns;
 
 	s.base = clamp(base_color_at(m, tri, bary, at).rgb, 0.0, 1.0);
 	s.f0 = vec3(0.0);
 	s.f90 = vec3(0.0);
 	s.roughness = 1.0;
+	s.diffuse_roughness = EFFECT_ROUGH_DIFFUSE ? m.diffuse_roughness : 0.0;
 	s.transmission = 0.0;
 	set_reflectance(s, m, at);
 	s.front = front;

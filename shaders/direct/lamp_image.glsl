@@ -30,7 +30,7 @@ vec3 from_octahedron(vec2 p)
 void keep_lamps(ivec2 texel, lamp_light l, bsdf b, float t, vec3 normal)
 {
 	vec2 n = octahedron(normal);
-	bool any = max(l.scale.r, max(l.scale.g, l.scale.b)) > 0.0 || (EFFECT_GLOSSY && b.share > 0.0 && !b.mirror);
+	bool any = max(l.scale.r, max(l.scale.g, l.scale.b)) > 0.0 || (EFFECT_GLOSSY && b.share > 0.0 && !b.gloss.mirror);
 	if (EFFECT_GLOSSY)
 		imageStore(facets_image, texel, vec4(l.facets, 0.0));
 	imageStore(scale_image, texel, vec4(l.scale, any ? t : 0.0));

@@ -214,8 +214,7 @@ float ray_off_facets(bsdf b, uint pattern, inout direct_ray r)
 	uvec2 pick;
 	vec2 u;
 	direct_point(pattern, 0u, pick, u);
-	vec3 h = b.mirror ? vec3(0.0, 0.0, 1.0) : ggx_sample_half(b.view, b.alpha, u);
-	vec3 l = 2.0 * dot(b.view, h) * h - b.view;
+	vec3 l = facets_sample(b.gloss, b.view, u);
 	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
 	float above = dot(b.geometric, w);
 	w = above < 0.0 ? w - 2.0 * above * b.geometric : w;
@@ -223,9 +222,9 @@ float ray_off_facets(bsdf b, uint pattern, inout direct_ray r)
 	vec4 facets;
 	direct_eval(b, w, diffuse, facets);
 	r.segment = w;
-	r.facets = b.mirror ? schlick(b.f0, b.f90, b.view.z) : l.z > 0.0 && facets.w > 0.0 ? facets.xyz / facets.w : vec3(0.0);
+	r.facets = b.gloss.mirror ? facets_mirrored(b.gloss, b.view.z) : l.z > 0.0 && facets.w > 0.0 ? facets.xyz / facets.w : vec3(0.0);
 	r.t_max = b.share > 0.0 && max(r.facets, vec3(0.0)) != vec3(0.0) ? INFINITY : -1.0;
-	return b.mirror ? PDF_MIRROR : facets.w;
+	return b.gloss.mirror ? PDF_MIRROR : facets.w;
 }
 
 // What a ray off the facets met: emitted radiance, as far as the lamps' own points do not stand for it.
@@ -278,8 +277,8 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		direct_share += off_facets || !sent ? vec2(0.0) : luminance(r.diffuse) * vec2(open, 1.0);
 		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets) {
 			vec3 seen = met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);
-			radiance += b.mirror ? seen : vec3(0.0);
-			lamps.facets += b.mirror ? vec3(0.0) : seen;
+			radiance += b.gloss.mirror ? seen : vec3(0.0);
+			lamps.facets += b.gloss.mirror ? vec3(0.0) : seen;
 		} else if (to_lamp) {
 			lamps.facets += open * r.facets;
 		} else {

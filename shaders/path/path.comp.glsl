@@ -110,7 +110,7 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 			light_through(s, p.media, beyond, from, l);
 	}
 	vec3 weight;
-	float lobe = EFFECT_GLOSSY || EFFECT_GLASS ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
+	float lobe = EFFECT_GLOSSY || EFFECT_GLASS || EFFECT_CLEARCOAT ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
 	p.direction = bsdf_sample(b, lobe, sample_2d(rnd, set + SET_BSDF), weight, p.pdf);
 	p.throughput *= weight;
 	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
@@ -155,7 +155,7 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	}
 	uint most = EFFECT_BOUNCES ? job.depth : min(job.depth, 1u);
 	vec3 reflects = max(s.albedo, max(s.f0, s.f90));
-	bool lets = EFFECT_GLASS && s.transmission > 0.0;
+	bool lets = (EFFECT_GLASS && s.transmission > 0.0) || (EFFECT_CLEARCOAT && s.coat > 0.0);
 	return p.event < most && (lets || max(reflects.r, max(reflects.g, reflects.b)) > 0.0);
 }
 

@@ -54,19 +54,21 @@
 #define SPEC_UNLIT 9
 #define SPEC_GLASS 10
 #define SPEC_ALPHA_BLEND 11
-#define SPEC_EFFECTS 12
+#define SPEC_CLEARCOAT 12
+#define SPEC_ROUGH_DIFFUSE 13
+#define SPEC_EFFECTS 14
 // And of how a path is run.
-#define SPEC_RESUMED 12
-#define SPEC_PACKET 13 // walk the tree by subgroups
-#define SPEC_WIDTH 14 // lanes of a subgroup
-#define SPEC_CAMERA 15 // CAMERA_…
-#define SPEC_FILTER 16 // FILTER_…
-#define SPEC_SAMPLER 17 // SAMPLER_…
-#define SPEC_UNIFORM 18 // diffuse directions are uniform over the hemisphere, else as the cosine
-#define SPEC_LAMPS_BY 19 // LAMPS_BY_…
-#define SPEC_ROULETTE 20 // dim paths end by chance
-#define SPEC_CLAMP 21 // no sample is brighter than pt_job.clamp
-#define SPEC_COUNT 22
+#define SPEC_RESUMED 14
+#define SPEC_PACKET 15 // walk the tree by subgroups
+#define SPEC_WIDTH 16 // lanes of a subgroup
+#define SPEC_CAMERA 17 // CAMERA_…
+#define SPEC_FILTER 18 // FILTER_…
+#define SPEC_SAMPLER 19 // SAMPLER_…
+#define SPEC_UNIFORM 20 // diffuse directions are uniform over the hemisphere, else as the cosine
+#define SPEC_LAMPS_BY 21 // LAMPS_BY_…
+#define SPEC_ROULETTE 22 // dim paths end by chance
+#define SPEC_CLAMP 23 // no sample is brighter than pt_job.clamp
+#define SPEC_COUNT 24
 
 // How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
 // first alone; by the second alone.

@@ -88,14 +88,22 @@ struct material {
 	uint flags; // MATERIAL_…
 	float power_density; // π · mean luminance of the emission · sides, W/m²: emitters are chosen by it
 	float alpha; // base colour's factor, with MATERIAL_ALPHA_BLEND
-	// Of the light that is not the metal's, this share meets a clear dielectric in place of the opaque surface: reflected
-	// by Fresnel's equations, the rest let through, times the base colour.
+	// Of the light that is not the metal's, this share meets a clear dielectric in place of the opaque surface:
+	// reflected by Fresnel's equations, the rest let through, times the base colour.
 	float transmission; // 0…1
 	uint transmission_texture; // red
 	float ior; // index of refraction of what is behind the surface; that of a thin one's sheet
 	float absorption[3]; // of what is behind it, 1/m: light falls by exp(-absorption · distance)
+	float diffuse_roughness; // of Oren and Nayar's matte facets, 0…1: common/diffuse.glsl; 0: Lambert
+	// A clear film over all the rest, but for what lets light through: common/coat.glsl.
+	float coat; // how much of it is there, 0…1
+	float coat_roughness; // perceptual
+	uint coat_texture; // red
+	uint coat_roughness_texture; // green
+	uint coat_normal_texture; // as normal_texture; NONE: the mesh's own normals
+	float coat_normal_scale;
 };
-LAYOUT_ASSERT(material, 112)
+LAYOUT_ASSERT(material, 140)
 
 #define WRAP_REPEAT 0u
 #define WRAP_CLAMP 1u

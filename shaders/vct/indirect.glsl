@@ -37,8 +37,8 @@ indirect indirect_at(surface s, bsdf b, uvec2 pixel)
 		r.irradiance = cone_irradiance(o, b.x, b.y, b.normal);
 	// Half of what GGX's normals reflect lies within the half vector's angle of atan α (Walter et al. 2007); a sharper cone than
 	// 1° would only show single cells.
-	if (EFFECT_GLOSSY && max(b.f0, b.f90) != vec3(0.0))
-		r.facets = cone_radiance(o, mirror_direction(b), clamp(b.alpha, 0.0087, 1.0));
+	if (EFFECT_GLOSSY && max(b.gloss.f0, b.gloss.f90) != vec3(0.0))
+		r.facets = cone_radiance(o, mirror_direction(b), clamp(b.gloss.alpha, 0.0087, 1.0));
 	return r;
 }
 
@@ -47,8 +47,8 @@ vec3 indirect_radiance(bsdf b, indirect r)
 {
 	if (!EFFECT_GLOSSY)
 		return b.diffuse * r.irradiance;
-	vec3 specular = specular_albedo(b, ggx_albedo(b.view.z, b.roughness));
-	vec3 share = b.mirror ? schlick(b.f0, b.f90, b.view.z) : specular;
+	vec3 specular = facets_albedo(b.gloss, ggx_albedo(b.view.z, b.gloss.roughness));
+	vec3 share = b.gloss.mirror ? facets_mirrored(b.gloss, b.view.z) : specular;
 	return b.diffuse * (1.0 - specular) * r.irradiance + share * r.facets;
 }
 

@@ -8,6 +8,7 @@ import edited
 import make
 import wire
 from edited import Refused, Stage, node, pb, point, vec
+from writers import Gltf, icosphere
 
 
 def setUpModule():
@@ -97,6 +98,25 @@ class Materials(Case):
         self.same(picture, stage.radiance(metal, lights=lights))
         self.assertEqual(states(replies)[pb.EFFECT_GLOSSY], pb.EFFECT_STATE_SIMULATED)
         self.assertEqual(states(stage.render(plain, lights=lights)[2])[pb.EFFECT_GLOSSY], pb.EFFECT_STATE_ABSENT)
+
+    def test_coat_and_matte_facets_are_those_of_a_file(self):
+        def ball(name, **more):
+            g = Gltf()
+            positions, triangles = icosphere(2)
+            g.place(positions, triangles, g.material("surface", (.5, .4, .3), **more))
+            g.camera((0, 0, 4), (0, 0, 0), 40)
+            return stage.load(g.save(stage.folder, name))
+        plain, lights = ball("plain.gltf"), [point((3, 3, 3), 20)]
+        for material, edit, effect in (
+                (dict(coat={"clearcoatFactor": .5, "clearcoatRoughnessFactor": .25}), dict(coat=.5, coat_roughness=.25), pb.EFFECT_CLEARCOAT),
+                (dict(matte=.75), dict(diffuse_roughness=.75), pb.EFFECT_ROUGH_DIFFUSE)):
+            wanted = stage.radiance(ball("wanted%d.gltf" % effect, **material), lights=lights)
+            picture, _, replies = stage.render(plain, materials=[pb.MaterialEdit(name="surface", **edit)], lights=lights)
+            self.same(picture, wanted)
+            self.assertEqual(states(replies)[effect], pb.EFFECT_STATE_SIMULATED)
+            without = stage.render(plain, lights=lights)
+            self.assertEqual(states(without[2])[effect], pb.EFFECT_STATE_ABSENT)
+            self.assertGreater(float(numpy.abs(without[0] - picture).max()), 1e-3)
 
     def test_by_number_and_only_the_fields_given(self):
         scene = stage.load(make.cornell(stage.folder))

@@ -10,7 +10,7 @@ from render import Daemon
 from writers import Gltf, icosphere
 
 EFFECTS = ("textures", "emitters", "lights", "environment", "bounces", "glossy", "normal-maps", "alpha-mask", "vertex-colors",
-           "unlit", "glass", "alpha-blend")
+           "unlit", "glass", "alpha-blend", "clearcoat", "rough-diffuse")
 
 
 def setUpModule():
@@ -77,6 +77,24 @@ class Off(unittest.TestCase):
         self.assertTrue(numpy.array_equal(off.radiance, opaque.radiance))
         on = daemon.render(glass, spp=8, arguments=["--background", "1,1,1"])
         self.assertGreater(float(numpy.abs(on.radiance - off.radiance).max()), 0.1)
+
+    def test_coat_and_matte_facets_off_are_without(self):
+        def ball(name, **more):
+            g = Gltf()
+            positions, triangles = icosphere(2)
+            g.place(positions, triangles, g.material("ball", (.2, .4, .6), roughness=.3, specular=1, **more))
+            g.camera((0, 0, 4), (0, 0, 0), 40)
+            g.light("directional", 3, target=(0, -1, -1), up=(1, 0, 0))
+            return g.save(folder.name, name)
+        plain = daemon.render(ball("plain.gltf"), spp=8)
+        for effect, more in (("clearcoat", dict(coat={"clearcoatFactor": 1})), ("rough-diffuse", dict(matte=1))):
+            scene = ball(effect + ".gltf", **more)
+            off = daemon.render(scene, spp=8, arguments=["--effects", "-" + effect])
+            self.assertEqual((states(off)[effect], states(plain)[effect]), ("switched-off", "absent"))
+            self.assertTrue(numpy.array_equal(off.radiance, plain.radiance))
+            self.assertGreater(float(numpy.abs(daemon.render(scene, spp=8).radiance - off.radiance).max()), 0.01)
+            direct = daemon.render(scene, spp=1, arguments=["--technique", "direct"])
+            self.assertEqual(states(direct)[effect], "unsupported")
 
     def test_only_pt_sees_through_glass(self):
         direct = daemon.render(make.cornell_glass(folder.name), spp=1, arguments=["--technique", "direct"])

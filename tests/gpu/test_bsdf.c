@@ -20,22 +20,42 @@
 #define SEEDS 3u
 
 struct config {
-	float cosine, roughness, f0, diffuse, tilt, eta; // as bsdf.comp.glsl has them
+	float cosine, roughness, f0, diffuse, tilt, eta, matte, coat, coat_roughness,
+	    coat_tilt; // as bsdf.comp.glsl has them
 };
 
 static const struct config configs[] = {
-    {0.9f, 1.0f, 0.0f, 0.5f, 0.0f, 0},   {0.3f, 1.0f, 0.0f, 0.5f, 0.4f, 0},  {0.8f, 0.5f, 1.0f, 0.0f, 0.0f, 0},
-    {0.8f, 0.4f, 0.04f, 0.5f, 0.0f, 0},  {0.2f, 0.5f, 1.0f, 0.0f, 0.0f, 0},  {0.5f, 0.7f, 0.5f, 0.8f, 0.5f, 0},
-    {0.9f, 0.6f, 0.04f, 0.9f, -0.8f, 0}, {0.05f, 0.8f, 0.9f, 0.3f, 0.0f, 0}, {0.6f, 1.0f, 1.0f, 0.0f, 1.0f, 0},
-    {0.9f, 0.5f, 0, 1, 0, 1.5f},         {0.3f, 0.7f, 0, 1, 0, 1.5f},        {0.7f, 1.0f, 0, 1, 0, 1 / 1.5f},
-    {0.5f, 0.5f, 0, 1, 0, 1 / 1.5f},     {0.1f, 0.8f, 0, 1, 0, 2.4f},        {0.6f, 0.8f, 0, 1, 0, 1 / 2.4f},
-    {0.7f, 0.6f, 0, 1, 0.7f, 1.5f},      {0.5f, 0.6f, 0, 1, -0.5f, 0.7f},    {0.8f, 0.5f, 0, 1, 0, -1.5f},
-    {0.2f, 0.9f, 0, 1, 0.4f, -1.5f},
+    {0.9f, 1.0f, 0.0f, 0.5f, 0.0f, .eta = 0},
+    {0.3f, 1.0f, 0.0f, 0.5f, 0.4f, .eta = 0},
+    {0.8f, 0.5f, 1.0f, 0.0f, 0.0f, .eta = 0},
+    {0.8f, 0.4f, 0.04f, 0.5f, 0.0f, .eta = 0},
+    {0.2f, 0.5f, 1.0f, 0.0f, 0.0f, .eta = 0},
+    {0.5f, 0.7f, 0.5f, 0.8f, 0.5f, .eta = 0},
+    {0.9f, 0.6f, 0.04f, 0.9f, -0.8f, .eta = 0},
+    {0.05f, 0.8f, 0.9f, 0.3f, 0.0f, .eta = 0},
+    {0.6f, 1.0f, 1.0f, 0.0f, 1.0f, .eta = 0},
+    {0.9f, 0.5f, 0, 1, 0, .eta = 1.5f},
+    {0.3f, 0.7f, 0, 1, 0, .eta = 1.5f},
+    {0.7f, 1.0f, 0, 1, 0, .eta = 1 / 1.5f},
+    {0.5f, 0.5f, 0, 1, 0, .eta = 1 / 1.5f},
+    {0.1f, 0.8f, 0, 1, 0, .eta = 2.4f},
+    {0.6f, 0.8f, 0, 1, 0, .eta = 1 / 2.4f},
+    {0.7f, 0.6f, 0, 1, 0.7f, .eta = 1.5f},
+    {0.5f, 0.6f, 0, 1, -0.5f, .eta = 0.7f},
+    {0.8f, 0.5f, 0, 1, 0, .eta = -1.5f},
+    {0.2f, 0.9f, 0, 1, 0.4f, .eta = -1.5f},
+    {0.7f, 1, 0, 1, 0, .matte = 0.5f},
+    {0.2f, 1, 0, 0.8f, 0, .matte = 1},
+    {0.6f, 0.5f, 0.04f, 0.9f, 0.4f, .matte = 1},
+    {0.8f, 1, 0, 0.6f, 0, .coat = 1, .coat_roughness = 0.5f},
+    {0.3f, 0.6f, 1, 0, 0, .coat = 1, .coat_roughness = 0.8f},
+    {0.7f, 0.4f, 0.04f, 0.7f, 0.6f, .matte = 0.5f, .coat = 0.7f, .coat_roughness = 0.6f},
+    {0.4f, 0.8f, 0.5f, 0.5f, -0.5f, .coat = 1, .coat_roughness = 1, .coat_tilt = 0.4f},
 };
 #define CONFIGS (sizeof configs / sizeof *configs)
 
 static const struct shader shader = {
-    .name = "bsdf", .code = shader_bsdf_comp, .bytes = sizeof shader_bsdf_comp, .bindings = 2, .push_bytes = 36};
+    .name = "bsdf", .code = shader_bsdf_comp, .bytes = sizeof shader_bsdf_comp, .bindings = 2, .push_bytes = 52};
 
 static float results[SIDE * SIDE][4];
 
@@ -45,8 +65,9 @@ static enum status run(struct shader_run *r, const struct config *c, uint32_t se
 	struct {
 		float cosine, roughness, f0, diffuse, tilt;
 		uint32_t seed, mode, side;
-		float eta;
-	} push = {c->cosine, c->roughness, c->f0, c->diffuse, c->tilt, seed, mode, SIDE, c->eta};
+		float eta, matte, coat, coat_roughness, coat_tilt;
+	} push = {c->cosine, c->roughness, c->f0,    c->diffuse, c->tilt,           seed,        mode,
+		  SIDE,      c->eta,       c->matte, c->coat,    c->coat_roughness, c->coat_tilt};
 	enum status s = shader_run_dispatch(r, &push, sizeof push, count / 64, err);
 	return s == STATUS_OK ? buffer_read(&r->out, r->device, 0, (mode ? 1u : 2u) * count * sizeof *results, results, err)
 			      : s;
@@ -137,11 +158,12 @@ static bool test_config(struct shader_run *r, const struct config *c, double sig
 	const bool whole = c->eta == 0 || fabs(energy - 1) < 0.01;
 	const bool good =
 	    whole && least > significance && fabs(kept - density) < 0.005 && fabs(mean - value) < 0.005 && density < 1.003;
-	printf(
-	    "%s cosine %.2f roughness %.2f F0 %.2f diffuse %.2f tilt %.1f eta %.2f: p %.4f, density %.4f of %.4f kept, mean "
-	    "weight %.4f of %.4f, energy %.4f\n",
-	    good ? "ok" : "FAIL", (double)c->cosine, (double)c->roughness, (double)c->f0, (double)c->diffuse,
-	    (double)c->tilt, (double)c->eta, least, density, kept, mean, value, energy);
+	printf("%s cosine %.2f roughness %.2f F0 %.2f diffuse %.2f tilt %.1f eta %.2f matte %.1f coat %.1f %.1f: p %.4f, "
+	       "density %.4f of %.4f kept, mean "
+	       "weight %.4f of %.4f, energy %.4f\n",
+	       good ? "ok" : "FAIL", (double)c->cosine, (double)c->roughness, (double)c->f0, (double)c->diffuse,
+	       (double)c->tilt, (double)c->eta, (double)c->matte, (double)c->coat, (double)c->coat_roughness, least, density,
+	       kept, mean, value, energy);
 	return good;
 }
 
@@ -160,8 +182,10 @@ static bool test_reciprocity(struct shader_run *r, const struct config *c, struc
 				worst[k] = fmax(worst[k], fabs(a - b) / fmax(a, b));
 		}
 	const bool good = worst[0] < 1e-5 && worst[1] < 1e-4;
-	printf("%s reciprocity, roughness %.2f F0 %.2f diffuse %.2f: diffuse part %.1e, single scattering %.1e\n",
-	       good ? "ok" : "FAIL", (double)c->roughness, (double)c->f0, (double)c->diffuse, worst[0], worst[1]);
+	printf("%s reciprocity, roughness %.2f F0 %.2f diffuse %.2f matte %.1f coat %.1f: diffuse part %.1e, single "
+	       "scattering %.1e\n",
+	       good ? "ok" : "FAIL", (double)c->roughness, (double)c->f0, (double)c->diffuse, (double)c->matte,
+	       (double)c->coat, worst[0], worst[1]);
 	return good;
 }
 

@@ -63,11 +63,12 @@ class Gltf:
                                       "componentType": 5125, "count": len(values), "type": "SCALAR"})
 
     def material(self, name, albedo=(1, 1, 1), emission=(0, 0, 0), both_sides=False, texture=None, metallic=0, roughness=1,
-                 specular=0, ior=None, alpha=1, cutoff=None, blend=False, unlit=False, clear=0, volume=None):
+                 specular=0, ior=None, alpha=1, cutoff=None, blend=False, unlit=False, clear=0, volume=None, coat=None, matte=0):
         """Emission is a radiance; above 1 it goes through KHR_materials_emissive_strength. `specular` is the factor of
         KHR_materials_specular: at 0, as here, and without metal the surface is a pure Lambert one, which closed forms need;
         1 is glTF's own default. `cutoff` makes it an alpha mask, `blend` blends it. `clear` is its transmission, and
-        `volume` what KHR_materials_volume says of its inside; without, it is thin. A texture is an index or a whole textureInfo."""
+        `volume` what KHR_materials_volume says of its inside; without, it is thin. `coat` is what KHR_materials_clearcoat says, `matte`
+        the roughness of the diffuse part (KHR_materials_diffuse_roughness). A texture is an index or a whole textureInfo."""
         pbr = {"baseColorFactor": [*albedo, alpha], "metallicFactor": metallic, "roughnessFactor": roughness}
         if texture is not None:
             pbr["baseColorTexture"] = texture if isinstance(texture, dict) else {"index": texture}
@@ -86,6 +87,10 @@ class Gltf:
             self.extend(material, "KHR_materials_transmission", {"transmissionFactor": clear})
         if volume is not None:
             self.extend(material, "KHR_materials_volume", volume)
+        if coat is not None:
+            self.extend(material, "KHR_materials_clearcoat", coat)
+        if matte:
+            self.extend(material, "KHR_materials_diffuse_roughness", {"diffuseRoughnessFactor": matte})
         strength = max(emission)
         if strength > 1:
             material["emissiveFactor"] = [e / strength for e in emission]

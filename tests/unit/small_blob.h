@@ -101,6 +101,9 @@ static inline void small_make(struct small_blob *b)
 				 .surface_texture = NONE,
 				 .normal_texture = NONE,
 				 .transmission_texture = NONE,
+				 .coat_texture = NONE,
+				 .coat_roughness_texture = NONE,
+				 .coat_normal_texture = NONE,
 				 .power_density = 3.14f};
 	struct vertex_color *colors = small_section(b, BLOB_COLORS);
 	struct vertex_tangent *tangents = small_section(b, BLOB_TANGENTS);

@@ -183,6 +183,13 @@ static void surfaces(void **state)
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular_texture = 1);
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].surface_texture = 1);
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].normal_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].coat_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].coat_roughness_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].coat_normal_texture = 1);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].coat_normal_scale = INFINITY);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].coat = 1.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].coat_roughness = -0.01f);
+	REFUSED(SECTION(material, BLOB_MATERIALS)[0].diffuse_roughness = NAN);
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular[1] = 1.01f);
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular[1] = NAN);
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].specular_weight = -0.01f);

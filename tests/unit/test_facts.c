@@ -65,10 +65,11 @@ static void textures_of_any_kind(void **state)
 {
 	struct material *m = small_section(&blob, BLOB_MATERIALS);
 	(void)state;
-	for (int i = 0; i < 6; i++) {
-		uint32_t *const slots[] = {&m->albedo_texture,  &m->emission_texture, &m->specular_texture,
-					   &m->surface_texture, &m->normal_texture,   &m->transmission_texture};
-		for (int k = 0; k < 6; k++)
+	for (int i = 0; i < 9; i++) {
+		uint32_t *const slots[] = {&m->albedo_texture,  &m->emission_texture,       &m->specular_texture,
+					   &m->surface_texture, &m->normal_texture,         &m->transmission_texture,
+					   &m->coat_texture,    &m->coat_roughness_texture, &m->coat_normal_texture};
+		for (int k = 0; k < 9; k++)
 			*slots[k] = k == i ? 0 : NONE;
 		assert_true(facts() & FACT_TEXTURES);
 		*slots[i] = NONE;
@@ -103,6 +104,26 @@ static void glass(void **state)
 	assert_int_equal(facts() & (FACT_GLASS | FACT_REFLECTS | FACT_ALPHA_BLEND), FACT_ALPHA_BLEND);
 }
 
+static void coats_and_matte_facets(void **state)
+{
+	const uint32_t asked = FACT_CLEARCOAT | FACT_REFLECTS | FACT_ROUGH_DIFFUSE | FACT_NORMAL_MAPS;
+	struct material *m = small_section(&blob, BLOB_MATERIALS);
+	(void)state;
+	const struct material plain = {.normal_texture = NONE, .coat_normal_texture = NONE};
+	*m = plain;
+	assert_int_equal(facts() & asked, 0);
+	m->coat = .1f;
+	assert_int_equal(facts() & asked, FACT_CLEARCOAT | FACT_REFLECTS);
+	m->coat_normal_texture = 0;
+	assert_int_equal(facts() & asked, FACT_CLEARCOAT | FACT_REFLECTS | FACT_NORMAL_MAPS);
+	*m = plain;
+	m->diffuse_roughness = .1f;
+	assert_int_equal(facts() & asked, FACT_ROUGH_DIFFUSE);
+	m->coat = 1;
+	m->flags = MATERIAL_UNLIT;
+	assert_int_equal(facts() & asked, 0);
+}
+
 static void white_vertices_have_no_colour(void **state)
 {
 	struct vertex_color *colors = small_section(&blob, BLOB_COLORS);
@@ -117,9 +138,9 @@ static void white_vertices_have_no_colour(void **state)
 static void every_fact_has_a_name(void **state)
 {
 	(void)state;
-	for (uint32_t bit = 1; bit <= FACT_ALPHA_BLEND; bit <<= 1)
+	for (uint32_t bit = 1; bit <= FACT_ROUGH_DIFFUSE; bit <<= 1)
 		assert_non_null(fact_name((enum fact)bit));
-	assert_null(fact_name((enum fact)(FACT_ALPHA_BLEND << 1)));
+	assert_null(fact_name((enum fact)(FACT_ROUGH_DIFFUSE << 1)));
 	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
 }
 
@@ -131,6 +152,7 @@ int main(void)
 	    cmocka_unit_test_setup(textures_of_any_kind, fresh),
 	    cmocka_unit_test_setup(gloss, fresh),
 	    cmocka_unit_test_setup(glass, fresh),
+	    cmocka_unit_test_setup(coats_and_matte_facets, fresh),
 	    cmocka_unit_test_setup(white_vertices_have_no_colour, fresh),
 	    cmocka_unit_test_setup(emitters, fresh),
 	    cmocka_unit_test_setup(unused_materials_say_nothing, fresh),

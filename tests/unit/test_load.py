@@ -16,11 +16,12 @@ from writers import Gltf, Obj, look_at, png, quad, save  # noqa: E402
 LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
 SECTIONS = ["nodes", "leaf_triangles", "triangles", "vertices", "materials", "textures", "texels", "emitters", "lights",
             "cameras", "names", "uv1", "colors", "tangents"]
-FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fI3fIIffIfffIf3f", "textures": "<4I3f3f", "texels": "<I",
+FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fI3fIIffIfffIf3f3f3If", "textures": "<4I3f3f", "texels": "<I",
            "emitters": "<IfIf", "lights": "<3fI3ff3fffIff", "uv1": "<2f", "colors": "<4f", "tangents": "<4f"}
 # Where a material's fields lie in its tuple.
 (ALBEDO, EMISSION, SPECULAR, WEIGHT, METALLIC, ROUGHNESS, SURFACE, NORMAL, SCALE, CUTOFF, FLAGS, POWER, ALPHA, TRANSMISSION,
- CLEAR_TEXTURE, IOR, ABSORPTION) = (0, 4, 8, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25)
+ CLEAR_TEXTURE, IOR, ABSORPTION, MATTE, COAT, COAT_ROUGHNESS, COAT_TEXTURE, COAT_ROUGHNESS_TEXTURE, COAT_NORMAL,
+ COAT_SCALE) = (0, 4, 8, *range(12, 26), *range(28, 35))
 NONE = 0xFFFFFFFF
 
 
@@ -359,6 +360,55 @@ class Load(unittest.TestCase):
         self.assertIn("alpha blending", info["facts"])
         _, m = self.material(edit, alpha=.25, unlit=True)
         self.assertEqual((m[FLAGS], m[ALPHA]), (12, .25))
+
+    def test_clear_coat(self):
+        def coat(base=None, **content):
+            def edit(g, m):
+                for key in [k for k in content if k.endswith("Texture")]:
+                    info = content[key] if isinstance(content[key], dict) else {}
+                    content[key] = {**info, "index": g.image(png(1, 1, lambda x, y: (9, 9, len(g.json.get("images", ())))))}
+                if base is not None:
+                    m["normalTexture"] = {"index": g.image(png(1, 1, lambda x, y: (128, 128, 255))), **base}
+                g.extend(m, "KHR_materials_clearcoat", content)
+            return edit
+        info, m = self.material(coat(clearcoatFactor=.5, clearcoatRoughnessFactor=.25))
+        self.assertEqual(m[COAT:], (.5, .25, NONE, NONE, NONE, 1))
+        self.assertEqual((info["ignored"], info["warnings"]), ([], []))
+        self.assertIn("clear coats", info["facts"])
+        maps = dict(clearcoatTexture=1, clearcoatRoughnessTexture=1, clearcoatNormalTexture={"scale": .5})
+        info, m = self.material(coat(clearcoatFactor=1, clearcoatRoughnessFactor=1, **maps))
+        self.assertEqual(m[COAT:], (1, 1, 0, 1, 2, .5))
+        self.assertIn("normal maps", info["facts"])
+        # Without the coat, or without its roughness, nobody would see them.
+        self.assertEqual(self.material(coat(**maps))[1][COAT:], (0, 0, NONE, NONE, NONE, 1))
+        self.assertEqual(self.material(coat(clearcoatFactor=1, **maps))[1][COAT_ROUGHNESS_TEXTURE], NONE)
+        # Both normal maps share a vertex's tangents.
+        info, m = self.material(coat({}, clearcoatFactor=1, clearcoatNormalTexture={}))
+        self.assertEqual((m[NORMAL] == NONE, m[COAT_NORMAL] == NONE, info["ignored"]), (False, False, []))
+        info, m = self.material(coat({"texCoord": 1}, clearcoatFactor=1, clearcoatNormalTexture={}))
+        self.assertEqual((m[NORMAL] == NONE, m[COAT_NORMAL]), (False, NONE))
+        self.assertEqual(info["ignored"], ["clearcoatNormalTexture with coordinates other than normalTexture's"])
+        info, m = self.material(coat(clearcoatFactor=7, clearcoatRoughnessFactor=-1))
+        self.assertEqual((m[COAT], m[COAT_ROUGHNESS], len(info["warnings"])), (1, 0, 1))
+        info, _ = self.material(coat(clearcoatFactor=1), clear=1)
+        self.assertEqual(info["ignored"], ["clearcoat over transmission"])
+        info, m = self.material(coat(clearcoatFactor=1), unlit=True)
+        self.assertEqual((m[COAT], "clear coats" in info["facts"]), (0, False))
+
+    def test_diffuse_roughness(self):
+        for name in ("KHR_materials_diffuse_roughness", "EXT_materials_diffuse_roughness"):
+            info, m = self.material(lambda g, m: g.extend(m, name, {"diffuseRoughnessFactor": .75}))
+            self.assertEqual((m[MATTE], info["ignored"], info["warnings"]), (.75, [], []))
+            self.assertIn("rough diffuse surfaces", info["facts"])
+            self.assertEqual(self.material(lambda g, m: g.extend(m, name, {}))[1][MATTE], 0)
+        info, m = self.material(lambda g, m: g.extend(m, name, {"diffuseRoughnessFactor": 2, "diffuseRoughnessTexture": {"index": 0}}))
+        self.assertEqual((m[MATTE], info["ignored"], len(info["warnings"])), (1, ["diffuseRoughnessTexture"], 1))
+
+    def test_a_thickness_map_is_told(self):
+        def edit(g, m):
+            g.extend(m, "KHR_materials_transmission", {"transmissionFactor": 1})
+            g.extend(m, "KHR_materials_volume", {"thicknessFactor": 1, "thicknessTexture": {"index": 0}})
+        self.assertEqual(self.material(edit)[0]["ignored"], ["thicknessTexture"])
 
     def test_glass(self):
         def glass(volume=None, texture=False, **transmission):

@@ -37,6 +37,8 @@ _Static_assert((int)SPEC_VERTEX_COLORS == (int)candil_Effect_EFFECT_VERTEX_COLOR
 _Static_assert((int)SPEC_UNLIT == (int)candil_Effect_EFFECT_UNLIT, "one constant an effect");
 _Static_assert((int)SPEC_GLASS == (int)candil_Effect_EFFECT_GLASS, "one constant an effect");
 _Static_assert((int)SPEC_ALPHA_BLEND == (int)candil_Effect_EFFECT_ALPHA_BLEND, "one constant an effect");
+_Static_assert((int)SPEC_CLEARCOAT == (int)candil_Effect_EFFECT_CLEARCOAT, "one constant an effect");
+_Static_assert((int)SPEC_ROUGH_DIFFUSE == (int)candil_Effect_EFFECT_ROUGH_DIFFUSE, "one constant an effect");
 _Static_assert(FILTER_BOX == (int)candil_Filter_FILTER_BOX && FILTER_GAUSSIAN == (int)candil_Filter_FILTER_GAUSSIAN &&
 		   FILTER_BLACKMAN_HARRIS == (int)candil_Filter_FILTER_BLACKMAN_HARRIS,
 	       "one number a filter");

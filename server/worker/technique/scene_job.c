@@ -21,7 +21,8 @@ uint32_t scene_bindings_shade(const struct plan *plan)
 		bits |= 1u << BIND_TANGENTS;
 	if (plan_has(plan, candil_Effect_EFFECT_VERTEX_COLORS))
 		bits |= 1u << BIND_COLORS;
-	if (plan_has(plan, candil_Effect_EFFECT_GLOSSY) || plan_has(plan, candil_Effect_EFFECT_GLASS))
+	if (plan_has(plan, candil_Effect_EFFECT_GLOSSY) || plan_has(plan, candil_Effect_EFFECT_GLASS) ||
+	    plan_has(plan, candil_Effect_EFFECT_CLEARCOAT))
 		bits |= 1u << BIND_GGX_TABLE;
 	return bits;
 }

@@ -1,0 +1,132 @@
+"""Clear coats and Oren and Nayar's diffuse part, where their light is known in closed form."""
+import math
+import tempfile
+import unittest
+
+import numpy
+
+from render import Daemon
+from writers import Gltf, quad
+
+
+def setUpModule():
+    global daemon, folder
+    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
+    daemon = Daemon().__enter__()
+
+
+def tearDownModule():
+    daemon.__exit__(None, None, None)
+    folder.cleanup()
+
+
+def plate(sun=None, **material):
+    g = Gltf()
+    g.place(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), g.material("plate", **material))
+    if sun is not None:
+        g.light("directional", math.pi, target=sun, up=(1, 0, 0))
+    return g.save(folder.name, "plate.gltf")
+
+
+def at_angle(scene, degrees, spp=512, background=1, **more):
+    """Mean radiance of the plate's middle, seen at an angle from its normal."""
+    a = math.radians(degrees)
+    camera = (0, 5 * math.cos(a), 5 * math.sin(a), 0, 0, 0, 0, 1, 0, 0.002) if degrees else (0, 5, 0, 0, 0, 0, 0, 0, -1, 0.002)
+    picture = daemon.render(scene, size=(8, 8), spp=spp, camera=camera, arguments=["--background", ",".join([str(background)] * 3)], **more)
+    return picture.radiance.reshape(-1, 3).mean(axis=0, dtype=numpy.float64)
+
+
+class WhiteFurnace(unittest.TestCase):
+    def check(self, name, angles, bound=0.01, **material):
+        scene = plate(albedo=(1, 1, 1), **material)
+        worst = max(float(numpy.abs(at_angle(scene, a) - 1).max()) for a in angles)
+        print(f"{name}: worst {worst:.4f}")
+        self.assertLess(worst, bound, name)
+
+    def test_a_coat_over_what_returns_all_light_returns_all(self):
+        below = {"Lambert": {}, "matte": {"matte": 1}, "plastic": {"specular": 1, "roughness": 0.3}, "rough plastic": {"specular": 1},
+                 "mirror": {"specular": 1, "metallic": 1, "roughness": 0}, "rough metal": {"specular": 1, "metallic": 1, "roughness": 0.8}}
+        for name, material in below.items():
+            for roughness in (0, 0.3, 1):
+                # What matte facets send back is not spread as the film above lets it through: bsdf.glsl says how near it comes.
+                self.check(f"coat of {roughness} on {name}", (0, 60, 80), 0.02 if name == "matte" else 0.01, coat={"clearcoatFactor": 1, "clearcoatRoughnessFactor": roughness}, **material)
+
+    def test_half_a_coat_too(self):
+        self.check("half a coat", (0, 75), coat={"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.2}, specular=1, roughness=0.5)
+
+    def test_matte_facets_return_all_light(self):
+        for r in (0.1, 0.5, 1.0):
+            self.check(f"matte {r}", (0, 30, 60, 85, 89), matte=r)
+        self.check("matte under gloss", (0, 60, 80), 0.02, matte=1, specular=1, roughness=0.4)
+
+
+class Coat(unittest.TestCase):
+    def test_over_black_it_is_schlicks(self):
+        """A smooth coat over black shows the world by 0.04 + 0.96 (1 - cos)^5, times how much of it is there."""
+        for amount in (1, 0.25):
+            scene = plate(albedo=(0, 0, 0), coat={"clearcoatFactor": amount})
+            for angle in (0, 45, 70, 85):
+                fresnel = 0.04 + 0.96 * (1 - math.cos(math.radians(angle))) ** 5
+                self.assertLess(abs(float(at_angle(scene, angle, spp=64)[0]) / (amount * fresnel) - 1), 0.002, (amount, angle))
+
+    def test_it_takes_its_light_from_what_is_below(self):
+        """A mirror of 0.5 under a smooth coat: Schlick's coat, and what that leaves of Schlick's mirror."""
+        scene = plate(albedo=(0.5, 0.5, 0.5), metallic=1, roughness=0, specular=1, coat={"clearcoatFactor": 1})
+        for angle in (0, 60, 80):
+            grazing = (1 - math.cos(math.radians(angle))) ** 5
+            coat, mirror = 0.04 + 0.96 * grazing, 0.5 + 0.5 * grazing
+            self.assertLess(abs(float(at_angle(scene, angle, spp=1024)[0]) / (coat + (1 - coat) * mirror) - 1), 0.005, angle)
+
+
+class OrenNayar(unittest.TestCase):
+    @staticmethod
+    def value(rho, r, view, light):
+        """pi f of Portsmouth, Kutz and Hill 2024, both directions in one plane with the normal, angles in degrees."""
+        a = 1 / (1 + (0.5 - 2 / (3 * math.pi)) * r)
+
+        def albedo(c):
+            s = math.sqrt(1 - c * c)
+            g = s * (math.acos(c) - s * c) + 2 / 3 * ((s / c) * (1 - s ** 3) - s)
+            return a * (1 + r * g / math.pi)
+        v, l = math.cos(math.radians(view)), math.cos(math.radians(light))
+        s = math.cos(math.radians(view - light)) - v * l
+        single = rho * a * (1 + r * (s / max(v, l) if s > 0 else s))
+        mean = a * (1 + (2 / 3 - 28 / (15 * math.pi)) * r)
+        again = rho * rho * mean / (1 - rho * (1 - mean))
+        return single + again * (1 - albedo(v)) * (1 - albedo(l)) / (1 - mean)
+
+    def test_a_suns_light_as_the_paper_says(self):
+        """The sun's irradiance is pi, so a plate shows pi f cos."""
+        for rho, r in ((1, 1), (0.5, 0.5), (0.8, 1)):
+            for light in (60, -60, 10):
+                way = math.radians(light)
+                scene = plate(sun=(0, -math.cos(way), -math.sin(way)), albedo=(rho,) * 3, matte=r)
+                for view in (0, 45, 80):
+                    got = float(at_angle(scene, view, spp=4, background=0)[0])
+                    expected = self.value(rho, r, view, light) * math.cos(way)
+                    self.assertLess(abs(got / expected - 1), 1e-3, (rho, r, light, view))
+
+    def test_its_albedo_is_the_papers(self):
+        """In a white world the sum over all directions, not only one: E of the paper."""
+        for rho, r, angle in ((0.5, 1, 30), (0.5, 1, 80), (0.2, 0.5, 60)):
+            steps = 2000
+            total = 0.0
+            for i in range(steps):    # over the light's polar angle, and its azimuth through the mean of s / t
+                theta = (i + 0.5) / steps * math.pi / 2
+                total += self.ring(rho, r, math.radians(angle), theta) * math.sin(theta) * math.cos(theta) * 2 * math.pi / 2 / steps
+            got = float(at_angle(plate(albedo=(rho,) * 3, matte=r), angle, spp=4096)[0])
+            self.assertLess(abs(got / total - 1), 0.01, (rho, r, angle))
+
+    def ring(self, rho, r, view, light):
+        """The mean of pi f over a ring of lights."""
+        v, l = math.cos(view), math.cos(light)
+        flat = math.sin(view) * math.sin(light)
+        turns = [math.cos(2 * math.pi * (k + 0.5) / 64) * flat for k in range(64)]
+        bend = sum(s / max(v, l) if s > 0 else s for s in turns) / 64
+        a = 1 / (1 + (0.5 - 2 / (3 * math.pi)) * r)
+        half = self.value(rho, r, math.degrees(view), math.degrees(light)) - rho * a * (1 + r * flat / max(v, l))
+        return half + rho * a * (1 + r * bend)
+
+
+if __name__ == "__main__":
+    unittest.main()
