@@ -56,7 +56,7 @@ enum status find_coat_normals(gltf_reader *reader, const tinygltf::Value &coat, 
 	    same_place(&import->textures[out->normal_texture], &import->textures[out->coat_normal_texture]))
 		return STATUS_OK;
 	out->coat_normal_texture = NONE;
-	import_ignore(import, "clearcoatNormalTexture with coordinates other than normalTexture's");
+	import_ignore(import, "clearcoatNormalTexture with its own coordinates");
 	return STATUS_OK;
 }
 

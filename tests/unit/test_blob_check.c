@@ -224,6 +224,7 @@ static void parts_of_vertices(void **state)
 	h->facts = facts_collect(h);
 	assert_int_equal(check(), STATUS_OK);
 	SECTION(material, BLOB_MATERIALS)[0].normal_texture = NONE;
+	SECTION(material, BLOB_MATERIALS)[0].coat_normal_texture = NONE;
 	h->sections[BLOB_TANGENTS].count = 0;
 	h->facts = facts_collect(h);
 	assert_int_equal(check(), STATUS_OK);
