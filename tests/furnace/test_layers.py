@@ -28,7 +28,7 @@ def plate(sun=None, **material):
     return g.save(folder.name, "plate.gltf")
 
 
-def at_angle(scene, degrees, spp=512, background=1, **more):
+def at_angle(scene, degrees, spp=256, background=1, **more):
     """Mean radiance of the plate's middle, seen at an angle from its normal."""
     a = math.radians(degrees)
     camera = (0, 5 * math.cos(a), 5 * math.sin(a), 0, 0, 0, 0, 1, 0, 0.002) if degrees else (0, 5, 0, 0, 0, 0, 0, 0, -1, 0.002)
@@ -47,16 +47,16 @@ class WhiteFurnace(unittest.TestCase):
         below = {"Lambert": {}, "matte": {"matte": 1}, "plastic": {"specular": 1, "roughness": 0.3}, "rough plastic": {"specular": 1},
                  "mirror": {"specular": 1, "metallic": 1, "roughness": 0}, "rough metal": {"specular": 1, "metallic": 1, "roughness": 0.8}}
         for name, material in below.items():
-            for roughness in (0, 0.3, 1):
+            for roughness in (0, 0.4):
                 # What matte facets send back is not spread as the film above lets it through: bsdf.glsl says how near it comes.
-                self.check(f"coat of {roughness} on {name}", (0, 60, 80), 0.02 if name == "matte" else 0.01, coat={"clearcoatFactor": 1, "clearcoatRoughnessFactor": roughness}, **material)
+                self.check(f"coat of {roughness} on {name}", (0, 80), 0.02 if name == "matte" else 0.01, coat={"clearcoatFactor": 1, "clearcoatRoughnessFactor": roughness}, **material)
 
     def test_half_a_coat_too(self):
         self.check("half a coat", (0, 75), coat={"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.2}, specular=1, roughness=0.5)
 
     def test_matte_facets_return_all_light(self):
-        for r in (0.1, 0.5, 1.0):
-            self.check(f"matte {r}", (0, 30, 60, 85, 89), matte=r)
+        for r in (0.2, 1.0):
+            self.check(f"matte {r}", (0, 60, 89), matte=r)
         self.check("matte under gloss", (0, 60, 80), 0.02, matte=1, specular=1, roughness=0.4)
 
 
@@ -65,7 +65,7 @@ class Coat(unittest.TestCase):
         """A smooth coat over black shows the world by 0.04 + 0.96 (1 - cos)^5, times how much of it is there."""
         for amount in (1, 0.25):
             scene = plate(albedo=(0, 0, 0), coat={"clearcoatFactor": amount})
-            for angle in (0, 45, 70, 85):
+            for angle in (0, 70, 85):
                 fresnel = 0.04 + 0.96 * (1 - math.cos(math.radians(angle))) ** 5
                 self.assertLess(abs(float(at_angle(scene, angle, spp=64)[0]) / (amount * fresnel) - 1), 0.002, (amount, angle))
 
@@ -97,11 +97,11 @@ class OrenNayar(unittest.TestCase):
 
     def test_a_suns_light_as_the_paper_says(self):
         """The sun's irradiance is pi, so a plate shows pi f cos."""
-        for rho, r in ((1, 1), (0.5, 0.5), (0.8, 1)):
-            for light in (60, -60, 10):
+        for rho, r in ((1, 1), (0.5, 0.5)):
+            for light in (60, -60):
                 way = math.radians(light)
                 scene = plate(sun=(0, -math.cos(way), -math.sin(way)), albedo=(rho,) * 3, matte=r)
-                for view in (0, 45, 80):
+                for view in (0, 75):
                     got = float(at_angle(scene, view, spp=4, background=0)[0])
                     expected = self.value(rho, r, view, light) * math.cos(way)
                     self.assertLess(abs(got / expected - 1), 1e-3, (rho, r, light, view))
@@ -114,7 +114,7 @@ class OrenNayar(unittest.TestCase):
             for i in range(steps):    # over the light's polar angle, and its azimuth through the mean of s / t
                 theta = (i + 0.5) / steps * math.pi / 2
                 total += self.ring(rho, r, math.radians(angle), theta) * math.sin(theta) * math.cos(theta) * 2 * math.pi / 2 / steps
-            got = float(at_angle(plate(albedo=(rho,) * 3, matte=r), angle, spp=4096)[0])
+            got = float(at_angle(plate(albedo=(rho,) * 3, matte=r), angle, spp=1024)[0])
             self.assertLess(abs(got / total - 1), 0.01, (rho, r, angle))
 
     def ring(self, rho, r, view, light):
