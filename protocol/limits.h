@@ -55,6 +55,8 @@
 #define LIMIT_EDIT_MATERIALS 32u
 #define LIMIT_EDIT_NODES 32u
 #define LIMIT_EDIT_SCALE 1e9 // of a node, largest and one over smallest
+#define LIMIT_ENVIRONMENT_SCALE 1e9 // of a picture of the surroundings, largest and one over smallest
+#define LIMIT_TURN_DEGREES 1e6 // of its rotation, either way
 #define LIMIT_TIME_S 1e9 // of an animation, either way
 #define LIMIT_VARIANTS 4u // edited scenes that a worker keeps while no job uses them
 #define LIMIT_SWEEP_CAMERAS 256u // of one Sweep; so many fit a message
@@ -74,6 +76,7 @@
 #define LIMIT_TEXTURES 4096u
 #define LIMIT_TEXTURE_SIDE 16384u
 #define LIMIT_TEXELS (256u * 1024u * 1024u) // all textures together
+#define LIMIT_ENVIRONMENT_TEXELS (32u * 1024u * 1024u) // of a picture of the surroundings; a side as a texture's
 #define LIMIT_PUNCTUAL_LIGHTS 4096u
 #define LIMIT_CAMERAS 1024u
 #define LIMIT_NODES 1000000u

@@ -73,8 +73,8 @@ static bool take_number(const struct pair *pair, double *out)
 
 struct light_text {
 	struct candil_vec3 at, to, direction, intensity;
-	bool has_at, has_to, has_direction, has_intensity, has_cone;
-	double inner, outer;
+	bool has_at, has_to, has_direction, has_intensity, has_cone, has_angle;
+	double inner, outer, angle;
 };
 
 static bool take_light_pair(const struct pair *pair, struct light_text *t)
@@ -87,6 +87,8 @@ static bool take_light_pair(const struct pair *pair, struct light_text *t)
 		return (t->has_direction = take_vector(pair, false, &t->direction));
 	if (strcmp(pair->key, "intensity") == 0)
 		return (t->has_intensity = take_vector(pair, true, &t->intensity));
+	if (strcmp(pair->key, "angle") == 0)
+		return (t->has_angle = take_number(pair, &t->angle));
 	t->inner = pair->v[0];
 	t->outer = pair->count > 1 ? pair->v[1] : 0;
 	t->has_cone = true;
@@ -98,6 +100,8 @@ static bool light_fits(enum candil_light_kind kind, const struct light_text *t)
 {
 	const bool point = kind == CANDIL_LIGHT_POINT, spot = kind == CANDIL_LIGHT_SPOT;
 	const bool directions = t->has_to + t->has_direction == (point ? 0 : 1);
+	if (t->has_angle && (point || spot))
+		return false;
 	return t->has_intensity && t->has_at == (point || spot) && t->has_cone == spot && directions && (spot || !t->has_to);
 }
 
@@ -124,7 +128,8 @@ static bool take_light(char *text, struct edit_options *o)
 								  .direction = t.direction,
 								  .intensity = t.intensity,
 								  .inner_degrees = t.inner,
-								  .outer_degrees = t.outer};
+								  .outer_degrees = t.outer,
+								  .angle_degrees = t.angle};
 	return true;
 }
 

@@ -44,8 +44,10 @@ const char *edit_option_form(int option);
 	"  --light KIND:KEY=VALUE,...\n" \
 	"                        one more light for this picture, up to 32 times: point:at=x,y,z,intensity=I;\n" \
 	"                        spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I (degrees from the axis; direction=\n" \
-	"                        instead of to=); directional:direction=x,y,z,intensity=I. I is one number or r,g,b, in\n" \
-	"                        W/sr, of a directional light W/m²\n" \
+	"                        instead of to=); directional:direction=x,y,z,intensity=I, with angle=DEGREES from a " \
+	"disc\n" \
+	"                        so wide (pt; the sun: 0.53). I is one number or r,g,b, in W/sr, of a directional light\n" \
+	"                        W/m²\n" \
 	"  --replace-lights      the scene's own point, spot and directional lights are out\n" \
 	"  --material NAME:KEY=VALUE,...\n" \
 	"                        another look for a material: color, emission (W/(m² sr)), specular (each r,g,b or one\n" \

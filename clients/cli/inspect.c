@@ -297,6 +297,8 @@ static enum exit_code do_inspect(struct inspect *inspect)
 	progress_say(&inspect->progress, "loading the scene");
 	candil_status status =
 	    target_open(&inspect->target, inspect->cli->address, inspect->options.scene, &inspect->options.load, &error);
+	if (status == CANDIL_STATUS_OK)
+		status = target_surroundings(&inspect->target, r, &error);
 	if (status != CANDIL_STATUS_OK)
 		return fail(inspect, &error);
 	r->scene = inspect->target.scene;

@@ -133,6 +133,8 @@ static enum exit_code render_image(struct render *render)
 	progress_say(&render->progress, "loading the scene");
 	candil_status status =
 	    target_open(&render->target, render->cli->address, render->options.scene, &render->options.load, &error);
+	if (status == CANDIL_STATUS_OK)
+		status = target_surroundings(&render->target, &render->options.request, &error);
 	if (status != CANDIL_STATUS_OK)
 		return fail(render, &error);
 	render->options.request.scene = render->target.scene;
@@ -195,6 +197,10 @@ const struct command render_command = {
 	    "  --animation NAME      the scene as this animation of the file has it, --at S seconds after its start; "
 	    "default 0\n"
 	    "  --background r,g,b    radiance, W/(m² sr), that rays meet which leave the scene; default black\n"
+	    "  --background PICTURE  a picture of all directions (exr, hdr, tiff, png, jpeg, twice as wide as high), seen\n"
+	    "                        around the scene, and a light. As SCENE, the name of a loaded one or a file\n"
+	    "  --background-turn DEG of the picture about +Y, counter-clockwise seen from above; 0: its middle is along -Z\n"
+	    "  --background-scale S  W/(m² sr) of its unit; default 1\n"
 	    "  --effects LIST        auto, all or none, then +NAME or -NAME for textures, emitters, lights, environment,\n"
 	    "                        bounces, glossy, normal-maps, alpha-mask, vertex-colors, unlit, glass,\n"
 	    "                        alpha-blend, clearcoat, rough-diffuse: \"auto,-textures\", \"none,+emitters\"; default "

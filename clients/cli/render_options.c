@@ -19,6 +19,8 @@ enum {
 	OPTION_SEED,
 	OPTION_CAMERA,
 	OPTION_BACKGROUND,
+	OPTION_BACKGROUND_TURN,
+	OPTION_BACKGROUND_SCALE,
 	OPTION_EFFECTS,
 	OPTION_AOV,
 	OPTION_EXPOSURE,
@@ -57,6 +59,8 @@ enum {
 	{"first-sample", required_argument, NULL, OPTION_FIRST_SAMPLE}, \
 	{"seed", required_argument, NULL, OPTION_SEED}, \
 	{"background", required_argument, NULL, OPTION_BACKGROUND}, \
+	{"background-turn", required_argument, NULL, OPTION_BACKGROUND_TURN}, \
+	{"background-scale", required_argument, NULL, OPTION_BACKGROUND_SCALE}, \
 	{"effects", required_argument, NULL, OPTION_EFFECTS}, \
 	{"aov", required_argument, NULL, OPTION_AOV}, \
 	{"exposure", required_argument, NULL, OPTION_EXPOSURE}, \
@@ -127,7 +131,11 @@ static const char *form_of(int option)
 	case OPTION_CAMERA:
 		return "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV";
 	case OPTION_BACKGROUND:
-		return "r,g,b, three numbers such as 1,1,1";
+		return "r,g,b, three numbers such as 1,1,1, or a picture: its name or its file";
+	case OPTION_BACKGROUND_TURN:
+		return "a number of degrees";
+	case OPTION_BACKGROUND_SCALE:
+		return "a number above 0";
 	case OPTION_EFFECTS:
 		return "auto, all or none, then +NAME or -NAME, between commas; a NAME is textures, emitters, lights, "
 		       "environment, bounces, glossy, normal-maps, alpha-mask, vertex-colors or unlit";
@@ -184,14 +192,18 @@ static bool parse_camera(const char *text, struct candil_render_request *r)
 	return r->has_camera || (*text != '\0' && !strchr(text, ','));
 }
 
+// Three numbers are a colour, anything else is a picture: a name or a file.
 static bool parse_background(const char *text, struct candil_render_request *r)
 {
 	double v[3];
-	if (!cli_parse_doubles(text, v, 3))
-		return false;
-	r->background = (struct candil_vec3){v[0], v[1], v[2]};
-	r->has_background = true;
-	return true;
+	r->has_background = cli_parse_doubles(text, v, 3);
+	r->environment = r->has_background ? NULL : text;
+	if (r->has_background)
+		r->background = (struct candil_vec3){v[0], v[1], v[2]};
+	// What looks like numbers was meant as a colour: all of it, or the first of a list.
+	const size_t numbers = strspn(text, "0123456789.,+-eE ");
+	const bool list = strchr(text, ',') && strspn(text, "0123456789+-") > 0;
+	return r->has_background || (text[numbers] != '\0' && !list);
 }
 
 // Cut the next word off a list with commas. NULL at the end.
@@ -341,6 +353,10 @@ static bool take_option(int option, char *value, struct render_options *options,
 		return parse_camera(value, r);
 	case OPTION_BACKGROUND:
 		return parse_background(value, r);
+	case OPTION_BACKGROUND_TURN:
+		return cli_parse_double(value, &r->environment_turn_degrees);
+	case OPTION_BACKGROUND_SCALE:
+		return cli_parse_double(value, &r->environment_scale) && r->environment_scale > 0;
 	case OPTION_EFFECTS:
 		return parse_effects(value, r, given);
 	case OPTION_AOV:

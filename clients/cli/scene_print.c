@@ -82,6 +82,9 @@ void scene_print(const struct candil_scene_info *s)
 	       " texture%s; %.1f MiB, loaded in %.0f ms\n",
 	       s->triangles, cli_s(s->triangles), s->materials, cli_s(s->materials), s->textures, cli_s(s->textures),
 	       (double)s->blob_bytes / 1048576.0, (double)s->load_us * 1e-3);
+	if (s->environment_width > 0)
+		printf("picture     of the surroundings, %" PRIu32 " x %" PRIu32 " texels\n", s->environment_width,
+		       s->environment_height);
 	printf("lights      %" PRIu32 " emissive triangle%s, %" PRIu32 " punctual light%s\n", s->emissive_triangles,
 	       cli_s(s->emissive_triangles), s->punctual_lights, cli_s(s->punctual_lights));
 	if (s->light_units[0])
@@ -165,6 +168,8 @@ json_t *scene_json(const struct candil_scene_info *s)
 	LIST("material_names", material_names, material_list_count);
 	NUMBER(animation_count);
 	json_object_set_new(object, "animations", animations_json(s));
+	NUMBER(environment_width);
+	NUMBER(environment_height);
 	NUMBER(load_us);
 	TEXT(light_units);
 #undef TEXT

@@ -145,6 +145,8 @@ static enum exit_code open_scene(struct sweep *sweep)
 	progress_say(&sweep->progress, "loading the scene");
 	candil_status status =
 	    target_open(&sweep->target, sweep->cli->address, sweep->options.scene, &sweep->options.load, &error);
+	if (status == CANDIL_STATUS_OK)
+		status = target_surroundings(&sweep->target, &sweep->options.request, &error);
 	sweep->options.request.scene = sweep->target.scene;
 	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(sweep, &error);
 }

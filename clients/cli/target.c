@@ -131,18 +131,18 @@ static candil_status connect_any(struct target *target, const char *address, con
 		    scene);
 }
 
-// Load the file under a name that no other call uses.
+// Load the file under a name that no other call uses. *loaded: it is there, whatever is returned.
 static candil_status load_temporary(struct target *target, const char *file, const struct candil_load_request *how,
-				    struct candil_error *error)
+				    char name[64], bool *loaded, struct candil_scene_info *info, struct candil_error *error)
 {
 	struct timespec now;
 	struct candil_event event;
 	struct candil_load_request request = *how;
 	uint32_t id;
 	clock_gettime(CLOCK_REALTIME, &now);
-	snprintf(target->scene, sizeof(target->scene), "candil-%ld-%lx%lx", (long)getpid(), (unsigned long)now.tv_sec,
+	snprintf(name, sizeof(target->scene), "candil-%ld-%lx%lx", (long)getpid(), (unsigned long)now.tv_sec,
 		 (unsigned long)now.tv_nsec);
-	request.name = target->scene;
+	request.name = name;
 	request.file = file;
 	candil_status status = candil_submit_load(target->client, &request, &id, error);
 	while (status == CANDIL_STATUS_OK) {
@@ -158,8 +158,8 @@ static candil_status load_temporary(struct target *target, const char *file, con
 	}
 	if (status != CANDIL_STATUS_OK)
 		return status;
-	target->temporary = true;
-	target->info = event.u.scene;
+	*loaded = true;
+	*info = event.u.scene;
 	if (interrupt_seen())
 		return fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 	return CANDIL_STATUS_OK;
@@ -186,7 +186,30 @@ candil_status target_open(struct target *target, const char *address, const char
 	status = check_file(scene, how, error);
 	if (status != CANDIL_STATUS_OK)
 		return status;
-	return load_temporary(target, scene, how, error);
+	return load_temporary(target, scene, how, target->scene, &target->temporary, &target->info, error);
+}
+
+candil_status target_surroundings(struct target *target, struct candil_render_request *request, struct candil_error *error)
+{
+	static struct candil_scene_info info; // large, and only looked at here
+	const struct candil_load_request how = {0};
+	const char *picture = request->environment;
+	candil_status status = CANDIL_STATUS_SCENE_NOT_FOUND;
+	if (!picture)
+		return CANDIL_STATUS_OK;
+	request->environment = target->picture;
+	if (!target->private_daemon && !strchr(picture, '/') && strlen(picture) < sizeof(target->picture)) {
+		snprintf(target->picture, sizeof(target->picture), "%s", picture);
+		candil_set_timeout(target->client, ANSWER_MS);
+		status = candil_describe(target->client, picture, &info, error);
+	}
+	if (status == CANDIL_STATUS_SCENE_NOT_FOUND)
+		status = check_file(picture, &how, error);
+	else
+		return status;
+	if (status != CANDIL_STATUS_OK)
+		return status;
+	return load_temporary(target, picture, &how, target->picture, &target->picture_temporary, &info, error);
 }
 
 static void wait_private(pid_t pid)
@@ -201,16 +224,22 @@ static void wait_private(pid_t pid)
 	waitpid(pid, NULL, 0);
 }
 
+static void unload(const struct target *target, const char *name)
+{
+	struct candil_error error;
+	candil_set_timeout(target->client, ANSWER_MS);
+	candil_status status = candil_unload(target->client, name, &error);
+	// With the daemon gone, the scene is too.
+	if (status != CANDIL_STATUS_OK && status != CANDIL_STATUS_IO && status != CANDIL_STATUS_SHUTTING_DOWN)
+		fprintf(stderr, "candil: the scene %s stays loaded: %s\n", name, error.text);
+}
+
 void target_close(struct target *target)
 {
-	if (target->client && target->temporary && !target->private_daemon) {
-		struct candil_error error;
-		candil_set_timeout(target->client, ANSWER_MS);
-		candil_status status = candil_unload(target->client, target->scene, &error);
-		// With the daemon gone, the scene is too.
-		if (status != CANDIL_STATUS_OK && status != CANDIL_STATUS_IO && status != CANDIL_STATUS_SHUTTING_DOWN)
-			fprintf(stderr, "candil: the scene %s stays loaded: %s\n", target->scene, error.text);
-	}
+	if (target->client && target->temporary && !target->private_daemon)
+		unload(target, target->scene);
+	if (target->client && target->picture_temporary && !target->private_daemon)
+		unload(target, target->picture);
 	candil_disconnect(target->client);
 	if (target->private_daemon)
 		wait_private(target->private_daemon);

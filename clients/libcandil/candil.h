@@ -183,6 +183,7 @@ struct candil_scene_info {
 	char material_names[64][64];
 	uint32_t animation_count, animation_list_count;
 	struct candil_animation_info animations[32];
+	uint32_t environment_width, environment_height; // of a picture of surroundings, texels; 0: it is a scene
 };
 
 struct candil_scene_entry {
@@ -268,6 +269,7 @@ struct candil_light {
 	struct candil_vec3 direction; // the way the light travels, any length above 0; not of a point light
 	struct candil_vec3 intensity; // W/sr; of a directional one W/m²
 	double inner_degrees, outer_degrees; // of a spot: 0 ≤ inner < outer ≤ 90
+	double angle_degrees; // of a directional one: across the disc that it shines from, below 180; 0: one direction
 };
 
 // What has no `has_` set stays as the scene has it. Textures go on multiplying.
@@ -347,6 +349,12 @@ struct candil_render_request {
 	size_t option_count; // 0…16
 	bool has_background;
 	struct candil_vec3 background; // W/(m² sr), what rays meet that leave the scene; absent: black
+	// Or, instead, a picture of all directions, which lights the scene too: the name under which it was loaded; NULL:
+	// none. Longitude grows from left to right, latitude falls from top to bottom; unturned, its middle is seen along
+	// -Z.
+	const char *environment;
+	double environment_turn_degrees; // about +Y, counter-clockwise seen from above
+	double environment_scale; // W/(m² sr) of one unit of the file; 0: 1
 	uint32_t progress_ms; // least time between two progress events; 0: 100
 	const struct candil_edits *edits; // NULL: none
 	struct candil_lens lens;

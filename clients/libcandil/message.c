@@ -84,7 +84,8 @@ static candil_status write_light(const struct candil_light *from, candil_Light *
 			     .has_direction = true,
 			     .has_intensity = true,
 			     .inner_degrees = from->inner_degrees,
-			     .outer_degrees = from->outer_degrees};
+			     .outer_degrees = from->outer_degrees,
+			     .angle_degrees = from->angle_degrees};
 	to->position = vec3_write(&from->position);
 	to->direction = vec3_write(&from->direction);
 	to->intensity = vec3_write(&from->intensity);
@@ -205,6 +206,12 @@ candil_status message_write_render(const struct candil_render_request *request, 
 	render->target_error = request->target_error;
 	render->deadline_ms = request->deadline_ms;
 	candil_status status = message_write_name(request->scene, render->scene, sizeof(render->scene), error);
+	render->has_environment = request->environment != NULL;
+	render->environment.rotation_degrees = request->environment_turn_degrees;
+	render->environment.scale = request->environment_scale;
+	if (status == CANDIL_STATUS_OK && request->environment)
+		status = message_write_name(request->environment, render->environment.scene,
+					    sizeof(render->environment.scene), error);
 	if (status == CANDIL_STATUS_OK)
 		status = write_camera(request, render, error);
 	if (status == CANDIL_STATUS_OK)
@@ -264,6 +271,8 @@ static void read_scene_names(const candil_SceneInfo *from, struct candil_scene_i
 	to->material_list_count = from->material_names_count;
 	for (size_t i = 0; i < from->material_names_count; i++)
 		TEXT(to->material_names[i], from->material_names[i]);
+	to->environment_width = from->environment_width;
+	to->environment_height = from->environment_height;
 	to->animation_count = from->animation_count;
 	to->animation_list_count = from->animations_count;
 	for (size_t i = 0; i < from->animations_count; i++) {

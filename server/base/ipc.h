@@ -48,6 +48,7 @@ struct ipc_scene {
 struct ipc_begin {
 	struct ipc_head head;
 	uint64_t scene;
+	uint64_t environment; // id of the picture of its surroundings; 0: none
 	candil_Render render; // checked by the front
 };
 

@@ -149,23 +149,39 @@ static enum status on_describe(const struct message *m, struct error *err)
 	return STATUS_OK;
 }
 
+// What is around it, if the request wants a picture there. *environment: NULL for none.
+static enum status find_environment(const struct message *m, const candil_Render *render, struct scene **environment,
+				    struct error *err)
+{
+	*environment = NULL;
+	if (!render->has_environment)
+		return STATUS_OK;
+	enum status status = find_scene(m, render->environment.scene, environment, err);
+	if (status == STATUS_OK && (*environment)->state == SCENE_READY && (*environment)->info.environment_width == 0)
+		return error_set(err, STATUS_BAD_ARGUMENT, "\"%s\" is a scene, no picture of surroundings",
+				 render->environment.scene);
+	return status;
+}
+
 static enum status on_render(const struct message *m, struct error *err)
 {
 	candil_Render render;
-	struct scene *scene;
+	struct scene *scene, *environment;
 	enum status status = check_place(m, err);
 	if (status == STATUS_OK)
 		status = request_render(m->body, m->header->length, &render, err);
 	if (status == STATUS_OK)
 		status = find_scene(m, render.scene, &scene, err);
 	if (status == STATUS_OK)
-		status = jobs_add(&m->service->jobs, m->session, m->header->request, scene, &render, err);
+		status = find_environment(m, &render, &environment, err);
+	if (status == STATUS_OK)
+		status = jobs_add(&m->service->jobs, m->session, m->header->request, scene, environment, &render, err);
 	return status;
 }
 
 static enum status on_sweep(const struct message *m, struct error *err)
 {
-	struct scene *scene;
+	struct scene *scene, *environment;
 	enum status status = check_place(m, err);
 	if (status != STATUS_OK)
 		return status;
@@ -176,7 +192,9 @@ static enum status on_sweep(const struct message *m, struct error *err)
 	if (status == STATUS_OK)
 		status = find_scene(m, sweep->render.scene, &scene, err);
 	if (status == STATUS_OK)
-		status = jobs_add_sweep(&m->service->jobs, m->session, m->header->request, scene, sweep, err);
+		status = find_environment(m, &sweep->render, &environment, err);
+	if (status == STATUS_OK)
+		status = jobs_add_sweep(&m->service->jobs, m->session, m->header->request, scene, environment, sweep, err);
 	if (status != STATUS_OK)
 		free(sweep);
 	return status;

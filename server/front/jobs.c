@@ -41,11 +41,16 @@ struct job *jobs_find(struct jobs *jobs, const struct session *session, uint32_t
 	return NULL;
 }
 
+static bool job_uses(const struct job *job, const struct scene *scene)
+{
+	return job->scene == scene || job->environment == scene;
+}
+
 uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene)
 {
 	uint32_t count = 0;
 	for (unsigned i = 0; i < jobs->count; i++)
-		count += jobs->job[i]->scene == scene;
+		count += job_uses(jobs->job[i], scene);
 	return count;
 }
 
@@ -57,8 +62,8 @@ static uint32_t new_id(struct jobs *jobs)
 	return jobs->last_id;
 }
 
-static enum status add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene, struct job **out,
-		       struct error *err)
+static enum status add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
+		       struct scene *environment, struct job **out, struct error *err)
 {
 	if (jobs->count == LIMIT_JOBS)
 		return error_set(err, STATUS_TOO_MANY_JOBS, "the daemon has %u jobs: try again when some have ended",
@@ -70,11 +75,14 @@ static enum status add(struct jobs *jobs, struct session *session, uint32_t requ
 	job->session = session;
 	job->request = request;
 	job->scene = scene;
+	job->environment = environment;
 	job->asked_us = clock_us();
 	job->estimated_relmse = -1;
 	image_init(&job->preview);
 	image_init(&job->final);
 	scene_hold(scene);
+	if (environment)
+		scene_hold(environment);
 	jobs->job[jobs->count++] = job;
 	*out = job;
 	return STATUS_OK;
@@ -87,10 +95,10 @@ static void set_deadline(struct job *job)
 }
 
 enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-		     const candil_Render *render, struct error *err)
+		     struct scene *environment, const candil_Render *render, struct error *err)
 {
 	struct job *job;
-	enum status status = add(jobs, session, request, scene, &job, err);
+	enum status status = add(jobs, session, request, scene, environment, &job, err);
 	if (status != STATUS_OK)
 		return status;
 	job->render = *render;
@@ -102,7 +110,7 @@ enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t reques
 static enum status add_frame(struct jobs *jobs, struct sweep *sweep, struct error *err)
 {
 	struct job *job;
-	enum status status = add(jobs, sweep->session, sweep->request, sweep->scene, &job, err);
+	enum status status = add(jobs, sweep->session, sweep->request, sweep->scene, sweep->environment, &job, err);
 	if (status != STATUS_OK)
 		return status;
 	job->sweep = sweep;
@@ -115,9 +123,9 @@ static enum status add_frame(struct jobs *jobs, struct sweep *sweep, struct erro
 }
 
 enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-			   candil_Sweep *message, struct error *err)
+			   struct scene *environment, candil_Sweep *message, struct error *err)
 {
-	struct sweep *sweep = sweep_create(session, request, scene, message);
+	struct sweep *sweep = sweep_create(session, request, scene, environment, message);
 	if (!sweep)
 		return error_set(err, STATUS_MEMORY, "no memory for a sweep");
 	enum status status = add_frame(jobs, sweep, err);
@@ -161,6 +169,8 @@ static void destroy(struct jobs *jobs, struct job *job)
 		sweep_destroy(job->sweep);
 	}
 	scene_release(job->scene);
+	if (job->environment)
+		scene_release(job->environment);
 	free(job);
 }
 
@@ -232,7 +242,7 @@ void jobs_fail_all(struct jobs *jobs, const struct session *session, const struc
 void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct error *err)
 {
 	for (unsigned i = jobs->count; i-- > 0;)
-		if (i < jobs->count && jobs->job[i]->scene == scene)
+		if (i < jobs->count && job_uses(jobs->job[i], scene))
 			jobs_fail(jobs, jobs->job[i], err);
 }
 
@@ -319,11 +329,16 @@ static bool device_busy(const struct jobs *jobs, const struct job *but)
 	return false;
 }
 
+static bool is_loaded(const struct job *job)
+{
+	return job->scene->state == SCENE_READY && (!job->environment || job->environment->state == SCENE_READY);
+}
+
 static struct job *next_to_begin(const struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state != JOB_WAITING || job->scene->state != SCENE_READY)
+		if (job->state != JOB_WAITING || !is_loaded(job))
 			continue;
 		if (!job->short_of_memory)
 			return job;
@@ -343,7 +358,7 @@ static void begin(struct jobs *jobs)
 		job->begun_us = clock_us();
 	jobs->beginning = job->id;
 	jobs->begin_behind_step = jobs->stepping != 0;
-	worker_begin(jobs->worker, job->id, job->scene->id, &job->render);
+	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render);
 }
 
 static void step(struct jobs *jobs)

@@ -6,8 +6,8 @@
 //      └────────────── the worker was lost ────┴───────────┴───────────────────────────┴───────────────────────┘
 //
 // A FINISHED job keeps its accumulators on the device until there is room for its image (room.h): for as long as its client
-// has too much to take, or all clients together have and the image is a large one. An ACTIVE one that lacks memory while others
-// have some waits for one of them to end, and begins again.
+// has too much to take, or all clients together have and the image is a large one. An ACTIVE one that lacks memory while
+// others have some waits for one of them to end, and begins again.
 #ifndef CANDIL_FRONT_JOBS_H
 #define CANDIL_FRONT_JOBS_H
 
@@ -36,6 +36,7 @@ struct job {
 	struct sweep *sweep; // that it is an image of; NULL: a render
 	uint32_t index; // of its camera
 	struct scene *scene; // held
+	struct scene *environment; // held; NULL: none
 	candil_Render render;
 	struct turn turn;
 	bool accepted; // the client has been told
@@ -83,13 +84,14 @@ struct jobs {
 void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms);
 void jobs_finish(struct jobs *jobs);
 
-// Queue a checked request. The scene is ready or loading. STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
+// Queue a checked request. The scene is ready or loading, and so is the picture of its surroundings (NULL: none).
+// STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
 enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-		     const candil_Render *render, struct error *err);
+		     struct scene *environment, const candil_Render *render, struct error *err);
 
 // The same for a sweep. `message` is from malloc and the jobs' on success.
 enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-			   candil_Sweep *message, struct error *err);
+			   struct scene *environment, candil_Sweep *message, struct error *err);
 
 // The job of a request; of a sweep, one of its jobs: there is always one.
 struct job *jobs_find(struct jobs *jobs, const struct session *session, uint32_t request);
@@ -101,7 +103,7 @@ void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err);
 void jobs_fail_all(struct jobs *jobs, const struct session *session, const struct error *err);
 void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct error *err);
 
-// Number of jobs that use a scene.
+// Number of jobs that use a scene, as one or for their surroundings.
 uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene);
 
 // Give the worker what it can take now: begin, read, step. Called from settle.

@@ -271,6 +271,27 @@ static enum status check_effects(const candil_Render *r, struct error *err)
 	return STATUS_OK;
 }
 
+static enum status check_environment(candil_Render *r, struct error *err)
+{
+	candil_Environment *e = &r->environment;
+	if (!r->has_environment)
+		return STATUS_OK;
+	if (r->has_background)
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "a background is a colour or a picture: leave `background` or `environment` out");
+	if (check_name(e->scene, "picture", err) != STATUS_OK)
+		return err->code;
+	if (!(fabs(e->rotation_degrees) <= LIMIT_TURN_DEGREES))
+		return error_set(err, STATUS_BAD_ARGUMENT, "rotation_degrees is between -%g and %g", LIMIT_TURN_DEGREES,
+				 LIMIT_TURN_DEGREES);
+	if (e->scale == 0)
+		e->scale = 1;
+	if (!(e->scale >= 1 / LIMIT_ENVIRONMENT_SCALE && e->scale <= LIMIT_ENVIRONMENT_SCALE))
+		return error_set(err, STATUS_BAD_ARGUMENT, "a picture's scale is between %g and %g, or 0 for 1",
+				 1 / LIMIT_ENVIRONMENT_SCALE, LIMIT_ENVIRONMENT_SCALE);
+	return STATUS_OK;
+}
+
 static enum status check_output(candil_Render *r, struct error *err)
 {
 	if ((unsigned)r->format > candil_Format_FORMAT_PNG)
@@ -358,6 +379,8 @@ enum status request_check_render(candil_Render *render, struct error *err)
 		status = check_effects(render, err);
 	if (status == STATUS_OK)
 		status = check_output(render, err);
+	if (status == STATUS_OK)
+		status = check_environment(render, err);
 	if (status == STATUS_OK)
 		status = check_options(render, err);
 	if (status == STATUS_OK && render->has_edits)

@@ -40,6 +40,9 @@ static enum status check_light(const candil_Light *l, struct error *err)
 	    (!l->has_direction || !has_length(l->direction.x, l->direction.y, l->direction.z, 0)))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "a spot or a directional light needs a direction that is finite and not zero");
+	if (l->kind == candil_LightKind_LIGHT_KIND_DIRECTIONAL && !(l->angle_degrees >= 0 && l->angle_degrees < 180))
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "a directional light's angle_degrees are from 0 to below 180, across its disc");
 	return l->kind == candil_LightKind_LIGHT_KIND_SPOT ? check_spot(l, err) : STATUS_OK;
 }
 

@@ -7,7 +7,8 @@
 
 #define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
 
-struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, candil_Sweep *message)
+struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, struct scene *environment,
+			   candil_Sweep *message)
 {
 	struct sweep *sweep = calloc(1, sizeof *sweep);
 	if (!sweep)
@@ -15,15 +16,20 @@ struct sweep *sweep_create(struct session *session, uint32_t request, struct sce
 	sweep->session = session;
 	sweep->request = request;
 	sweep->scene = scene;
+	sweep->environment = environment;
 	sweep->message = message;
 	sweep->asked_us = clock_us();
 	scene_hold(scene);
+	if (environment)
+		scene_hold(environment);
 	return sweep;
 }
 
 void sweep_destroy(struct sweep *sweep)
 {
 	scene_release(sweep->scene);
+	if (sweep->environment)
+		scene_release(sweep->environment);
 	free(sweep->message);
 	free(sweep);
 }

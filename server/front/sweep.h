@@ -20,6 +20,7 @@ struct sweep {
 	struct session *session;
 	uint32_t request;
 	struct scene *scene; // held
+	struct scene *environment; // held; NULL: none
 	candil_Sweep *message; // ours, from malloc
 	uint32_t next; // camera that the next job is for
 	uint32_t finished; // images that are sent
@@ -33,7 +34,8 @@ struct sweep {
 };
 
 // `message` is a checked one from malloc; it is the sweep's on success and the caller's on failure (NULL: no memory).
-struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, candil_Sweep *message);
+struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, struct scene *environment,
+			   candil_Sweep *message);
 void sweep_destroy(struct sweep *sweep);
 
 uint32_t sweep_count(const struct sweep *sweep);

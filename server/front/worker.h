@@ -66,7 +66,7 @@ void worker_finish(struct worker *worker);
 // Orders. Ignored unless it is ready.
 void worker_scene(struct worker *worker, uint64_t scene, int blob);
 void worker_forget(struct worker *worker, uint64_t scene);
-void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, const candil_Render *render);
+void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render);
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
 void worker_read(struct worker *worker, uint32_t job, bool final);
 void worker_end(struct worker *worker, uint32_t job);

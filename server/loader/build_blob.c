@@ -130,6 +130,9 @@ static void list_sources(const struct import *im, const struct parts *p, struct 
 	out[BLOB_ANIMATIONS] = (struct source){im->animations, im->animation_count};
 	out[BLOB_CHANNELS] = (struct source){im->channels, im->channel_count};
 	out[BLOB_CURVES] = (struct source){im->curves, im->curve_count};
+	const size_t texels = (size_t)im->environment_width * im->environment_height;
+	out[BLOB_ENVIRONMENT] = (struct source){im->environment, texels};
+	out[BLOB_ENVIRONMENT_ROWS] = (struct source){im->environment_rows, texels};
 }
 
 static size_t aligned(size_t bytes)
@@ -154,7 +157,7 @@ static enum status lay_out(struct blob_header *h, const struct source sources[BL
 	return STATUS_OK;
 }
 
-static void fill_header(struct blob_header *h, const struct parts *p)
+static void fill_header(struct blob_header *h, const struct import *im, const struct parts *p)
 {
 	h->magic = BLOB_MAGIC;
 	h->format = BLOB_FORMAT;
@@ -162,6 +165,9 @@ static void fill_header(struct blob_header *h, const struct parts *p)
 	h->bvh_depth = p->bvh.depth;
 	h->emitter_power = p->emitter_power;
 	h->light_power = p->light_power;
+	h->environment_width = im->environment_width;
+	h->environment_height = im->environment_height;
+	h->environment_power = im->environment_power;
 	memcpy(h->origin, p->geometry.origin, sizeof h->origin);
 	memcpy(h->bounds_min, p->geometry.min, sizeof h->bounds_min);
 	memcpy(h->bounds_max, p->geometry.max, sizeof h->bounds_max);
@@ -230,6 +236,8 @@ static void describe(candil_SceneInfo *info, const struct blob_header *h)
 	info->origin = vec3(h->origin);
 	info->bvh_nodes = blob_count(h, BLOB_NODES);
 	info->bvh_depth = h->bvh_depth;
+	info->environment_width = h->environment_width;
+	info->environment_height = h->environment_height;
 	for (uint32_t bit = 0; bit < 32; bit++)
 		if (h->facts & 1u << bit)
 			snprintf(info->facts[info->facts_count++], sizeof info->facts[0], "%s",
@@ -249,7 +257,7 @@ static void warn_all(struct import *im, const struct blob_header *h)
 	if (info->dropped_out_of_range)
 		import_warn(im, "triangles left out because they name a vertex that is not there: %u",
 			    info->dropped_out_of_range);
-	if (blob_count(h, BLOB_TRIANGLES) == 0)
+	if (blob_count(h, BLOB_TRIANGLES) == 0 && blob_count(h, BLOB_ENVIRONMENT) == 0)
 		import_warn(im, "the scene has no triangle");
 	if (im->source_extent > 0 && im->source_reach / im->source_extent > 1e4)
 		import_warn(im,
@@ -314,7 +322,7 @@ enum status build_blob(struct import *im, int *fd, struct error *err)
 	enum status status = make_parts(im, &parts, err);
 	if (status == STATUS_OK) {
 		list_sources(im, &parts, sources);
-		fill_header(&header, &parts);
+		fill_header(&header, im, &parts);
 		status = lay_out(&header, sources, err);
 	}
 	if (status == STATUS_OK)

@@ -6,6 +6,7 @@ extern "C" {
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -56,6 +57,18 @@ const char *format_of(const uint8_t *bytes, size_t size, const char *name, bool 
 	return ends_with(name, ".tga") ? "image.tga" : nullptr;
 }
 
+// Likewise, for pictures of the surroundings.
+const char *surroundings_of(const uint8_t *bytes, size_t size)
+{
+	if (starts_with(bytes, size, "\x76\x2f\x31\x01", 4))
+		return "image.exr";
+	if (starts_with(bytes, size, "#?RADIANCE", 10) || starts_with(bytes, size, "#?RGBE", 6))
+		return "image.hdr";
+	if (starts_with(bytes, size, "II*\0", 4) || starts_with(bytes, size, "MM\0*", 4))
+		return "image.tif";
+	return format_of(bytes, size, "", false);
+}
+
 } // namespace
 
 struct image_reader {
@@ -89,17 +102,17 @@ static enum status open_input(image_reader *reader, const char *format, uint32_t
 	return STATUS_OK;
 }
 
-extern "C" enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool any_format,
-				  struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
+// `format` null: the bytes are of none of the `kinds` that are read.
+static enum status open_as(const uint8_t *bytes, size_t size, const char *format, const char *kinds,
+			   struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
 {
 	*reader = nullptr;
 	*width = *height = 0;
+	if (!format)
+		return error_set(err, STATUS_SCENE_UNSUPPORTED, "it is no %s file", kinds);
 	try {
-		const char *format = format_of(bytes, size, name, any_format);
-		if (!format)
-			return error_set(err, STATUS_SCENE_UNSUPPORTED, "it is no %s file",
-					 any_format ? "png, jpeg, tga, bmp or tiff" : "png or jpeg");
 		OIIO::attribute("threads", 1);
+		OIIO::attribute("exr_threads", -1);
 		auto made = std::make_unique<image_reader>(bytes, size);
 		enum status status = open_input(made.get(), format, width, height, err);
 		if (status == STATUS_OK)
@@ -111,6 +124,30 @@ extern "C" enum status image_open(const uint8_t *bytes, size_t size, const char 
 		*width = *height = 0;
 		return error_set(err, STATUS_SCENE_INVALID, "the image cannot be read (%.120s)", e.what());
 	}
+}
+
+extern "C" enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool any_format,
+				  struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
+{
+	return open_as(bytes, size, format_of(bytes, size, name, any_format),
+		       any_format ? "png, jpeg, tga, bmp or tiff" : "png or jpeg", reader, width, height, err);
+}
+
+extern "C" enum status image_open_surroundings(const uint8_t *bytes, size_t size, struct image_reader **reader,
+					       uint32_t *width, uint32_t *height, struct error *err)
+{
+	enum status status =
+	    open_as(bytes, size, surroundings_of(bytes, size), "exr, hdr, tiff, png or jpeg", reader, width, height, err);
+	if (status != STATUS_OK)
+		return status;
+	const OIIO::ImageSpec &spec = (*reader)->input->spec();
+	if (spec.width == spec.full_width && spec.height == spec.full_height && spec.x == spec.full_x &&
+	    spec.y == spec.full_y)
+		return STATUS_OK;
+	image_close(*reader);
+	*reader = nullptr;
+	return error_set(err, STATUS_SCENE_UNSUPPORTED,
+			 "its pixels fill another window than the picture's: crop or extend it to all directions");
 }
 
 // One row of `channels` bytes a pixel to texels.
@@ -141,6 +178,34 @@ extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texel
 		for (int y = 0; y < spec.height; y++)
 			pack_row(&pixels[row_bytes * (size_t)y], spec.width, channels,
 				 texels + (size_t)y * (size_t)spec.width);
+		return STATUS_OK;
+	} catch (const std::exception &e) {
+		return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", e.what());
+	}
+}
+
+// sRGB's curve, IEC 61966-2-1.
+static float linear(float v)
+{
+	return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+extern "C" enum status image_radiance(struct image_reader *reader, float *rgb, struct error *err)
+{
+	try {
+		ignore_leaks here;
+		const OIIO::ImageSpec spec = reader->input->spec();
+		const size_t count = (size_t)spec.width * (size_t)spec.height;
+		const int channels = spec.nchannels >= 3 ? 3 : 1;
+		if (!reader->input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, rgb)) {
+			std::string why = reader->input->geterror();
+			return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", why.c_str());
+		}
+		// From the last: a grey value is not overwritten before it is spread.
+		for (size_t i = count; i-- > 0 && channels == 1;)
+			rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = rgb[i];
+		if (!spec.format.is_floating_point())
+			std::transform(rgb, rgb + 3 * count, rgb, linear);
 		return STATUS_OK;
 	} catch (const std::exception &e) {
 		return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", e.what());

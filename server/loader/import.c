@@ -32,6 +32,8 @@ void import_finish(struct import *im)
 	free(im->animations);
 	free(im->channels);
 	free(im->curves);
+	free(im->environment);
+	free(im->environment_rows);
 	*im = (struct import){0};
 }
 

@@ -66,6 +66,10 @@ struct import {
 	struct scene_animation *animations;
 	struct scene_channel *channels;
 	float *curves;
+	struct environment_texel *environment; // environment_width · environment_height, or NULL
+	struct environment_row *environment_rows; // as many
+	uint32_t environment_width, environment_height;
+	float environment_power; // as in struct blob_header
 	size_t vertex_count, vertex_room;
 	size_t extra_count, extra_room;
 	size_t triangle_count, triangle_room;

@@ -6,17 +6,22 @@
 #include <unistd.h>
 
 #include "server/loader/build_blob.h"
+#include "server/loader/environment.h"
 #include "server/loader/gltf.h"
 #include "server/loader/import.h"
 #include "server/loader/obj.h"
 
-enum format { FORMAT_NONE, FORMAT_GLTF, FORMAT_OBJ };
+enum format { FORMAT_NONE, FORMAT_GLTF, FORMAT_OBJ, FORMAT_PICTURE };
 
 static enum format format_of(const char *file)
 {
+	static const char *const pictures[] = {".exr", ".hdr", ".tif", ".tiff", ".png", ".jpg", ".jpeg"};
 	const char *dot = strrchr(file, '.');
 	if (!dot)
 		return FORMAT_NONE;
+	for (size_t i = 0; i < sizeof pictures / sizeof *pictures; i++)
+		if (strcasecmp(dot, pictures[i]) == 0)
+			return FORMAT_PICTURE;
 	if (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0)
 		return FORMAT_GLTF;
 	return strcasecmp(dot, ".obj") == 0 ? FORMAT_OBJ : FORMAT_NONE;
@@ -42,12 +47,16 @@ static enum status import_file(struct import *import, const char *file, struct e
 	const enum format format = format_of(file);
 	if (format == FORMAT_NONE)
 		return error_set(err, STATUS_SCENE_UNSUPPORTED,
-				 "'%.100s' is not .gltf, .glb or .obj; convert it to one of them", file);
+				 "'%.100s' is not .gltf, .glb or .obj, nor an .exr, .hdr, .tiff, .png or .jpeg of the "
+				 "surroundings; convert it to one of them",
+				 file);
 	if (files_read(import->files, file, &bytes, err) != STATUS_OK)
 		return err->code;
 	enum status status = check_content(file, format, &bytes, err);
 	if (status == STATUS_OK)
-		status = format == FORMAT_GLTF ? gltf_import(import, &bytes, err) : obj_import(import, file, &bytes, err);
+		status = format == FORMAT_GLTF  ? gltf_import(import, &bytes, err)
+			 : format == FORMAT_OBJ ? obj_import(import, file, &bytes, err)
+						: environment_import(import, file, &bytes, err);
 	file_bytes_finish(&bytes);
 	return status;
 }

@@ -23,6 +23,8 @@ size_t blob_stride(enum blob_section section)
 	    [BLOB_ANIMATIONS] = sizeof(struct scene_animation),
 	    [BLOB_CHANNELS] = sizeof(struct scene_channel),
 	    [BLOB_CURVES] = sizeof(float),
+	    [BLOB_ENVIRONMENT] = sizeof(struct environment_texel),
+	    [BLOB_ENVIRONMENT_ROWS] = sizeof(struct environment_row),
 	};
 	return strides[section];
 }

@@ -17,7 +17,7 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 5u
+#define BLOB_FORMAT 6u
 #define BLOB_ALIGN 256u
 #define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
@@ -41,6 +41,8 @@ enum blob_section {
 	BLOB_ANIMATIONS, // struct scene_animation
 	BLOB_CHANNELS, // struct scene_channel, those of an animation side by side
 	BLOB_CURVES, // float
+	BLOB_ENVIRONMENT, // struct environment_texel: none, or environment_width · environment_height
+	BLOB_ENVIRONMENT_ROWS, // struct environment_row, one a texel
 	BLOB_SECTIONS
 };
 
@@ -66,6 +68,7 @@ enum fact {
 	FACT_ALPHA_BLEND = 1u << 12,
 	FACT_CLEARCOAT = 1u << 13, // some lit surface has one
 	FACT_ROUGH_DIFFUSE = 1u << 14, // some lit surface has a diffuse_roughness above zero
+	FACT_SURROUNDINGS = 1u << 15, // it is a picture of all directions
 };
 
 struct blob_header {
@@ -81,6 +84,11 @@ struct blob_header {
 	uint32_t facts; // enum fact
 	float emitter_power; // W, all emissive triangles: the sum their pmf is a share of; 0 without any
 	float light_power; // W, all punctual lights, as the table weighs them
+	uint32_t environment_width, environment_height; // texels; 0: none
+	// Luminance of the surroundings summed over all directions, W/m² where a texel's unit is a W/(m² sr): what meets a
+	// sphere of 1 m² cross-section.
+	float environment_power;
+	uint32_t reserved;
 	uint64_t hash[2]; // XXH3-128 of everything behind the header; also of the header with hash = 0
 };
 

@@ -36,12 +36,26 @@ static bool is_share(float value)
 }
 
 static const uint64_t section_limit[BLOB_SECTIONS] = {
-    [BLOB_NODES] = LIMIT_TRIANGLES,       [BLOB_LEAF_TRIANGLES] = LIMIT_TRIANGLES, [BLOB_TRIANGLES] = LIMIT_TRIANGLES,
-    [BLOB_VERTICES] = LIMIT_VERTICES,     [BLOB_MATERIALS] = LIMIT_MATERIALS,      [BLOB_TEXTURES] = LIMIT_TEXTURES,
-    [BLOB_TEXELS] = LIMIT_TEXELS,         [BLOB_EMITTERS] = LIMIT_TRIANGLES,       [BLOB_LIGHTS] = LIMIT_PUNCTUAL_LIGHTS,
-    [BLOB_CAMERAS] = LIMIT_CAMERAS,       [BLOB_MATERIAL_NAMES] = LIMIT_MATERIALS, [BLOB_UV1] = LIMIT_VERTICES,
-    [BLOB_COLORS] = LIMIT_VERTICES,       [BLOB_TANGENTS] = LIMIT_VERTICES,        [BLOB_SCENE_NODES] = LIMIT_NODES,
-    [BLOB_ANIMATIONS] = LIMIT_ANIMATIONS, [BLOB_CHANNELS] = LIMIT_CHANNELS,        [BLOB_CURVES] = LIMIT_CURVE_FLOATS,
+    [BLOB_NODES] = LIMIT_TRIANGLES,
+    [BLOB_LEAF_TRIANGLES] = LIMIT_TRIANGLES,
+    [BLOB_TRIANGLES] = LIMIT_TRIANGLES,
+    [BLOB_VERTICES] = LIMIT_VERTICES,
+    [BLOB_MATERIALS] = LIMIT_MATERIALS,
+    [BLOB_TEXTURES] = LIMIT_TEXTURES,
+    [BLOB_TEXELS] = LIMIT_TEXELS,
+    [BLOB_EMITTERS] = LIMIT_TRIANGLES,
+    [BLOB_LIGHTS] = LIMIT_PUNCTUAL_LIGHTS,
+    [BLOB_CAMERAS] = LIMIT_CAMERAS,
+    [BLOB_MATERIAL_NAMES] = LIMIT_MATERIALS,
+    [BLOB_UV1] = LIMIT_VERTICES,
+    [BLOB_COLORS] = LIMIT_VERTICES,
+    [BLOB_TANGENTS] = LIMIT_VERTICES,
+    [BLOB_SCENE_NODES] = LIMIT_NODES,
+    [BLOB_ANIMATIONS] = LIMIT_ANIMATIONS,
+    [BLOB_CHANNELS] = LIMIT_CHANNELS,
+    [BLOB_CURVES] = LIMIT_CURVE_FLOATS,
+    [BLOB_ENVIRONMENT] = LIMIT_ENVIRONMENT_TEXELS,
+    [BLOB_ENVIRONMENT_ROWS] = LIMIT_ENVIRONMENT_TEXELS,
 };
 
 static enum status check_sections(const struct blob_header *h, size_t bytes, struct error *err)
@@ -333,7 +347,29 @@ static bool light_is_sane(const struct punctual_light *l, uint32_t count)
 	return l->kind <= LIGHT_DIRECTIONAL && l->alias < count && is_share(l->keep) && is_share(l->pmf) &&
 	       finite_all(l->position, 3) && finite_all(l->direction, 3) && finite_all(l->intensity, 3) &&
 	       l->intensity[0] >= 0 && l->intensity[1] >= 0 && l->intensity[2] >= 0 && fabsf(l->cos_inner) <= 1.0f &&
-	       fabsf(l->cos_outer) <= 1.0f;
+	       fabsf(l->cos_outer) <= 1.0f && is_share(l->spread);
+}
+
+// One that shaders index by its width and height.
+static enum status check_environment(const struct blob_header *h, struct error *err)
+{
+	const struct environment_texel *texels = blob_section(h, BLOB_ENVIRONMENT);
+	const struct environment_row *rows = blob_section(h, BLOB_ENVIRONMENT_ROWS);
+	const uint32_t count = blob_count(h, BLOB_ENVIRONMENT);
+
+	if (h->environment_width > LIMIT_TEXTURE_SIDE || h->environment_height > LIMIT_TEXTURE_SIDE ||
+	    (uint64_t)h->environment_width * h->environment_height != count || count != blob_count(h, BLOB_ENVIRONMENT_ROWS))
+		return bad(err, "its surroundings have another size than their table");
+	if (!isfinite(h->environment_power) || h->environment_power < 0)
+		return bad(err, "its surroundings' power is not finite");
+	for (uint32_t i = 0; i < count; i++) {
+		for (int c = 0; c < 3; c++)
+			if (!(texels[i].radiance[c] >= 0 && (double)texels[i].radiance[c] <= LIMIT_RADIANCE))
+				return bad(err, "a radiance of its surroundings is out of range");
+		if (!isfinite(texels[i].pdf) || texels[i].pdf < 0 || !is_share(rows[i].keep) || rows[i].alias >= count)
+			return bad(err, "a row of its surroundings' table is out of range");
+	}
+	return STATUS_OK;
 }
 
 static bool camera_is_sane(const struct blob_camera *c)
@@ -370,8 +406,8 @@ static enum status check_facts(const struct blob_header *h, struct error *err)
 enum status blob_check(const void *blob, size_t bytes, struct error *err)
 {
 	static enum status (*const checks[])(const struct blob_header *, struct error *) = {
-	    check_geometry, check_vertex_parts, check_materials,          check_textures,   check_leaf_triangles,
-	    check_bvh,      check_emitters,     check_lights_and_cameras, blob_check_nodes, check_facts,
+	    check_geometry, check_vertex_parts,       check_materials,   check_textures,   check_leaf_triangles, check_bvh,
+	    check_emitters, check_lights_and_cameras, check_environment, blob_check_nodes, check_facts,
 	};
 	const struct blob_header *h = blob;
 	enum status status = check_header(h, bytes, err);

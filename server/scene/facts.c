@@ -74,6 +74,8 @@ uint32_t facts_of_view(const struct blob_view *view)
 	}
 	for (uint32_t i = 0; i < view->counts[BLOB_LIGHTS]; i++)
 		facts |= light_facts(&lights[i]);
+	if (view->counts[BLOB_ENVIRONMENT] > 0)
+		facts |= FACT_SURROUNDINGS;
 	return has_colours(view) ? facts | FACT_VERTEX_COLORS : facts;
 }
 
@@ -117,6 +119,8 @@ const char *fact_name(enum fact fact)
 		return "clear coats";
 	case FACT_ROUGH_DIFFUSE:
 		return "rough diffuse surfaces";
+	case FACT_SURROUNDINGS:
+		return "surroundings";
 	}
 	return NULL;
 }

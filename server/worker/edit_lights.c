@@ -66,6 +66,9 @@ static struct punctual_light light_of(const struct blob_view *view, const candil
 	if (out.kind != LIGHT_POINT && transform_normalize(direction))
 		for (int c = 0; c < 3; c++)
 			out.direction[c] = (float)direction[c];
+	const double half_sine = sin(from->angle_degrees * PI / 720); // 1 − cos α = 2 sin² (α / 2), without cancellation
+	if (out.kind == LIGHT_DIRECTIONAL)
+		out.spread = (float)(2 * half_sine * half_sine);
 	if (out.kind == LIGHT_SPOT) {
 		out.cos_inner = (float)cos(from->inner_degrees * PI / 180);
 		out.cos_outer = (float)fmax(cos(from->outer_degrees * PI / 180), 0);

@@ -83,7 +83,7 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	case candil_Effect_EFFECT_LIGHTS:
 		return facts & (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS);
 	case candil_Effect_EFFECT_ENVIRONMENT:
-		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0;
+		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0 || p->environment.power > 0;
 	case candil_Effect_EFFECT_BOUNCES:
 		return p->depth > 1 && facts & (FACT_REFLECTS | FACT_GLOSSY) && shines(r, p, facts);
 	case candil_Effect_EFFECT_GLOSSY:
@@ -113,6 +113,9 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 {
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_BOUNCES)
 		return "direct shows light that comes straight from its source: pt and vct follow it further";
+	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ENVIRONMENT &&
+	    p->environment.width > 0)
+		return "only pt shows pictures of the surroundings: the background is black";
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_GLASS)
 		return "only pt follows light through glass: clear surfaces are opaque with their base colour";
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ALPHA_BLEND)
@@ -265,7 +268,25 @@ static enum status plan_camera(const candil_Render *r, const struct blob_view *s
 	return aim(p, c->has_up ? up : y_up, half, err);
 }
 
-enum status plan_make(const candil_Render *r, const struct blob_view *scene, struct plan *p, struct error *err)
+static enum status plan_environment(const candil_Render *r, const struct blob_header *picture, struct plan_environment *e,
+				    struct error *err)
+{
+	if (!picture)
+		return STATUS_OK;
+	if (picture->environment_width == 0)
+		return error_set(err, STATUS_BAD_ARGUMENT, "'%s' is a scene, no picture of surroundings",
+				 r->environment.scene);
+	e->width = picture->environment_width;
+	e->height = picture->environment_height;
+	e->turn = r->environment.rotation_degrees / 360;
+	e->turn -= floor(e->turn);
+	e->scale = r->environment.scale;
+	e->power = (double)picture->environment_power * e->scale;
+	return STATUS_OK;
+}
+
+enum status plan_make(const candil_Render *r, const struct blob_view *scene, const struct blob_header *environment,
+		      struct plan *p, struct error *err)
 {
 	memset(p, 0, sizeof *p);
 	p->technique = r->technique == candil_Technique_TECHNIQUE_AUTO ? candil_Technique_TECHNIQUE_PT : r->technique;
@@ -292,6 +313,8 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, str
 			return s;
 	}
 	enum status s = plan_options_check(p, err);
+	if (s == STATUS_OK)
+		s = plan_environment(r, environment, &p->environment, err);
 	if (s != STATUS_OK)
 		return s;
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT)

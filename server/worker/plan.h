@@ -7,6 +7,8 @@
 #include "server/base/error.h"
 #include "server/scene/blob.h"
 
+struct resident_scene;
+
 #define PLAN_DEPTH_DEFAULT 8u
 #define PLAN_POINTS_DEFAULT 2u
 #define PLAN_MAP_DEFAULT 1024u
@@ -34,6 +36,15 @@ enum plan_effect_times { EFFECT_TIMES_OFF, EFFECT_TIMES_ON, EFFECT_TIMES_ALL };
 enum plan_hemisphere { HEMISPHERE_COSINE, HEMISPHERE_UNIFORM };
 enum plan_roulette { ROULETTE_ON, ROULETTE_OFF };
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
+
+// The picture around the scene.
+struct plan_environment {
+	struct resident_scene *scene; // that it is, held by the job; NULL: there is none, and the rest is 0
+	uint32_t width, height;
+	double turn; // of it about +Y, in revolutions, 0 … 1
+	double scale; // W/(m² sr) of its unit
+	double power; // luminance summed over all directions, scaled, W/m²
+};
 
 struct plan {
 	candil_Technique technique;
@@ -83,7 +94,8 @@ struct plan {
 	uint32_t aovs; // AOV_*
 	struct plan_camera camera;
 	candil_Filter filter;
-	float background[3]; // W/(m² sr)
+	float background[3]; // W/(m² sr); black where an environment is
+	struct plan_environment environment;
 	candil_Format format;
 	candil_View view;
 	double exposure_ev;
@@ -91,8 +103,16 @@ struct plan {
 	uint32_t report_count;
 };
 
-// Plan a request over a scene. STATUS_BAD_ARGUMENT for an option or a camera that does not exist or cannot be.
-enum status plan_make(const candil_Render *request, const struct blob_view *scene, struct plan *plan, struct error *err);
+// Plan a request over a scene, and the surroundings that it names (NULL: none), whose resident scene is left to be filled
+// in. STATUS_BAD_ARGUMENT for an option or a camera that does not exist or cannot be, and for surroundings that are none.
+enum status plan_make(const candil_Render *request, const struct blob_view *scene, const struct blob_header *environment,
+		      struct plan *plan, struct error *err);
+
+// Whether the picture around the scene is seen and gives light.
+static inline bool plan_has_sky(const struct plan *plan)
+{
+	return plan->environment.power > 0 && plan->effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
+}
 
 static inline bool plan_has(const struct plan *plan, candil_Effect effect)
 {

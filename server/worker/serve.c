@@ -23,6 +23,7 @@ struct job {
 	uint32_t id;
 	struct plan plan;
 	struct resident_scene *scene;
+	struct resident_scene *environment; // NULL: none
 	const struct technique *technique;
 	struct technique_job *work;
 	uint64_t edit_us; // that its edits took; 0: none, or made before
@@ -53,6 +54,8 @@ static void job_destroy(struct server *s, struct job *job)
 		job->technique->end(job->work);
 	if (job->scene)
 		resident_release(&s->scenes, job->scene);
+	if (job->environment)
+		resident_release(&s->scenes, job->environment);
 	free(job);
 }
 
@@ -109,9 +112,14 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 		job->edit_us = job->scene->edit_us;
 		job->scene->edit_told = true;
 	}
-	r = plan_make(&m->render, &job->scene->view, &job->plan, err);
+	if (m->environment)
+		r = resident_acquire(&s->scenes, m->environment, NULL, &job->environment, err);
 	if (r != STATUS_OK)
 		return r;
+	r = plan_make(&m->render, &job->scene->view, job->environment ? job->environment->blob : NULL, &job->plan, err);
+	if (r != STATUS_OK)
+		return r;
+	job->plan.environment.scene = job->environment;
 	job->technique = technique_find(job->plan.technique);
 	if (!job->technique)
 		return error_set(err, STATUS_UNSUPPORTED, "this worker has no such technique");
@@ -203,6 +211,10 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 	frame_add_metadata(f, "device", "%s", s->devices->vk->info.name);
 	frame_add_metadata(f, "scene_hash", "%016llx%016llx", (unsigned long long)job->scene->blob->hash[1],
 			   (unsigned long long)job->scene->blob->hash[0]);
+	if (job->environment)
+		frame_add_metadata(f, "environment_hash", "%016llx%016llx",
+				   (unsigned long long)job->environment->blob->hash[1],
+				   (unsigned long long)job->environment->blob->hash[0]);
 	if (job->scene->base)
 		frame_add_metadata(f, "edits", "%016llx", (unsigned long long)job->scene->edit_hash);
 	for (uint32_t i = 0; i < f->stage_count; i++) {

@@ -8,6 +8,11 @@
 #define LAMPS_BY LAMPS_BY_BOTH
 #endif
 
+// Directional lights may shine from a disc.
+#ifndef DISC_LIGHTS
+#define DISC_LIGHTS false
+#endif
+
 // Where light might come from, if nothing is in between.
 struct light_sample {
 	vec3 contribution;   // BSDF × cosine × radiance × weight / density, to be multiplied by the throughput
@@ -128,16 +133,32 @@ punctual_light pick_punctual(uvec2 pick, out uint number)
 	return light;
 }
 
-bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, out light_sample l)
+// A direction within the disc of a directional light, w being its middle, uniformly by solid angle. The disc's radiance L is the
+// same all over, and its irradiance E on a plane that faces the middle is π sin² α L for a half aperture α. One direction
+// out of the solid angle 2π (1 − cos α) then stands for E · 2 / (1 + cos α) from where it comes.
+vec3 in_disc(punctual_light light, vec3 w, vec2 u, inout vec3 irradiance)
+{
+	float lower = u.x * light.spread; // 1 − cos of the angle from the middle
+	float across = sqrt(lower * (2.0 - lower));
+	float turn = 6.28318530717958648 * u.y;
+	vec3 x, y;
+	frame_make(w, x, y);
+	irradiance *= 2.0 / (2.0 - light.spread);
+	return normalize((1.0 - lower) * w + across * (cos(turn) * x + sin(turn) * y));
+}
+
+bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
 {
 	uint number;
 	punctual_light light = pick_punctual(pick, number);
 	vec3 w;
 	vec3 irradiance = punctual_irradiance(light, origin, w, l.segment, l.t_max);
+	if (DISC_LIGHTS && light.spread > 0.0)
+		l.segment = w = in_disc(light, w, u, irradiance);
 	vec4 f = bsdf_eval(b, w);
 	if (irradiance == vec3(0.0) || f.w == 0.0)
 		return false;
-	l.contribution = f.xyz * irradiance / (light.pmf * (1.0 - job.emitter_share));
+	l.contribution = f.xyz * irradiance / (light.pmf * job.light_share);
 	return true;
 }
 
@@ -151,7 +172,7 @@ bool sample_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out ligh
 	if (EFFECT_EMITTERS && emissive && job.emitter_count > 0u)
 		return sample_emitter(b, origin, pick, u, l);
 	if (EFFECT_LIGHTS && !emissive && job.light_count > 0u)
-		return sample_punctual(b, origin, pick, l);
+		return sample_punctual(b, origin, pick, u, l);
 	return false;
 }
 

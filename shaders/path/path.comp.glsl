@@ -18,6 +18,7 @@
 #include "path/accumulate.glsl"
 #include "path/lens.glsl"
 #include "path/media.glsl"
+#include "path/sky.glsl"
 #include "trace/traverse.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
@@ -100,9 +101,11 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 	p.origin = s.position + s.offset * s.geometric;
 	from = p.origin;
 	l.t_max = -1.0;
-	if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
+	if (EFFECT_EMITTERS || EFFECT_LIGHTS || SKY) {
 		uvec2 pick = sample_bits(rnd, set + SET_PICK);
-		if (sample_light(b, p.origin, chance.y, pick, sample_2d(rnd, set + SET_LIGHT), l))
+		vec2 place = sample_2d(rnd, set + SET_LIGHT);
+		if (sky_chosen(chance.y) ? sample_sky(b, pick, place, l)
+					 : sample_light(b, p.origin, chance.y, pick, place, l))
 			l.contribution *= p.throughput;
 		else
 			l.t_max = -1.0;
@@ -134,7 +137,9 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 {
 	if (!found) {
-		if (EFFECT_ENVIRONMENT)
+		if (SKY)
+			p.radiance += p.throughput * sky_met(p.direction, p.event, p.pdf);
+		else if (EFFECT_ENVIRONMENT)
 			p.radiance += p.throughput * to_vec3(job.background);
 		return false;
 	}
@@ -250,7 +255,7 @@ void path_round(inout walker p, sampler_state rnd, inout tally account)
 		if (p.alive)
 			scatter(p, s, rnd, l, from);
 	}
-	if (EFFECT_EMITTERS || EFFECT_LIGHTS) {
+	if (EFFECT_EMITTERS || EFFECT_LIGHTS || SKY) {
 		if (EFFECT_ALPHA_BLEND)
 			trace_chance = ~trace_chance;
 		bool shadowed = trace_any(from, l.segment, l.t_max);

@@ -10,9 +10,11 @@ layout(constant_id = SPEC_UNIFORM) const bool WAY_UNIFORM = false;
 layout(constant_id = SPEC_LAMPS_BY) const uint WAY_LAMPS = LAMPS_BY_BOTH;
 layout(constant_id = SPEC_ROULETTE) const bool WAY_ROULETTE = true;
 layout(constant_id = SPEC_CLAMP) const bool WAY_CLAMP = false;
+layout(constant_id = SPEC_DISCS) const bool WAY_DISCS = false;
 
 #define SAMPLES_INDEPENDENT (WAY_SAMPLER == SAMPLER_INDEPENDENT)
 #define HEMISPHERE_UNIFORM WAY_UNIFORM
 #define LAMPS_BY WAY_LAMPS
+#define DISC_LIGHTS WAY_DISCS
 
 #endif

@@ -40,6 +40,10 @@
 #define BIND_NODE_TEXELS 18
 #define BIND_LEAF_TEXELS 19
 #define BIND_TRACE_COUNT 20
+// Path alone: the picture of the surroundings, struct environment_texel and struct environment_row.
+#define BIND_ENVIRONMENT 20
+#define BIND_ENVIRONMENT_ROWS 21
+#define BIND_PATH_COUNT 22
 
 // Specialization constants, one for each effect of the plan.
 #define SPEC_TEXTURES 0
@@ -68,7 +72,9 @@
 #define SPEC_LAMPS_BY 21 // LAMPS_BY_…
 #define SPEC_ROULETTE 22 // dim paths end by chance
 #define SPEC_CLAMP 23 // no sample is brighter than pt_job.clamp
-#define SPEC_COUNT 24
+#define SPEC_SKY 24 // what is around the scene is a picture, and a light
+#define SPEC_DISCS 25 // some directional light shines from a disc
+#define SPEC_COUNT 26
 
 // How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
 // first alone; by the second alone.
@@ -131,8 +137,14 @@ struct pt_job {
 	float lens_up[3]; // along its height
 	float clamp; // of a sample's largest component, W/(m² sr)
 	uint run_bits; // SAMPLER_BLUE: 1 << this many samples of a half are a pixel's
+	uint sky_width; // texels of the picture around the scene
+	uint sky_height;
+	float sky_turn; // of it, counter-clockwise seen from above, in revolutions, 0 … 1
+	float sky_scale; // W/(m² sr) of its unit
+	float sky_share; // probability that next-event estimation goes to it
+	float light_share; // and to the punctual lights
 };
-LAYOUT_ASSERT(pt_job, 148)
+LAYOUT_ASSERT(pt_job, 172)
 
 // Where a dispatch works.
 struct path_push {

@@ -170,8 +170,25 @@ struct punctual_light {
 	float keep; // alias table over the punctual lights, as in `emitter`
 	uint alias;
 	float pmf;
-	float reserved;
+	float spread; // directional: 1 − cos of the half aperture of the disc that it shines from, 0 … 1; 0: one direction
 };
 LAYOUT_ASSERT(punctual_light, 64)
+
+// ---- surroundings -----------------------------------------------------------------------------------------------------
+
+// A picture of all directions (equirectangular): longitude grows from left to right, latitude falls from top to bottom. Its
+// middle is seen along -Z, its right quarter along +X, its top row along +Y. Rows from the top.
+struct environment_texel {
+	float radiance[3]; // at its middle, in the file's unit; bilinear in between
+	float pdf; // of each of its directions where the table below chooses one, 1/sr
+};
+LAYOUT_ASSERT(environment_texel, 16)
+
+// The alias table over the texels, as in `emitter`. A texel's directions are then equally likely by solid angle.
+struct environment_row {
+	float keep;
+	uint alias;
+};
+LAYOUT_ASSERT(environment_row, 8)
 
 #endif

@@ -36,10 +36,10 @@ static inline void small_box(float min[3], float max[3], float x0, float x1)
 // Four triangles side by side along x, three nodes, two materials (glossy and masked with all maps, and a lamp), a texture
 // by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex. A root node
 // has the first two triangles and the camera, its child the others and the point light; an animation turns the root in two
-// linear keys and moves the child in one cubic.
+// linear keys and moves the child in one cubic. Surroundings of two by one texels.
 static inline void small_make(struct small_blob *b)
 {
-	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2, 12, 12, 12, 2, 1, 2, 24};
+	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2, 12, 12, 12, 2, 1, 2, 24, 2, 2};
 	struct blob_header *h = small_header(b);
 	uint64_t end = (sizeof *h + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
 	memset(b, 0, sizeof *b);
@@ -148,6 +148,14 @@ static inline void small_make(struct small_blob *b)
 	channels[1] = (struct scene_channel){1, CHANNEL_TRANSLATION, CURVE_CUBIC, 1, 10};
 	static const float curves[] = {0, 2, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 0, 1, 2, 3, 0, 0, 0};
 	memcpy(small_section(b, BLOB_CURVES), curves, sizeof curves);
+	struct environment_texel *texels = small_section(b, BLOB_ENVIRONMENT);
+	struct environment_row *rows = small_section(b, BLOB_ENVIRONMENT_ROWS);
+	for (uint32_t i = 0; i < 2; i++) {
+		texels[i] = (struct environment_texel){{1, 2, 3}, .08f};
+		rows[i] = (struct environment_row){1, i};
+	}
+	h->environment_width = 2;
+	h->environment_height = 1;
 	h->bounds_max[0] = 3.5f;
 	h->bounds_max[1] = 1;
 	h->facts = facts_collect(h);

@@ -263,6 +263,30 @@ static void lights_and_cameras(void **state)
 	REFUSED(memset(SECTION(blob_camera, BLOB_CAMERAS)[0].name, 'x', LIMIT_NAME + 1));
 }
 
+static void surroundings(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	struct environment_texel *texels = SECTION(environment_texel, BLOB_ENVIRONMENT);
+	struct environment_row *rows = SECTION(environment_row, BLOB_ENVIRONMENT_ROWS);
+	(void)state;
+	REFUSED(h->environment_width = 1);
+	REFUSED(h->environment_width = 0, h->environment_height = 0);
+	REFUSED(h->environment_width = 0x80000001u, h->environment_height = 2);
+	REFUSED(h->environment_power = -1);
+	REFUSED(h->environment_power = NAN);
+	REFUSED(h->sections[BLOB_ENVIRONMENT_ROWS].count = 1);
+	REFUSED(h->sections[BLOB_ENVIRONMENT].count = 0, h->environment_width = 0);
+	REFUSED(texels[1].radiance[2] = -1);
+	REFUSED(texels[1].radiance[2] = NAN);
+	REFUSED(texels[0].radiance[0] = 1e13f);
+	REFUSED(texels[1].pdf = INFINITY);
+	REFUSED(texels[1].pdf = -1);
+	REFUSED(rows[0].keep = 1.5f);
+	REFUSED(rows[0].keep = NAN);
+	REFUSED(rows[1].alias = 2);
+	REFUSED(h->facts &= ~(uint32_t)FACT_SURROUNDINGS);
+}
+
 static void nodes(void **state)
 {
 	(void)state;
@@ -334,6 +358,7 @@ int main(void)
 	    cmocka_unit_test_setup(parts_of_vertices, fresh),
 	    cmocka_unit_test_setup(facts_are_those_of_the_contents, fresh),
 	    cmocka_unit_test_setup(lights_and_cameras, fresh),
+	    cmocka_unit_test_setup(surroundings, fresh),
 	    cmocka_unit_test_setup(nodes, fresh),
 	    cmocka_unit_test_setup(animations, fresh),
 	    cmocka_unit_test_setup(a_missing_child_is_fine_in_a_tiny_scene, fresh),

@@ -5,6 +5,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
+#include "server/worker/technique/pt_sky.h"
 #include "server/worker/vk/pipeline.h"
 
 // Rows of the image whose sums fit one buffer that the device can bind. Most images are one band.
@@ -22,6 +23,7 @@ struct technique_job {
 	struct device *device;
 	struct resident_scene *scene;
 	struct plan plan;
+	const struct pt_sky *sky; // of the picture around the scene, on the device; NULL: not needed
 	uint32_t tiles;
 	uint32_t segment; // scattering events in a dispatch at most, for each of its samples
 	uint32_t segments; // dispatches that a batch takes

@@ -47,7 +47,7 @@ _Static_assert((int)SPEC_EFFECTS == (int)_candil_Effect_ARRAYSIZE, "no effect wi
 static const struct shader path_shader = {.name = "path",
 					  .code = shader_path_comp,
 					  .bytes = sizeof shader_path_comp,
-					  .bindings = BIND_TRACE_COUNT,
+					  .bindings = BIND_PATH_COUNT,
 					  .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS,
 					  .push_bytes = sizeof(struct path_push)};
 static const struct shader aov_shader = {.name = "aov",
@@ -213,6 +213,10 @@ static enum status bind_band(struct technique_job *j, struct pipeline *pipeline,
 	buffers[BIND_LEAF_TEXELS] = buffers[BIND_LEAF_TRIANGLES];
 	buffers[BIND_JOB] = &j->job;
 	buffers[BIND_COUNTERS] = &j->counters;
+	if (j->sky) {
+		buffers[BIND_ENVIRONMENT] = &j->sky->texels;
+		buffers[BIND_ENVIRONMENT_ROWS] = &j->sky->rows;
+	}
 	if (pipeline->shader == &aov_shader) {
 		buffers[BIND_AOV] = &band->aov;
 	} else {
@@ -243,6 +247,15 @@ static enum status warm_up(struct technique_job *j, struct pipeline *pipeline, c
 	return s;
 }
 
+static bool has_discs(const struct resident_scene *scene)
+{
+	const struct punctual_light *lights = scene_section(scene, BLOB_LIGHTS);
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_LIGHTS); i++)
+		if (lights[i].spread > 0)
+			return true;
+	return false;
+}
+
 static enum status make_pipeline(struct technique_job *j, const struct shader *shader, uint32_t effects,
 				 struct pipeline **pipeline, struct error *err)
 {
@@ -261,13 +274,19 @@ static enum status make_pipeline(struct technique_job *j, const struct shader *s
 	constants[SPEC_LAMPS_BY] = j->plan.lamps;
 	constants[SPEC_ROULETTE] = j->plan.roulette == ROULETTE_ON;
 	constants[SPEC_CLAMP] = j->plan.clamp > 0;
+	constants[SPEC_SKY] = j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
+	constants[SPEC_DISCS] = effects >> candil_Effect_EFFECT_LIGHTS & 1u && has_discs(j->scene);
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
 }
 
 enum status pt_job_pipeline(struct technique_job *j, uint32_t effects, struct pipeline **pipeline, struct binding_set *set,
 			    struct error *err)
 {
-	enum status s = make_pipeline(j, &path_shader, effects, pipeline, err);
+	enum status s = STATUS_OK;
+	if (j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u)
+		s = pt_sky_get(j->plan.environment.scene, j->device, &j->sky, err);
+	if (s == STATUS_OK)
+		s = make_pipeline(j, &path_shader, effects, pipeline, err);
 	if (s == STATUS_OK)
 		s = bind_band(j, *pipeline, &j->bands[0], set, err);
 	return s == STATUS_OK ? warm_up(j, *pipeline, set, err) : s;
@@ -325,6 +344,8 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	j->batch_most = plan->batch ? plan->batch : BATCH_MOST;
 	const uint64_t start = clock_us();
 	enum status s = resident_upload(scene, device, scene_bindings_shade(plan) | scene_bindings_trace(), err);
+	if (s == STATUS_OK && plan_has_sky(plan))
+		s = pt_sky_get(plan->environment.scene, device, &j->sky, err);
 	if (s == STATUS_OK)
 		s = cut_bands(j, err);
 	if (s == STATUS_OK)

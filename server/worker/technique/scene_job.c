@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "server/scene/lights.h"
+
 uint32_t scene_bindings_trace(void)
 {
 	return 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES;
@@ -41,6 +43,32 @@ static float emitter_share(const struct plan *plan, const struct blob_view *scen
 	return (float)(share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
 }
 
+// The same for the picture around the scene: what of it meets the sphere about the scene, beside what the others send. Only
+// pt goes there.
+static float sky_share(const struct plan *plan, const struct blob_view *scene)
+{
+	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
+	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
+	const double radius = lights_bounding_radius(scene->bounds_min, scene->bounds_max);
+	const double s = 3.14159265358979323846 * radius * radius * plan->environment.power;
+	if (plan->technique != candil_Technique_TECHNIQUE_PT || !plan_has_sky(plan))
+		return 0.0f;
+	const double share = s / (e + l + s);
+	return (float)(!(e + l > 0) ? 1 : share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
+}
+
+static void fill_shares(const struct plan *p, const struct blob_view *scene, struct pt_job *out)
+{
+	const float others = emitter_share(p, scene);
+	out->sky_share = sky_share(p, scene);
+	out->emitter_share = others * (1.0f - out->sky_share);
+	out->light_share = (1.0f - others) * (1.0f - out->sky_share);
+	out->sky_width = p->environment.width;
+	out->sky_height = p->environment.height;
+	out->sky_turn = (float)p->environment.turn;
+	out->sky_scale = (float)p->environment.scale;
+}
+
 // An axis of the image, as long as the lens's radius.
 static void fill_lens(const struct plan_camera *c, const double axis[3], float out[3])
 {
@@ -69,7 +97,7 @@ void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct 
 	out->seed[1] = (uint32_t)(p->seed >> 32);
 	out->emitter_count = scene->counts[BLOB_EMITTERS];
 	out->light_count = scene->counts[BLOB_LIGHTS];
-	out->emitter_share = emitter_share(p, scene);
+	fill_shares(p, scene, out);
 	out->emitter_power_inv = scene->emitter_power > 0 ? 1.0f / scene->emitter_power : 0.0f;
 	out->has_uv1 = scene->counts[BLOB_UV1] > 0;
 	out->has_colors = scene->counts[BLOB_COLORS] > 0;

@@ -1,0 +1,113 @@
+// The picture around the scene, as what rays meet that leave it and as a light.
+//
+// A direction's radiance is bilinear between the middles of the texels, across the seam too. For next-event estimation a texel
+// is chosen out of an alias table, then a direction in it, uniformly by solid angle. Both ways of sampling are weighted by
+// the density of the texel that a lookup of the direction finds, so that their weights sum to 1 at every direction, even
+// where rounding takes it for the neighbour's.
+#ifndef PATH_SKY_GLSL
+#define PATH_SKY_GLSL
+
+#include "common/light.glsl"
+
+layout(constant_id = SPEC_SKY) const bool SKY = false;
+
+layout(std430, set = 0, binding = BIND_ENVIRONMENT) readonly buffer EnvironmentTexels {
+	vec4 sky_texels[];   // struct environment_texel
+};
+layout(std430, set = 0, binding = BIND_ENVIRONMENT_ROWS) readonly buffer EnvironmentRows {
+	environment_row sky_rows[];
+};
+
+struct sky_view {
+	vec3 radiance;
+	float pdf;   // of the direction by the table, 1/sr
+};
+
+// w, unit, to the picture: 0…1 from left to right, 0…1 from top to bottom.
+vec2 sky_place(vec3 w)
+{
+	float across = length(w.xz);
+	float longitude = across > 0.0 ? atan(w.x, -w.z) : 0.0;
+	float u = 0.5 + longitude * (0.5 / PI) + job.sky_turn;
+	return vec2(u - floor(u), atan(across, w.y) * (1.0 / PI));
+}
+
+sky_view sky_at(vec3 w)
+{
+	vec2 place = sky_place(w) * vec2(job.sky_width, job.sky_height);
+	vec2 from = floor(place - 0.5);
+	vec2 part = place - 0.5 - from;
+	uint last = job.sky_height - 1u;
+	uint x0 = from.x < 0.0 ? job.sky_width - 1u : min(uint(from.x), job.sky_width - 1u);
+	uint x1 = x0 + 1u < job.sky_width ? x0 + 1u : 0u;
+	uint y0 = min(uint(max(from.y, 0.0)), last) * job.sky_width;
+	uint y1 = min(uint(from.y + 1.0), last) * job.sky_width;
+	vec4 a = sky_texels[y0 + x0], b = sky_texels[y0 + x1], c = sky_texels[y1 + x0], d = sky_texels[y1 + x1];
+	vec4 above = part.x < 0.5 ? a : b, below = part.x < 0.5 ? c : d;
+	vec3 radiance = mix(mix(a.rgb, b.rgb, part.x), mix(c.rgb, d.rgb, part.x), part.y);
+	return sky_view(radiance * job.sky_scale, part.y < 0.5 ? above.w : below.w);
+}
+
+// Of 39 random bits, that no texel of many be chosen more often than its neighbour; the table's `keep` takes 24 others.
+uint sky_pick(uvec2 pick)
+{
+	uint count = job.sky_width * job.sky_height;
+	uint row, low, carry;
+	umulExtended(pick.x, count, row, low);
+	uaddCarry(low, ((pick.y & 127u) * count) >> 7, carry);
+	row += carry;
+	environment_row e = sky_rows[row];
+	return float(pick.y >> 8) * UNIT_24 < e.keep ? row : e.alias;
+}
+
+// A direction of that texel. From the nearer pole, the squared sine of half the angle is uniform, and precise.
+vec3 sky_direction(uint texel, vec2 u)
+{
+	uint column = texel % job.sky_width, row = texel / job.sky_width;
+	bool below = 2u * row >= job.sky_height;
+	float line = float(below ? job.sky_height - 1u - row : row);
+	vec2 edge = sin(vec2(line, line + 1.0) * (0.5 * PI / float(job.sky_height)));
+	edge *= edge;
+	float s = mix(edge.x, edge.y, u.y);
+	float across = 2.0 * sqrt(max(s * (1.0 - s), 0.0));
+	float longitude = ((float(column) + u.x) / float(job.sky_width) - 0.5 - job.sky_turn) * (2.0 * PI);
+	float height = 1.0 - 2.0 * s;
+	return vec3(across * sin(longitude), below ? -height : height, -across * cos(longitude));
+}
+
+// Light of the picture. False: none can come by this sample.
+bool sample_sky(bsdf b, uvec2 pick, vec2 u, out light_sample l)
+{
+	uint texel = sky_pick(pick);
+	vec3 w = sky_direction(texel, u);
+	float pdf = sky_texels[texel].w * job.sky_share;
+	sky_view v = sky_at(w);
+	l.segment = w;
+	l.t_max = INFINITY;
+	vec4 f = bsdf_eval(b, w);
+	if (LAMPS_BY == LAMPS_BY_CHANCE || f.w == 0.0 || !(pdf > 0.0))
+		return false;
+	float r = f.w / max(v.pdf * job.sky_share, 1e-30);
+	float weight = LAMPS_BY == LAMPS_BY_POINTS ? 1.0 : power_weight(min(r, 1e18));
+	l.contribution = f.xyz * v.radiance * (weight / pdf);
+	return true;
+}
+
+// What a ray brings that left the scene, weighted. The camera's is the only way there.
+vec3 sky_met(vec3 w, uint event, float pdf_bsdf)
+{
+	sky_view v = sky_at(w);
+	if (event == 0u || LAMPS_BY == LAMPS_BY_CHANCE)
+		return v.radiance;
+	if (LAMPS_BY == LAMPS_BY_POINTS)
+		return pdf_bsdf >= PDF_MIRROR ? v.radiance : vec3(0.0);
+	return v.radiance * power_weight(min(v.pdf * job.sky_share / max(pdf_bsdf, 1e-37), 1e18));
+}
+
+// Whether next-event estimation goes there.
+bool sky_chosen(float table)
+{
+	return SKY && ((!EFFECT_EMITTERS && !EFFECT_LIGHTS) || table >= job.emitter_share + job.light_share);
+}
+
+#endif

@@ -1,0 +1,197 @@
+"""Pictures of the surroundings as what is seen and as a light: against closed forms and fine quadrature, by each way of
+sampling."""
+import math
+import os
+import tempfile
+import unittest
+
+import numpy
+
+import images
+import make
+import skies
+from render import Daemon
+from writers import Gltf, box, quad
+
+WAYS = ("mis", "nee", "none")
+ALBEDO = 0.5
+FLOOR = (0, 3, 0, 0, 0, 0, 0, 0, -1, 10)
+
+
+def setUpModule():
+    global daemon, folder
+    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
+    daemon = Daemon().__enter__()
+
+
+def tearDownModule():
+    daemon.__exit__(None, None, None)
+    folder.cleanup()
+
+
+def written(name, sky):
+    path = os.path.join(folder.name, name + ".exr")
+    images.write(path, sky)
+    return path
+
+
+def floor():
+    """A plane that sees nothing but the upper half of the sky."""
+    g = Gltf()
+    g.place(*quad((-10, 0, 10), (10, 0, 10), (10, 0, -10), (-10, 0, -10)), g.material("floor", (ALBEDO,) * 3))
+    g.camera(FLOOR[:3], FLOOR[3:6], FLOOR[9], up=(0, 0, -1))
+    return g.save(folder.name, "floor.gltf")
+
+
+def room():
+    """A box with a hole above and a lamp, and a point light in it."""
+    g = Gltf()
+    white = g.material("white", (0.7,) * 3)
+    g.place(*quad((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)), white)
+    g.place(*quad((-2, 0, -2), (2, 0, -2), (2, 3, -2), (-2, 3, -2)), white)
+    g.place(*box((-0.5, 0, -0.5), (0.5, 1, 0.5)), white)
+    g.place(*quad((-2, 2, -1), (-2, 1, -1), (-2, 1, 1), (-2, 2, 1)), g.material("lamp", (0,) * 3, (3,) * 3, both_sides=True))
+    g.light("point", 4, (1.5, 2, 1))
+    g.camera((0, 2, 6), (0, 0.8, 0), 40)
+    return g.save(folder.name, "room.gltf")
+
+
+def under(sky, *more):
+    return ["--background", sky, *more]
+
+
+def irradiance(picture):
+    """W/m2 on the diffuse plane that fills the picture, its mean and the mean's standard error."""
+    values = picture.radiance.astype(numpy.float64).mean(axis=2) * math.pi / ALBEDO
+    return values.mean(), values.std() / math.sqrt(values.size)
+
+
+class Furnace(unittest.TestCase):
+    def test_an_even_sky_is_an_even_background(self):
+        sky = written("even", skies.even(64, 32))
+        path = make.furnace(folder.name)
+        by_chance = daemon.render(path, (16, 16), 4, options={"pt.lights": "none"}, arguments=under(sky)).radiance
+        numpy.testing.assert_allclose(by_chance, 1, rtol=2e-6)
+        for way in ("mis", "nee"):
+            picture = daemon.render(path, (24, 24), 64, options={"pt.lights": way}, arguments=under(sky)).radiance
+            print(f"furnace, {way}: {picture.mean():.5f} +- {picture.std():.4f}")
+            self.assertLess(abs(picture.mean() - 1), 0.015)
+            self.assertLess(picture.std(), 0.2)
+
+    def test_one_texel_is_a_sky_too(self):
+        picture = daemon.render(make.furnace(folder.name), (16, 16), 16, arguments=under(written("one", skies.even(1, 1))))
+        self.assertLess(abs(picture.radiance.mean() - 1), 0.01)
+
+
+class Planes(unittest.TestCase):
+    def test_half_of_the_sky(self):
+        # Bright on the side of +X: half of the floor's pi. Bright above: all of it.
+        side, above = numpy.zeros((32, 64, 3)), numpy.zeros((32, 64, 3))
+        side[:, 32:] = 1
+        above[:17] = 1  # the row below the horizon too, so that what is bilinear fades beneath it
+        for name, sky, expected in (("side", side, math.pi / 2), ("above", above, math.pi)):
+            for way in WAYS:
+                picture = daemon.render(floor(), (16, 16), 64, options={"pt.lights": way},
+                                        arguments=under(written(name, sky)))
+                mean, error = irradiance(picture)
+                print(f"{name}, {way}: {mean / expected:.5f} of {expected:.4f}, +- {error / expected:.5f}")
+                self.assertLess(abs(mean / expected - 1), max(0.005, 4 * error / expected))
+
+    def test_a_single_bright_texel(self):
+        sky = skies.spot(64, 32, 40, 8, 1e6)
+        expected = skies.irradiance(sky, (0, 1, 0), 16)[0]
+        errors = {}
+        for way in WAYS:
+            picture = daemon.render(floor(), (24, 24), 128, options={"pt.lights": way}, arguments=under(written("spot", sky)))
+            mean, errors[way] = irradiance(picture)
+            print(f"a texel of 1e6, {way}: {mean / expected:.5f} of {expected:.2f}, +- {errors[way] / expected:.5f}")
+            self.assertLess(abs(mean / expected - 1), 0.01 if way != "none" else 4 * errors[way] / expected)
+        self.assertGreater(errors["none"], 5 * errors["mis"])
+
+    def test_turned_and_scaled(self):
+        # The brightest texel of a smooth sky goes round with it; the plane leans, so that it matters where the sky is.
+        g = Gltf()
+        g.place(*quad((-5, -5, 0), (5, -5, 0), (5, 5, 0), (-5, 5, 0)), g.material("wall", (ALBEDO,) * 3))
+        g.camera((0, 0, 3), (0, 0, 0), 10)
+        wall = g.save(folder.name, "wall.gltf")
+        w = skies.directions(64, 32)
+        sky = (1 + w @ numpy.array([0.6, 0.3, 0.7]))[:, :, None] ** 4 * numpy.array([1, 0.5, 0.25])
+        for turn in (0, 90, -135):
+            rolled = numpy.roll(sky, -turn * 64 // 360, axis=1)
+            expected = skies.irradiance(rolled, (0, 0, 1))
+            turned = daemon.render(wall, (16, 16), 64, arguments=under(written("smooth", sky), "--background-turn", str(turn)))
+            mean = turned.radiance.astype(numpy.float64).mean(axis=(0, 1)) * math.pi / ALBEDO
+            print(f"turned by {turn}: {mean / expected}")
+            self.assertLess(numpy.abs(mean / expected - 1).max(), 0.01)
+        once = daemon.render(wall, (16, 16), 4, arguments=under(written("smooth", sky)))
+        again = daemon.render(wall, (16, 16), 4, arguments=under(written("smooth", sky)))
+        twice = daemon.render(wall, (16, 16), 4, arguments=under(written("smooth", sky), "--background-scale", "2"))
+        self.assertEqual(once.radiance.tobytes(), again.radiance.tobytes())
+        self.assertEqual((2 * once.radiance).tobytes(), twice.radiance.tobytes())
+
+
+class Seen(unittest.TestCase):
+    def test_a_panorama_gives_the_sky_back(self):
+        # A pixel of the panorama is a texel: the mean over it of what is bilinear.
+        random = numpy.random.default_rng(5)
+        sky = random.random((16, 32, 3))
+        expected = images.box_down(skies.finer(sky, 8), 8)
+        away = (0, 0, 50, 0, 0, 0, 0, 1, 0, 40)  # of the furnace's sphere, which hides little
+        for turn, roll in ((0, 0), (45, -4)):
+            picture = daemon.render(make.furnace(folder.name), (32, 16), 64, away,
+                                    arguments=under(written("random", sky), "--panorama", "--background-turn", str(turn)))
+            error = numpy.abs(picture.radiance - numpy.roll(expected, roll, axis=1))
+            error[7:9, 15:17] = 0  # the sphere
+            print(f"panorama turned by {turn}: at most {error.max():.4f} off")
+            self.assertLess(error.max(), 0.02)
+
+    def test_a_mirror_shows_it(self):
+        g = Gltf()
+        g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("mirror", metallic=1, roughness=0))
+        mirror = g.save(folder.name, "mirror.gltf")
+        w = skies.directions(64, 32)
+        sky = (1.2 + w @ numpy.array([0.5, 0.5, -0.7]))[:, :, None] ** 6 * numpy.array([1, 0.5, 0.25])
+        down, up = ((0, 1, 0.5, 0, 0, 0, 0, 1, 0, 60), (0, 1, 0.5, 0, 2, 0, 0, 1, 0, 60))
+        below, above = (daemon.render(mirror, (16, 16), 16, camera, arguments=under(written("clear", sky))).radiance
+                        for camera in (down, up))
+        numpy.testing.assert_allclose(below, above[::-1], rtol=0.03)
+
+
+class Together(unittest.TestCase):
+    def test_lights_add_up(self):
+        sky = written("sunset", skies.sunset(128, 500))
+        scene, size = room(), (32, 24)
+        whole = daemon.render(scene, size, 64, arguments=under(sky)).radiance.astype(float)
+        parts = [daemon.render(scene, size, 64, arguments=under(sky, "--effects", effects)).radiance.astype(float)
+                 for effects in ("auto,-emitters,-lights", "auto,-environment,-lights", "auto,-environment,-emitters")]
+        ratio = whole.mean() / sum(parts).mean()
+        print(f"sky, lamp and light: {ratio:.4f} of the sum of {[round(p.mean(), 4) for p in parts]}")
+        self.assertLess(abs(ratio - 1), 0.01)
+        blocks = [a.reshape(3, 8, 4, 8, 3).mean(axis=(1, 3, 4)) for a in (whole, sum(parts))]
+        self.assertLess(numpy.abs(blocks[0] / blocks[1] - 1).max(), 0.08)
+
+    def test_forced_and_left_out(self):
+        sky = written("sunset", skies.sunset(128, 500))
+        scene = room()
+        usual = daemon.render(scene, (24, 18), 4, arguments=under(sky))
+        forced = daemon.render(scene, (24, 18), 4, arguments=under(sky, "--effects", "all"))
+        numpy.testing.assert_allclose(forced.radiance, usual.radiance, rtol=1e-5, atol=1e-6)
+        states = {e["name"]: e["state"] for e in usual.report["effects"]}
+        self.assertEqual(states["environment"], "simulated")
+        without = daemon.render(scene, (24, 18), 4)
+        off = daemon.render(scene, (24, 18), 4, arguments=under(sky, "--effects", "auto,-environment"))
+        self.assertEqual(without.radiance.tobytes(), off.radiance.tobytes())
+        black = daemon.render(scene, (24, 18), 4, arguments=under(written("black", skies.even(8, 4, 0))))
+        self.assertEqual(without.radiance.tobytes(), black.radiance.tobytes())
+        self.assertEqual({e["name"]: e["state"] for e in black.report["effects"]}["environment"], "absent")
+
+    def test_pieces_do_not_show(self):
+        sky = written("sunset", skies.sunset(128, 500))
+        for way in ("mis", "nee"):
+            pictures = {daemon.render(room(), (24, 18), 4, arguments=under(sky), options={"pt.lights": way, **options})
+                        .radiance.tobytes() for options in ({}, {"pt.segment": "1"}, {"pt.batch": "1"})}
+            self.assertEqual(len(pictures), 1, way)
+
+
+if __name__ == "__main__":
+    unittest.main()
