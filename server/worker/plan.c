@@ -116,8 +116,8 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ENVIRONMENT &&
 	    p->environment.width > 0)
 		return "only pt shows pictures of the surroundings: the background is black";
-	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_GLASS)
-		return "only pt follows light through glass: clear surfaces are opaque with their base colour";
+	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_GLASS)
+		return "only pt and vct look through glass: clear surfaces are opaque with their base colour";
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ALPHA_BLEND)
 		return "only pt blends by alpha: blended surfaces are whole";
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_CLEARCOAT)
@@ -325,5 +325,9 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 	if (s != STATUS_OK)
 		return s;
 	plan_effects(r, scene->facts, p);
+	// What clear surfaces reflect is made by what makes glossy ones, which changes no other surface where none is.
+	if (p->technique == candil_Technique_TECHNIQUE_VCT && plan_has(p, candil_Effect_EFFECT_GLASS) &&
+	    !(r->effects_off >> candil_Effect_EFFECT_GLOSSY & 1u))
+		p->effects |= 1u << candil_Effect_EFFECT_GLOSSY;
 	return STATUS_OK;
 }

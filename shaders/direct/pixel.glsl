@@ -25,9 +25,25 @@ bool pixel_visible(uvec2 pixel, out visible_point v)
 	return id != 0u && visible_at(v, id - 1u);
 }
 
+// Of a clear surface the part that is opaque, and what its boundary reflects: Fresnel's reflectance after Schlick (1994), none
+// where nothing bends light. What comes through is another pass's.
+surface without_clear(surface s)
+{
+	float r = (s.ior - 1.0) / (s.ior + 1.0);
+	r *= r;
+	r = s.thin ? 2.0 * r / (1.0 + r) : r;
+	s.albedo *= 1.0 - s.transmission;
+	s.f0 = mix(s.f0, vec3(r), s.transmission);
+	s.f90 = mix(s.f90, vec3(min(50.0 * r, 1.0)), s.transmission);
+	return s;
+}
+
 surface pixel_surface(visible_point v)
 {
-	return surface_at(v.id, v.uv, v.direction);
+	surface s = surface_at(v.id, v.uv, v.direction);
+	if (EFFECT_GLASS)
+		s = without_clear(s);
+	return s;
 }
 
 #endif

@@ -2,7 +2,7 @@
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
-#include "vct/indirect.glsl"
+#include "vct/glass.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
 
@@ -17,4 +17,6 @@ void main()
 		return;
 	bsdf b = bsdf_make(s, v.direction);
 	pixel_add(pixel, indirect_radiance(b, indirect_at(s, b, pixel)));
+	if (EFFECT_GLASS && s.transmission > 0.0)
+		pixel_add_traced(pixel, glass_radiance(s, v, pixel_shift(pixel)), glass_rays, trace_cut);
 }

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "vct/half.glsl"
+#include "vct/glass.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
 layout(binding = VCT_IRRADIANCE_UNIT) uniform sampler2D irradiance_texture;
@@ -66,4 +67,6 @@ void main()
 	if (!blend(s, b, v, pixel, r))
 		r = indirect_at(s, b, pixel);
 	pixel_add(pixel, indirect_radiance(b, r));
+	if (EFFECT_GLASS && s.transmission > 0.0)
+		pixel_add_traced(pixel, glass_radiance(s, v, pixel_shift(pixel)), glass_rays, trace_cut);
 }

@@ -8,7 +8,7 @@
 struct look {
 	vec3 albedo;       // of a Lambert surface that reflects as much as this one
 	vec3 emission;     // radiance, W/(m² sr)
-	float there;       // share that alpha leaves
+	float there;       // share that alpha leaves, and clear material
 };
 
 // Texels along the longer side of a part above which it has more points.
@@ -29,15 +29,17 @@ vec3 barycentrics(tile t, vec2 p, out bool inside)
 
 // Radiance that a surface gives away is diffuse here, so its specular part is too: Schlick's reflectance averaged over the
 // hemisphere, F̄ = F0 + (F90 − F0) / 21, goes back at once, and the diffuse part has what is left. No more than 1 with either.
-// What is metal is asked at one point for all, `uv`: it changes the sum of both parts by little.
-vec3 diffuse_albedo(material m, vec3 base, vec4 uv)
+// What is metal, and what is clear, is asked at one point for all, `uv`: it changes the sum of both parts by little.
+vec3 diffuse_albedo(material m, vec3 base, vec4 uv, out float transmission)
 {
 	surface s;
 	s.base = base;
 	s.f0 = vec3(0.0);
 	s.f90 = vec3(0.0);
 	s.roughness = 1.0;
+	s.transmission = 0.0;
 	set_reflectance(s, m, uv);
+	transmission = s.transmission;
 	vec3 specular = clamp(mix(s.f0, s.f90, 1.0 / 21.0), 0.0, 1.0);
 	return clamp(s.albedo * (1.0 - specular) + specular, 0.0, 1.0);
 }
@@ -128,9 +130,12 @@ look look_at(tile t, ivec3 cell, vec2 low, vec2 high, vec2 middle, float seed)
 		add_point(l, m, tri, bary, uv, weight);
 	}
 	float there = max(l.there, 1e-6);
-	l.albedo = diffuse_albedo(m, l.albedo / there, uv);
+	float transmission;
+	l.albedo = diffuse_albedo(m, l.albedo / there, uv, transmission);
 	l.emission /= there;
 	l.there /= points;
+	if (EFFECT_GLASS)
+		l.there *= 1.0 - transmission;
 	// Unlit surfaces neither reflect nor light anything.
 	if (EFFECT_UNLIT && (m.flags & MATERIAL_UNLIT) != 0u) {
 		l.albedo = vec3(0.0);

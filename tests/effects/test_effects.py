@@ -96,7 +96,7 @@ class Off(unittest.TestCase):
             direct = daemon.render(scene, spp=1, arguments=["--technique", "direct"])
             self.assertEqual(states(direct)[effect], "unsupported")
 
-    def test_only_pt_sees_through_glass(self):
+    def test_direct_sees_through_no_glass(self):
         direct = daemon.render(make.cornell_glass(folder.name), spp=1, arguments=["--technique", "direct"])
         self.assertEqual((states(direct)["glass"], states(direct)["alpha-blend"]), ("unsupported",) * 2)
 

@@ -85,7 +85,8 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 static bool needs_volume(const struct plan *plan, const struct resident_scene *scene)
 {
 	return plan_has(plan, candil_Effect_EFFECT_BOUNCES) || plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) ||
-	       direct_lamps_in_volume(plan, scene) || vct_shadows_in_volume(plan->vct_shadows) || plan->vct_ambient > 0;
+	       plan_has(plan, candil_Effect_EFFECT_GLASS) || direct_lamps_in_volume(plan, scene) ||
+	       vct_shadows_in_volume(plan->vct_shadows) || plan->vct_ambient > 0;
 }
 
 static void bind_volume(void *user, const struct deferred_area *area)

@@ -132,7 +132,8 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	// The volume serves requests of any seed, so that it may not depend on who came first.
 	of_light.seed = 0;
 	// Entries are diffuse, and have the geometry's own normals.
-	of_light.effects &= ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS);
+	of_light.effects &=
+	    ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS | 1u << candil_Effect_EFFECT_GLASS);
 	if (v->options.emission)
 		of_light.effects &= ~(1u << candil_Effect_EFFECT_EMITTERS);
 	v->bindings = scene_bindings_shade(&of_light) | scene_bindings_trace();

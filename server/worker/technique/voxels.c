@@ -92,7 +92,8 @@ static uint32_t effects_that_color(const struct plan *plan)
 {
 	return plan->effects & (1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_EMITTERS |
 				1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_ALPHA_MASK |
-				1u << candil_Effect_EFFECT_VERTEX_COLORS | 1u << candil_Effect_EFFECT_UNLIT);
+				1u << candil_Effect_EFFECT_VERTEX_COLORS | 1u << candil_Effect_EFFECT_UNLIT |
+				1u << candil_Effect_EFFECT_GLASS);
 }
 
 // The grid over a scene, and over its base too: a thing that moves about within the base's bounds leaves the rest in place.
