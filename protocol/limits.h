@@ -69,6 +69,7 @@
 #define LIMIT_TRIANGLES (32u * 1024u * 1024u)
 #define LIMIT_VERTICES (96u * 1024u * 1024u)
 #define LIMIT_ZERO_ELEMENTS (1024u * 1024u) // of glTF accessors without a buffer view, all together
+#define LIMIT_INSTANCES (1024u * 1024u) // of one node of a glTF file
 #define LIMIT_MATERIALS 65535u
 #define LIMIT_IOR_LEAST 0.1 // index of refraction of what lets light through
 #define LIMIT_IOR_MOST 10.0

@@ -143,7 +143,7 @@ enum status add_node(gltf_reader *reader, const tinygltf::Node &node, const tran
 		import_ignore(reader->import, "skins");
 	enum status status = STATUS_OK;
 	if (node.mesh >= 0)
-		status = gltf_add_mesh(reader, model.meshes[(size_t)node.mesh], world, err);
+		status = gltf_add_instances(reader, node, world, err);
 	if (status == STATUS_OK && node.camera >= 0)
 		status = gltf_add_camera(reader, node, world, err);
 	if (status == STATUS_OK)

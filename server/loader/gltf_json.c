@@ -298,6 +298,7 @@ static enum status check_root(const json_t *root, struct error *err)
 }
 
 const char *const gltf_extensions_read[] = {"EXT_materials_diffuse_roughness",
+					    "EXT_mesh_gpu_instancing",
 					    "KHR_lights_punctual",
 					    "KHR_materials_clearcoat",
 					    "KHR_materials_diffuse_roughness",

@@ -22,6 +22,10 @@ struct gltf_reader {
 // Positions, UVs, indices of a mesh, into world space. gltf_mesh.cpp
 enum status gltf_add_mesh(gltf_reader *reader, const tinygltf::Mesh &mesh, const transform &world, struct error *err);
 
+// A node's mesh, once or as often as its EXT_mesh_gpu_instancing says; the node's mesh is there. All instances are the
+// node's own: what moves it moves them. gltf_instances.cpp
+enum status gltf_add_instances(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err);
+
 // All of the file's materials, in its order, with the images that they use. gltf_material.cpp
 enum status gltf_add_materials(gltf_reader *reader, struct error *err);
 

@@ -6,7 +6,7 @@
 
 // Statements whose mere presence means something that is left out.
 static const char *const left_out[] = {
-    "map_Ns", "map_d", "disp", "decal", "refl", "map_Ka", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso",
+    "map_Ns", "map_d", "disp", "decal", "refl", "map_Ka", "Ps", "map_Pr", "map_Pm", "map_Ps", "aniso", "anisor",
 };
 
 // One line: its keyword and the first three numbers behind it.
@@ -151,6 +151,28 @@ static void note_clearness(struct mtl_note *note, const struct line *line)
 	}
 }
 
+// The keys of physically based exporters. False if it is none of them.
+static bool note_physical(struct mtl_note *note, const struct line *line)
+{
+	const struct {
+		const char *keyword;
+		double *value;
+		bool *has;
+	} keys[] = {{"Pr", &note->roughness, &note->has_roughness},
+		    {"Pm", &note->metallic, &note->has_metallic},
+		    {"Pc", &note->coat, NULL},
+		    {"Pcr", &note->coat_roughness, NULL},
+		    {"Pdr", &note->diffuse_roughness, NULL}};
+	for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+		if (strcasecmp(line->keyword, keys[i].keyword) == 0) {
+			*keys[i].value = line->number_count > 0 ? line->numbers[0] : 0;
+			if (keys[i].has)
+				*keys[i].has = line->number_count > 0;
+			return true;
+		}
+	return false;
+}
+
 static void note_property(struct mtl_note *note, const struct line *line)
 {
 	const char *k = line->keyword;
@@ -160,11 +182,12 @@ static void note_property(struct mtl_note *note, const struct line *line)
 		note_colour(line, note->specular);
 	} else if (strcasecmp(k, "Ns") == 0 && line->number_count > 0) {
 		note->exponent = line->numbers[0];
+		note->has_exponent = true;
 	} else if (strcasecmp(k, "illum") == 0 && line->number_count > 0) {
 		note->illum = line->numbers[0] >= 0 && line->numbers[0] <= 10 ? (int)line->numbers[0] : -1;
 	} else if (is_bump(k)) {
 		note->bump = bump_multiplier(line);
-	} else {
+	} else if (!note_physical(note, line)) {
 		note_clearness(note, line);
 	}
 }

@@ -14,11 +14,16 @@ struct mtl_note {
 	int illum; // the illumination model; -1: none given
 	double specular[3]; // Ks
 	double exponent; // Ns
+	bool has_exponent;
 	double ior; // Ni; 0: none given
 	double dissolve; // d, else 1 - Tr; 1 if neither is given
 	bool has_dissolve; // d: it goes before Tr
 	bool has_filter;
 	double filter[3]; // Tf
+	bool has_roughness, has_metallic;
+	double roughness, metallic; // Pr, Pm
+	double coat, coat_roughness; // Pc, Pcr
+	double diffuse_roughness; // Pdr, our own: other programs pass over it
 	double bump; // -bm of its bump or normal map; 1 if none given
 };
 

@@ -24,7 +24,7 @@ static bool set_glass(const struct mtl_note *note, struct material *m)
 	bool fit = import_fit(&m->ior, ior, LIMIT_IOR_MOST) && ior >= LIMIT_IOR_LEAST;
 	m->ior = fmaxf(m->ior, (float)LIMIT_IOR_LEAST);
 	m->transmission = 1;
-	m->roughness = 0;
+	fit &= import_fit(&m->roughness, note->has_roughness ? note->roughness : 0, 1.0);
 	m->specular_weight = 1;
 	const float f0 = (m->ior - 1) / (m->ior + 1) * ((m->ior - 1) / (m->ior + 1));
 	for (int c = 0; c < 3; c++) {
@@ -43,18 +43,62 @@ static bool set_dissolve(const struct mtl_note *note, struct material *m)
 	return fit;
 }
 
+static bool is_physical(const struct mtl_note *note)
+{
+	return note->has_roughness || note->has_metallic;
+}
+
+// As glTF's metallic-roughness material.
+static bool set_physical(const struct mtl_note *note, struct material *m)
+{
+	const double ior = note->ior > 0 ? note->ior : 1.5;
+	const double f0 = (ior - 1) / (ior + 1) * ((ior - 1) / (ior + 1));
+	const double own = note->has_exponent ? (double)mtl_roughness(note->exponent) : 1;
+	bool fit = import_fit(&m->metallic, note->metallic, 1.0);
+	fit &= import_fit(&m->roughness, note->has_roughness ? note->roughness : own, 1.0);
+	m->specular_weight = 1;
+	for (int c = 0; c < 3; c++)
+		fit &= import_fit(&m->specular[c], f0, 1.0);
+	return fit;
+}
+
+// Ks and Ns.
+static bool set_highlight(const struct mtl_note *note, struct material *m)
+{
+	const bool mirror = note->illum == 3 || note->illum == 5 || note->illum == 8;
+	bool fit = true;
+	m->roughness = mirror && !note->has_exponent ? 0 : mtl_roughness(note->exponent);
+	for (int c = 0; c < 3; c++) {
+		fit &= import_fit(&m->specular[c], note->specular[c], 1.0);
+		m->specular_weight = fmaxf(m->specular_weight, m->specular[c]);
+	}
+	if (note->illum == 5 && m->specular_weight > 0)
+		m->specular_weight = 1;
+	return fit;
+}
+
+// A coat, and matte facets beneath.
+static bool set_layers(const struct mtl_note *note, struct material *m)
+{
+	bool fit = import_fit(&m->coat, note->coat, 1.0);
+	fit &= import_fit(&m->coat_roughness, note->coat_roughness, 1.0);
+	return import_fit(&m->diffuse_roughness, note->diffuse_roughness, 1.0) && fit;
+}
+
 // What has a meaning for glass alone, where there is none; and the other way round.
 static void tell_ignored(struct import *im, const struct mtl_note *note, bool glass)
 {
 	const double *f = note->filter;
 	if (note->illum == 10)
 		import_ignore(im, "illum 10");
-	if (!glass && note->ior > 0 && note->ior != 1)
+	if (!glass && !is_physical(note) && note->ior > 0 && note->ior != 1)
 		import_ignore(im, "Ni");
 	if (!glass && note->has_filter && (f[0] != 1 || f[1] != 1 || f[2] != 1))
 		import_ignore(im, "Tf");
 	if (glass && note->dissolve != 1)
 		import_ignore(im, "d");
+	if (glass && note->coat > 0)
+		import_ignore(im, "Pc");
 }
 
 bool mtl_set_surface(struct import *im, const struct mtl_note *note, struct material *m)
@@ -67,14 +111,10 @@ bool mtl_set_surface(struct import *im, const struct mtl_note *note, struct mate
 	if (glass)
 		return set_glass(note, m);
 	bool fit = set_dissolve(note, m);
-	if (!glossy)
-		return fit;
-	m->roughness = mtl_roughness(note->exponent);
-	for (int c = 0; c < 3; c++) {
-		fit &= import_fit(&m->specular[c], ks[c], 1.0);
-		m->specular_weight = fmaxf(m->specular_weight, m->specular[c]);
-	}
-	return fit;
+	fit &= set_layers(note, m);
+	if (is_physical(note))
+		return set_physical(note, m) && fit;
+	return (!glossy || set_highlight(note, m)) && fit;
 }
 
 bool mtl_is_normal_map(const uint32_t *texels, uint32_t width, uint32_t height)

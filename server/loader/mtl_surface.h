@@ -9,11 +9,26 @@
 // below their equation 30 solved for the width; roughness is its root. Ns 0: 1; not finite or negative: as 0.
 float mtl_roughness(double exponent);
 
-// Set specular, specular_weight and roughness as illum, Ks and Ns say: none for illum 0 and 1, and where there is no illum
-// unless both Ks and Ns are above zero; else Ks at normal incidence and its largest component at grazing, for illum 3, 5, 8
-// and 10 as for 2. illum 4, 6, 7 and 9 with a Tf above zero, or without Tf but with Ni or d, are smooth and solid glass of
-// the index Ni (1.5 without), which lets Tf through (all without) and leaves Kd and Ks out; after the albedo was set. Other
-// surfaces are there with the probability d. False if a value had to be clamped.
+// Set what a material's statements come to, after the albedo was set from Kd. False if a value had to be clamped.
+//
+// | illum | meaning in MTL | here |
+// | --- | --- | --- |
+// | none | | as 2 if both Ks and Ns are above zero, else as 1 |
+// | 0, 1 | colour; and diffuse shading | diffuse, Kd |
+// | 2 | and highlights | and microfacets that reflect Ks at normal incidence and its largest component at grazing, of Ns's
+// width | | 3, 8 | and reflection, traced or not | as 2; without Ns a perfect mirror | | 5 | the same by Fresnel | as 3, and
+// all is reflected at grazing | | 4, 6, 7, 9 | and what is behind, straight or refracted | solid glass, where a Tf above
+// zero, or without Tf a Ni or a d below 1, says that light comes through; else as 2 | | 10 | shadows on what is not seen |
+// as 2, and told as ignored |
+//
+// Glass has the index Ni (1.5 without), reflects by Fresnel, lets Tf through (all without; it counts once for both faces of
+// a body), has the roughness Pr (0 without) and leaves Kd and Ks out. Other surfaces are there with the probability d, else
+// 1 − Tr.
+//
+// Physically based exporters' statements go before illum, but for glass: with Pr or Pm the surface is glTF's, a metal of
+// colour Kd by Pm (0 without), of roughness Pr (Ns's without, else 1), and what is no metal reflects as the index Ni does
+// (1.5 without). Pc and Pcr are a clear coat, how much of it there is and its roughness. Pdr, our own, is the roughness of
+// the diffuse part (Oren and Nayar). All are 0 to 1.
 bool mtl_set_surface(struct import *import, const struct mtl_note *note, struct material *material);
 
 // Whether texels are a normal map rather than heights: their mean points out of the surface, (0.5, 0.5, 1).

@@ -41,6 +41,38 @@ def gltf(edit=None, **keywords):
     return lambda folder: boxed(edit, **keywords).save(folder, "scene.gltf")
 
 
+def instanced(translations, edit=None, **attributes):
+    """A box as often as there are translations; edit(json, its extension's attributes)."""
+    def write(folder):
+        g = boxed()
+        attributes["TRANSLATION"] = g.floats(translations, "VEC3") if translations else g.add(
+            "accessors", {"componentType": 5126, "count": 0, "type": "VEC3"})
+        g.extend(g.json["nodes"][0], "EXT_mesh_gpu_instancing", {"attributes": attributes})
+        if edit:
+            edit(g.json, attributes)
+        return g.save(folder, "scene.gltf")
+    return write
+
+
+def sparse_of(count, **more):
+    """An edit: the instances are as many zeros as no byte of the file stands for."""
+    def edit(root, attributes):
+        root["accessors"].append({"componentType": 5126, "count": count, "type": "VEC3", **more})
+        attributes["TRANSLATION"] = len(root["accessors"]) - 1
+    return edit
+
+
+def many_times_much(root, attributes):
+    """A million instances of five boxes: more than a scene may have, out of a file of a few kilobytes."""
+    root["meshes"][0]["primitives"] *= 5
+    sparse_of(1 << 20)(root, attributes)
+
+
+def with_scale(root, attributes):
+    root["accessors"].append({"componentType": 5126, "count": 3, "type": "VEC3"})
+    attributes["SCALE"] = len(root["accessors"]) - 1
+
+
 def text(data, name="scene.gltf"):
     return lambda folder: save(folder, name, data if isinstance(data, bytes) else data.encode())
 
@@ -251,6 +283,13 @@ BAD = {
     "gltf_no_scene": text('{"asset": {"version": "2.0"}, "scene": 0}'),
     "gltf_deep_json": deep_json(100000),
     "gltf_required_extension": gltf(set_in("extensionsRequired", ["KHR_draco_mesh_compression"])),
+    # ---- instances
+    "instances_differ_in_number": instanced([(0, 0, 0), (1, 0, 0)], with_scale),
+    "instances_too_many": instanced([(0, 0, 0)], sparse_of(1 << 21)),
+    "instances_many_times_much": instanced([(0, 0, 0)], many_times_much),
+    "instances_of_a_wrong_type": instanced([(0, 0, 0)], lambda root, a: a.update(TRANSLATION=0, ROTATION=0)),
+    "instances_not_there": instanced([(0, 0, 0)], lambda root, a: a.update(TRANSLATION=99)),
+    "instances_no_number": instanced([(0, 0, 0)], lambda root, a: a.update(TRANSLATION="0")),
     # ---- wrong types and indices
     "scene_wrong_type": gltf(set_in("scene", "0")),
     "scene_out_of_range": gltf(set_in("scene", 7)),
@@ -357,7 +396,7 @@ ODD = {
                          {"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}, {"type": "point"}),
     "colour_above_one": gltf(set_in("materials", 0, "pbrMetallicRoughness", "baseColorFactor", [2, .5, -1, 1])),
     "no_nodes": gltf(set_in("scenes", 0, {})),
-    "used_extension": gltf(set_in("extensionsUsed", ["KHR_materials_clearcoat"])),
+    "used_extension": gltf(set_in("extensionsUsed", ["KHR_materials_sheen"])),
     "read_extensions_required": gltf(set_in("extensionsRequired", ["KHR_texture_transform", "KHR_materials_unlit",
                                                                     "KHR_materials_specular", "KHR_materials_ior"])),
     "factors_out_of_range": gltf(lambda root: root["materials"][0]["pbrMetallicRoughness"].update(
@@ -373,7 +412,12 @@ ODD = {
     "colours_negative": attribute("COLOR_0", 8, 3, -INF),
     "second_set_nan": attribute("TEXCOORD_1", 8, 2, NAN, texture=True, info={"texCoord": 1}),
     "tangents_nan": attribute("TANGENT", 8, 4, NAN, texture=True, normal_map=True),
-    "clearcoat": gltf(set_in("materials", 0, "extensions", {"KHR_materials_clearcoat": {"clearcoatFactor": 1}})),
+    "sheen": gltf(set_in("materials", 0, "extensions", {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]}})),
+    "coat_out_of_range": gltf(set_in("materials", 0, "extensions", {"KHR_materials_clearcoat": {"clearcoatFactor": 1e300}})),
+    "coat_is_no_object": gltf(set_in("materials", 0, "extensions", {"KHR_materials_clearcoat": 7})),
+    "instances_of_nothing": instanced([]),
+    "instances_nan": instanced([(0, 0, 0), (NAN, 0, 0)]),
+    "instances_without_attributes": gltf(set_in("nodes", 0, "extensions", {"EXT_mesh_gpu_instancing": {"attributes": 3}})),
     "alpha_blend": gltf(set_in("materials", 0, "alphaMode", "BLEND")),
     "specular_alpha_texture": gltf(set_in("materials", 0, "extensions", {"KHR_materials_specular": {
         "specularTexture": {"index": 0}}}), texture=True),

@@ -135,6 +135,12 @@ class Gltf:
             self.json["scenes"][0]["nodes"].append(index)
         return index
 
+    def instances(self, node, translations=None, rotations=None, scales=None):
+        """EXT_mesh_gpu_instancing: the node's mesh as often as the lists are long."""
+        attributes = {name: self.floats(rows, kind) for name, kind, rows in (
+            ("TRANSLATION", "VEC3", translations), ("ROTATION", "VEC4", rotations), ("SCALE", "VEC3", scales)) if rows}
+        self.extend(self.json["nodes"][node], "EXT_mesh_gpu_instancing", {"attributes": attributes})
+
     def place(self, positions, triangles, material=None, **properties):
         """A mesh under a node of its own."""
         return self.node(mesh=self.mesh(positions, triangles, material), **properties)

@@ -112,6 +112,41 @@ class Load(unittest.TestCase):
         self.assertGreater(normal[1], 0)
         self.assertEqual((normal[0], normal[2]), (0, 0))
 
+    def test_instances_are_separate_nodes_bit_for_bit(self):
+        translations = [(.1, .2, .3), (-4, 5, 6.5), (0, 0, -9)]
+        rotations = [(0, 0, 0, 2), (.6, 0, 0, .8), (.1, -.2, .3, .4)]
+        scales = [(1, 1, 1), (2, .5, 3), (-1, 1, 1)]
+
+        def scene(name, place):
+            g = Gltf()
+            positions, triangles = make.icosphere(1)
+            mesh = g.mesh(positions, triangles, g.material("lamp", (.5,) * 3, (1, 2, 3)), normals=positions)
+            place(g, mesh, {"translation": [7, 8, 9], "rotation": [0, .6, 0, .8], "scale": [1.5, 1.5, .1]})
+            return self.load(g.save(self.folder, name))
+
+        def together(g, mesh, where):
+            g.instances(g.node(mesh=mesh, **where), translations, rotations, scales)
+
+        def apart(g, mesh, where):
+            # What a list of single floats holds, each in a node.
+            short = [[struct.unpack("<f", struct.pack("<f", x))[0] for x in row] for rows in (translations, rotations, scales) for row in rows]
+            parts = [g.node(False, mesh=mesh, translation=short[i], rotation=short[3 + i], scale=short[6 + i]) for i in range(3)]
+            g.node(children=parts, **where)
+        info, one = scene("together.gltf", together)
+        apart_info, other = scene("apart.gltf", apart)
+        self.assertEqual((info["triangles"], info["ignored"], info["warnings"]), (240, [], []))
+        self.assertEqual((info["node_count"], apart_info["node_count"]), (1, 4))
+        for section in ("vertices", "triangles", "emitters"):
+            self.assertEqual(getattr(one, section), getattr(other, section), section)
+        self.assertEqual(info["bounds_max"], apart_info["bounds_max"])
+
+    def test_instances_of_one_attribute(self):
+        g = Gltf()
+        node = g.place(*quad((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), g.material("m"))
+        g.instances(node, scales=[(1, 1, 1), (2, 2, 2)])
+        info, _ = self.load(g.save(self.folder, "scaled.gltf"))
+        self.assertEqual((info["triangles"], info["bounds_max"]), (4, [2, 2, 0]))
+
     def test_normals_go_by_the_inverse_transpose(self):
         for scale in ([1, 4, 1], [-1, 4, 1], [1, 4, -1], [-1, -4, -1]):
             g = Gltf()

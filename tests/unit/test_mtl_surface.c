@@ -39,7 +39,8 @@ static void exponents(void **state)
 
 static struct material surface(int illum, double ks, double ns)
 {
-	const struct mtl_note note = {.illum = illum, .specular = {ks, ks / 2, 0}, .exponent = ns, .bump = 1, .dissolve = 1};
+	const struct mtl_note note = {
+	    .illum = illum, .specular = {ks, ks / 2, 0}, .exponent = ns, .has_exponent = ns >= 0, .bump = 1, .dissolve = 1};
 	struct material m = import_plain_material(0.5f);
 	assert_true(mtl_set_surface(&import, &note, &m) == (ks <= 1));
 	return m;
@@ -58,14 +59,21 @@ static void illumination_models(void **state)
 		assert_true(m.specular_weight == 0.5f && m.metallic == 0 && near_to(m.roughness, 0.5));
 	}
 	assert_int_equal(info.ignored_count, 0);
-	for (int illum = 4; illum <= 9; illum++) // nothing says that light comes through
-		assert_true(surface(illum, 0.5, 30).specular_weight == 0.5f && surface(illum, 0.5, 30).transmission == 0);
+	for (int illum = 4; illum <= 9; illum++) { // nothing says that light comes through
+		const struct material m = surface(illum, 0.5, 30);
+		assert_true(m.specular[0] == 0.5f && m.transmission == 0 && near_to(m.roughness, 0.5));
+		assert_true(m.specular_weight == (illum == 5 ? 1 : 0.5f));
+	}
+	assert_true(surface(5, 0, 30).specular_weight == 0);
+	for (int illum = 2; illum <= 10; illum++) // without Ns
+		assert_true(surface(illum, 0.5, -1).roughness == (illum == 3 || illum == 5 || illum == 8 ? 0 : 1));
+	fresh(NULL);
 	assert_int_equal(info.ignored_count, 0);
 	assert_true(surface(10, 0.5, 30).specular_weight == 0.5f);
 	assert_int_equal(info.ignored_count, 1);
 	assert_string_equal(info.ignored[0], "illum 10");
 	assert_true(surface(2, 3, 30).specular[0] == 1);
-	assert_true(surface(2, 0.5, 0).roughness == 1);
+	assert_true(surface(2, 0.5, 0).roughness == 1 && surface(3, 0.5, 0).roughness == 1);
 	assert_true(surface(2, 0, 30).specular_weight == 0);
 	// Without an illum both must be given.
 	assert_true(surface(-1, 0.5, 30).specular_weight == 0.5f);
@@ -104,6 +112,36 @@ static void glass(void **state)
 	assert_int_equal(info.ignored_count, 2);
 	assert_string_equal(info.ignored[0], "Ni");
 	assert_string_equal(info.ignored[1], "Tf");
+}
+
+static void physical_keys(void **state)
+{
+	static char text[] = "newmtl metal\nKs 0.5 0.5 0.5\nNs 30\nillum 1\nPm 1\nPr 0.25\nNi 3\n"
+			     "newmtl coat\nillum 1\nPc 0.5\nPcr 0.125\nPdr 0.75\n"
+			     "newmtl dull\nPm 0.5\nNs 30\n"
+			     "newmtl wrong\nPr 7\nPm -1\nPc nan\n"
+			     "newmtl glass\nillum 7\nNi 1.5\nPr 0.5\nPc 1\n"
+			     "newmtl empty\nPr\nPm\nPc\n";
+	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
+	struct mtl_notes notes = {0};
+	struct material m[6];
+	static const char *const names[] = {"metal", "coat", "dull", "wrong", "glass", "empty"};
+	(void)state;
+	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
+	for (int i = 0; i < 6; i++) {
+		m[i] = import_plain_material(0.5f);
+		assert_true(mtl_set_surface(&import, mtl_notes_find(&notes, names[i]), &m[i]) == (i != 3));
+	}
+	mtl_notes_finish(&notes);
+	assert_true(m[0].metallic == 1 && m[0].roughness == 0.25f && m[0].specular[0] == 0.25f && m[0].specular_weight == 1);
+	assert_true(m[1].coat == 0.5f && m[1].coat_roughness == 0.125f && m[1].diffuse_roughness == 0.75f);
+	assert_true(m[1].specular_weight == 0 && m[1].metallic == 0);
+	assert_true(m[2].metallic == 0.5f && near_to(m[2].roughness, 0.5) && near_to(m[2].specular[2], 0.04));
+	assert_true(m[3].metallic == 0 && m[3].roughness == 1 && m[3].coat == 0);
+	assert_true(m[4].transmission == 1 && m[4].roughness == 0.5f && m[4].coat == 0);
+	assert_true(m[5].specular_weight == 0 && m[5].coat == 0);
+	assert_int_equal(info.ignored_count, 1); // not Ni: it says how much the metal's other half reflects
+	assert_string_equal(info.ignored[0], "Pc");
 }
 
 static void dissolve(void **state)
@@ -189,6 +227,7 @@ int main(void)
 	    cmocka_unit_test(exponents),
 	    cmocka_unit_test_setup(illumination_models, fresh),
 	    cmocka_unit_test_setup(glass, fresh),
+	    cmocka_unit_test_setup(physical_keys, fresh),
 	    cmocka_unit_test_setup(dissolve, fresh),
 	    cmocka_unit_test_setup(statements, fresh),
 	    cmocka_unit_test(normal_maps_are_told_from_heights),
