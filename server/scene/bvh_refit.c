@@ -11,11 +11,22 @@ static struct box empty_box(void)
 	return (struct box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
+// Of what is no NaN: without the calls that fminf and fmaxf are.
+static float least(float a, float b)
+{
+	return a < b ? a : b;
+}
+
+static float most(float a, float b)
+{
+	return a > b ? a : b;
+}
+
 static void grow(struct box *box, const float min[3], const float max[3])
 {
 	for (int c = 0; c < 3; c++) {
-		box->min[c] = fminf(box->min[c], min[c]);
-		box->max[c] = fmaxf(box->max[c], max[c]);
+		box->min[c] = least(box->min[c], min[c]);
+		box->max[c] = most(box->max[c], max[c]);
 	}
 }
 
@@ -26,8 +37,8 @@ static struct box box_of_leaf(const struct leaf_triangle *leaves, uint32_t count
 		const struct leaf_triangle *l = &leaves[i];
 		float min[3], max[3];
 		for (int c = 0; c < 3; c++) {
-			min[c] = bvh_below(fminf(l->v0[c], fminf(l->v1[c], l->v2[c])));
-			max[c] = bvh_above(fmaxf(l->v0[c], fmaxf(l->v1[c], l->v2[c])));
+			min[c] = bvh_below(least(l->v0[c], least(l->v1[c], l->v2[c])));
+			max[c] = bvh_above(most(l->v0[c], most(l->v1[c], l->v2[c])));
 		}
 		grow(&box, min, max);
 	}

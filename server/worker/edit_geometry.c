@@ -112,13 +112,19 @@ static void find_bounds(struct edited *e)
 {
 	const struct vertex *vertices = e->view.sections[BLOB_VERTICES];
 	const struct triangle *triangles = e->view.sections[BLOB_TRIANGLES];
-	float *min = e->view.bounds_min, *max = e->view.bounds_max;
+	float min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
+	if (e->view.counts[BLOB_TRIANGLES] == 0)
+		return;
 	for (uint32_t i = 0; i < e->view.counts[BLOB_TRIANGLES]; i++)
-		for (int k = 0; k < 9; k++) {
-			const float v = vertices[triangles[i].vertex[k / 3]].position[k % 3];
-			min[k % 3] = i == 0 && k < 3 ? v : fminf(min[k % 3], v);
-			max[k % 3] = i == 0 && k < 3 ? v : fmaxf(max[k % 3], v);
+		for (int k = 0; k < 3; k++) {
+			const float *p = vertices[triangles[i].vertex[k]].position;
+			for (int c = 0; c < 3; c++) {
+				min[c] = p[c] < min[c] ? p[c] : min[c];
+				max[c] = p[c] > max[c] ? p[c] : max[c];
+			}
 		}
+	memcpy(e->view.bounds_min, min, sizeof min);
+	memcpy(e->view.bounds_max, max, sizeof max);
 }
 
 static enum status refit(struct edited *e, struct error *err)

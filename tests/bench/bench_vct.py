@@ -21,7 +21,7 @@ import judge
 import make
 import rooms
 from render import Daemon, Picture
-from writers import Gltf, quad
+from writers import Gltf, quad, transformed
 
 PUBLIC = os.environ.get("CANDIL_SCENES")
 SUN = ["--light", "directional:direction=-0.25,-1,-0.15,intensity=12"]
@@ -30,10 +30,11 @@ QUIET_STAGES = ("queue", "upload", "compile", "encode")
 
 
 class Case:
-    """A scene as it is rendered here. `arguments`: camera and light."""
+    """A scene as it is rendered here. `arguments`: camera and light. Pixels as bright as `brightest` are lamps and not judged. `glows`:
+    what lights it has so many triangles that it is a matter for cones, too."""
 
-    def __init__(self, name, path, arguments=(), brightest=math.inf):
-        self.name, self.path, self.arguments, self.brightest = name, path, list(arguments), brightest
+    def __init__(self, name, path, arguments=(), brightest=math.inf, glows=False):
+        self.name, self.path, self.arguments, self.brightest, self.glows = name, path, list(arguments), brightest, glows
 
     def is_there(self):
         return os.path.exists(self.path)
@@ -64,11 +65,47 @@ def mesh_in_a_room(folder):
     return g.save(folder, "mesh.glb")
 
 
+def obj_triangles(path):
+    """(positions, triangles) of an OBJ file: faces as fans, all else passed over."""
+    positions, triangles = [], []
+    with open(path, encoding="utf-8") as file:
+        for words in (line.split() for line in file):
+            if words[:1] == ["v"]:
+                positions.append([float(x) for x in words[1:4]])
+            elif words[:1] == ["f"]:
+                corners = [int(word.split("/")[0]) - 1 for word in words[1:]]
+                triangles += [(corners[0], b, c) for b, c in zip(corners[1:], corners[2:])]
+    return positions, triangles
+
+
+def teapot_in_a_box(folder):
+    """Our Cornell box with nothing in it that shines but a teapot, 6,320 triangles."""
+    positions, triangles = obj_triangles(f"{PUBLIC}/teapot/teapot.obj")
+    low, high = ([f(p[i] for p in positions) for i in range(3)] for f in (min, max))
+    scale = 1.2 / max(h - l for l, h in zip(low, high))
+    offset = [-scale * (low[0] + high[0]) / 2, 0.01 - scale * low[1], -scale * (low[2] + high[2]) / 2]
+    g = Gltf()
+    for part, colour, corners in make.CORNELL:
+        g.place(*quad(*corners), g.material(part, colour))
+    # Its winding is the other way about here and there: both sides shine.
+    g.place(transformed(positions, scale=scale, offset=offset), triangles, g.material("teapot", (.5,) * 3, (4, 3, 2), both_sides=True))
+    g.camera((0, 1, 3.9), (0, 1, 0), 39)
+    return g.save(folder, "teapot.glb")
+
+
+# Curtains of Sponza, by their places among its materials, which have no names: red, green and blue light out of the like.
+CURTAINS = [part for edit in ("#18:emission=3,.2,.1", "#19:emission=.2,3,.1", "#17:emission=.2,.4,3", "#15:emission=.2,.4,3")
+            for part in ("--material", edit)]
+
+
 def cases(folder):
     found = [Case("our Cornell box", make.cornell(folder), brightest=4), Case("light box", rooms.light_box(folder), brightest=0.49)]
     if PUBLIC:
         found += [Case("Bitterli's Cornell box", f"{PUBLIC}/ref-cornell-box/cornell-box.gltf", brightest=4),
                   Case("Sponza, sun", f"{PUBLIC}/sponza/Sponza.gltf", ["--camera", "-10,1.2,-.5,0,2.6,0,0,1,0,60", *SUN]),
+                  Case("Sponza, curtains that glow", f"{PUBLIC}/sponza/Sponza.gltf", ["--camera", "-10,1.2,-.5,0,2.6,0,0,1,0,60", *CURTAINS],
+                       brightest=2.9, glows=True),
+                  Case("teapot that glows", teapot_in_a_box(folder), brightest=1.9, glows=True),
                   Case("kitchen", f"{PUBLIC}/kitchen/kitchen.obj", kitchen_camera(), brightest=3.9),
                   Case("Veach's plates", f"{PUBLIC}/ref-veach-mis/veach-mis.gltf", brightest=7)]
     return [case for case in found if case.is_there()]
@@ -159,8 +196,10 @@ def scenes(daemon, given, folder):
     def rows():
         for case in cases(folder):
             renders = Renders(daemon, case, given.references)
-            yield from error_rows(renders, (given.side // 2, given.side // 2), given.spp, given.pictures,
-                                  [("vct 128³", {"resolution": 128}), ("vct 256³", {"resolution": 256})])
+            ways = [("vct 128³", {"resolution": 128}), ("vct 256³", {"resolution": 256})]
+            if case.glows:
+                ways += [("vct 128³, emitters by cones", {"resolution": 128, "emitters": "cones"})]
+            yield from error_rows(renders, (given.side // 2, given.side // 2), given.spp, given.pictures, ways)
             renders.close()
     bench.table(ERROR_COLUMNS, rows())
 
