@@ -10,7 +10,8 @@ enum status devices_gl(struct devices *d, struct gl_device **gl, struct error *e
 		const struct gl_device_options options = {.uuid = d->vk->info.uuid_bytes,
 							  .software = d->vk->info.software,
 							  .bytes = &d->vk->bytes,
-							  .budget = &d->vk->budget};
+							  .budget = &d->vk->budget,
+							  .wanted = &d->vk->wanted};
 		s = gl_device_create(&options, &d->gl, err);
 	}
 	*gl = d->gl;

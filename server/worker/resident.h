@@ -20,6 +20,7 @@ struct derived {
 	const void *kind; // the address of something that only its maker has
 	void (*destroy)(struct derived *derived);
 	bool (*trim)(struct derived *derived); // free some of what no job uses; false: there is none. NULL: never any
+	uint64_t (*bytes)(const struct derived *derived); // device memory that no job uses; without trim, all of it
 };
 
 struct resident_scene {
@@ -95,6 +96,9 @@ void resident_derive(struct resident_scene *scene, struct derived *derived);
 // Take the least recently used scene that no job needs off the device; its blob stays mapped, a variant goes altogether. If
 // there is none, what techniques derived from the others and no job uses. False: all that is on the device is in use.
 bool resident_evict(struct resident_scenes *scenes);
+
+// Device memory that calls of resident_evict would make free, if it were called until there is no more.
+uint64_t resident_idle_bytes(const struct resident_scenes *scenes);
 
 void resident_finish(struct resident_scenes *scenes);
 

@@ -88,14 +88,29 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 		snprintf(out->notes[out->notes_count++], sizeof out->notes[0], "%s", job->scene->edited.note);
 }
 
-static enum status refuse_size(const struct server *s, const struct job *job, uint64_t bytes, struct error *err)
+// Of the budget, what is left if all makes room that no job needs.
+static uint64_t budget_left(const struct server *s)
+{
+	const struct device *d = s->devices->vk;
+	const uint64_t idle = resident_idle_bytes(&s->scenes), needed = d->bytes > idle ? d->bytes - idle : 0;
+	return d->budget > needed ? d->budget - needed : 0;
+}
+
+// After STATUS_MEMORY: scenes that nobody renders now make room, the one unused for longest first. But not in vain.
+static bool make_room(struct server *s)
+{
+	return s->devices->vk->wanted <= budget_left(s) && resident_evict(&s->scenes);
+}
+
+static enum status refuse_size(const struct server *s, const struct job *job, uint64_t bytes, uint64_t budget,
+			       struct error *err)
 {
 	char advice[TECHNIQUE_ADVICE_BYTES] = "render smaller";
-	const uint64_t budget = s->devices->vk->budget;
 	if (job->technique->advise)
 		job->technique->advise(s->devices, job->scene, &job->plan, budget, advice);
-	return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget is %llu MiB: %s",
-			 (unsigned long long)(bytes >> 20), (unsigned long long)(budget >> 20), advice);
+	return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget %s %llu MiB: %s",
+			 (unsigned long long)(bytes >> 20), budget < s->devices->vk->budget ? "leaves" : "is",
+			 (unsigned long long)(budget >> 20), advice);
 }
 
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
@@ -123,14 +138,16 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	job->technique = technique_find(job->plan.technique);
 	if (!job->technique)
 		return error_set(err, STATUS_UNSUPPORTED, "this worker has no such technique");
-	const uint64_t budget = s->devices->vk->budget;
+	// What another job of this scene holds may be shared with it: then only the attempt will tell.
+	const struct resident_scene *base = job->scene->base ? job->scene->base : job->scene;
+	const uint64_t budget = base->jobs > 1 ? s->devices->vk->budget : budget_left(s);
 	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	if (bytes > budget)
-		return refuse_size(s, job, bytes, err);
-	// Scenes that nobody renders now make room, the one unused for longest first.
-	do
+		return refuse_size(s, job, bytes, budget, err);
+	do {
+		s->devices->vk->wanted = 0;
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
-	while (r == STATUS_MEMORY && resident_evict(&s->scenes));
+	} while (r == STATUS_MEMORY && make_room(s));
 	if (r == STATUS_OK && job->plan.effect_times && job->technique->time_effects)
 		r = job->technique->time_effects(job->work, job->plan.reports, job->plan.report_count, err);
 	return r;
@@ -161,9 +178,10 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 static enum status step(struct server *s, struct job *job, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status r;
-	do
+	do {
+		s->devices->vk->wanted = 0;
 		r = job->technique->step(job->work, budget_us, result, err);
-	while (r == STATUS_MEMORY && resident_evict(&s->scenes));
+	} while (r == STATUS_MEMORY && make_room(s));
 	return r;
 }
 

@@ -70,6 +70,31 @@ class Memory(unittest.TestCase):
             self.assertLess(peak_kib(stats["worker_pid"]), memory + 1024)
             self.assertEqual(daemon.render("box", size=(32, 32), spp=1).radiance.tobytes(), before.radiance.tobytes())
 
+    def test_no_scene_makes_room_in_vain(self):
+        """A job that would fit the budget alone, but not beside its own scene, is refused while the others stay where they are."""
+        vct = dict(size=(32, 32), spp=1, options={"vct.resolution": 64}, arguments=["--technique", "vct"])
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
+            g = make.Gltf()
+            g.place(*make.icosphere(6, 1), g.material("ball"))
+            g.light("point", 3, (2, 2, 2))
+            g.camera((0, 0, 4), (0, 0, 0), 40)
+            large, small = g.save(folder, "large.glb"), make.cornell(folder)
+            with Daemon() as daemon:
+                takes = daemon.render(large, **vct).report["job_bytes"]
+            with Daemon("--memory-budget", str(takes // MIB + 4)) as daemon:
+                for path, name in ((small, "small"), (large, "large")):
+                    daemon.candil("load", path, "--name", name)
+                daemon.render("small", size=(16, 16), spp=1)
+                daemon.render("large", size=(16, 16), spp=1, arguments=["--technique", "direct"])
+                beside = daemon.render("small", size=(16, 16), spp=1)
+                held = daemon.stats()["device_bytes"]
+                with self.assertRaises(Failed) as refused:
+                    daemon.render("large", **vct)
+                print(refused.exception.text.strip())
+                self.assertEqual(refused.exception.status, 6)
+                self.assertEqual(daemon.stats()["device_bytes"], held)
+                self.assertEqual(daemon.render("small", size=(16, 16), spp=1).radiance.tobytes(), beside.radiance.tobytes())
+
 
 if __name__ == "__main__":
     unittest.main()

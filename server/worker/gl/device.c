@@ -168,6 +168,7 @@ enum status gl_device_create(const struct gl_device_options *options, struct gl_
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	d->bytes = options->bytes;
 	d->budget = options->budget;
+	d->wanted = options->wanted;
 	if (!open_listed(d, options) && !open_surfaceless(d, options)) {
 		free(d);
 		return error_set(err, STATUS_DEVICE,
@@ -226,6 +227,8 @@ enum status gl_reserve(const struct gl_device *d, uint64_t bytes, struct error *
 {
 	if (*d->bytes <= *d->budget && bytes <= *d->budget - *d->bytes)
 		return STATUS_OK;
+	if (d->wanted)
+		*d->wanted = bytes;
 	return error_set(err, STATUS_MEMORY, "%llu MiB more on the device would exceed the memory budget of %llu MiB",
 			 (unsigned long long)((bytes + (1u << 20) - 1) >> 20), (unsigned long long)(*d->budget >> 20));
 }

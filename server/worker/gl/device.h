@@ -18,6 +18,7 @@ struct gl_device_options {
 	bool software; // the device to match is a software one
 	uint64_t *bytes; // what the worker holds on its devices; counted up and down here too
 	const uint64_t *budget; // and may
+	uint64_t *wanted; // set to what is refused for the budget's sake; NULL: nobody asks
 };
 
 struct gl_device {
@@ -27,6 +28,7 @@ struct gl_device {
 	bool same_device; // it told the UUID asked for
 	uint64_t *bytes;
 	const uint64_t *budget;
+	uint64_t *wanted;
 	uint64_t storage_bytes_max; // of one storage block
 	uint32_t volume_side_max; // texels of a 3D texture's side
 	uint32_t image_side_max; // of a 2D texture's

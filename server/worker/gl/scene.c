@@ -17,6 +17,15 @@ static void destroy(struct derived *derived)
 	free(s);
 }
 
+static uint64_t bytes_of(const struct derived *derived)
+{
+	const struct gl_scene *s = (const struct gl_scene *)derived;
+	uint64_t bytes = 0;
+	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
+		bytes += s->buffers[i].bytes;
+	return bytes;
+}
+
 // A texel buffer over one of the scene's; made once.
 static enum status view_as_texels(struct gl_scene *s, uint32_t binding, unsigned *texture, struct error *err)
 {
@@ -59,7 +68,7 @@ enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device,
 		if (!s)
 			return error_set(err, STATUS_MEMORY, "out of memory");
 		s->device = device;
-		s->derived = (struct derived){.kind = &kind, .destroy = destroy};
+		s->derived = (struct derived){.kind = &kind, .destroy = destroy, .bytes = bytes_of};
 		resident_derive(scene, &s->derived);
 	}
 	*out = s;

@@ -95,6 +95,14 @@ static bool trim(struct derived *derived)
 	return drop_oldest((struct shadow_shelf *)derived, 0);
 }
 
+static uint64_t idle_bytes(const struct derived *derived)
+{
+	uint64_t bytes = 0;
+	for (const struct shadow_maps *m = ((const struct shadow_shelf *)derived)->first; m; m = m->next)
+		bytes += m->users == 0 ? m->depths.bytes + m->views.bytes + m->lights.bytes : 0;
+	return bytes;
+}
+
 static struct shadow_shelf *shelf_of(struct resident_scene *scene)
 {
 	struct resident_scene *base = scene->base ? scene->base : scene;
@@ -103,7 +111,7 @@ static struct shadow_shelf *shelf_of(struct resident_scene *scene)
 		return s;
 	s = calloc(1, sizeof *s);
 	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim};
+		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim, .bytes = idle_bytes};
 		resident_derive(base, &s->derived);
 	}
 	return s;

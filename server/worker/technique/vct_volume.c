@@ -80,6 +80,33 @@ static bool trim(struct derived *derived)
 	return drop_idle((struct vct_shelf *)derived, 0);
 }
 
+static uint64_t volume_bytes(const struct vct_volume *v)
+{
+	return v->params_block.bytes + v->cells.bytes + v->direct.bytes + v->total.bytes + v->job.bytes + v->pyramid.bytes +
+	       v->shares.bytes;
+}
+
+// Of an idle volume, its voxels as well if none but idle ones hold them: they are the last's of those.
+static uint64_t voxel_share(const struct vct_shelf *s, const struct vct_volume *of)
+{
+	uint32_t holders = 0;
+	bool last = true;
+	for (const struct vct_volume *v = s->first; v; v = v->next)
+		holders += v->users == 0 && v->voxels == of->voxels;
+	for (const struct vct_volume *v = of->next; v; v = v->next)
+		last = last && !(v->users == 0 && v->voxels == of->voxels);
+	return last && holders == of->voxels->users ? voxels_bytes(of->voxels) + of->voxels->cells.bytes : 0;
+}
+
+static uint64_t idle_bytes(const struct derived *derived)
+{
+	const struct vct_shelf *s = (const struct vct_shelf *)derived;
+	uint64_t bytes = 0;
+	for (const struct vct_volume *v = s->first; v; v = v->next)
+		bytes += v->users == 0 ? volume_bytes(v) + voxel_share(s, v) : 0;
+	return bytes;
+}
+
 static struct vct_shelf *shelf_of(struct resident_scene *of)
 {
 	struct resident_scene *scene = of->base ? of->base : of;
@@ -88,7 +115,7 @@ static struct vct_shelf *shelf_of(struct resident_scene *of)
 		return s;
 	s = calloc(1, sizeof *s);
 	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim};
+		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim, .bytes = idle_bytes};
 		resident_derive(scene, &s->derived);
 	}
 	return s;

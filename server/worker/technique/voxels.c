@@ -74,6 +74,14 @@ static bool trim(struct derived *derived)
 	return drop_oldest((struct voxel_shelf *)derived, 0);
 }
 
+static uint64_t idle_bytes(const struct derived *derived)
+{
+	uint64_t bytes = 0;
+	for (const struct voxels *v = ((const struct voxel_shelf *)derived)->first; v; v = v->next)
+		bytes += v->users == 0 ? voxels_bytes(v) + v->cells.bytes : 0;
+	return bytes;
+}
+
 static struct voxel_shelf *shelf_of(struct resident_scene *of)
 {
 	struct resident_scene *scene = of->base ? of->base : of;
@@ -82,7 +90,7 @@ static struct voxel_shelf *shelf_of(struct resident_scene *of)
 		return s;
 	s = calloc(1, sizeof *s);
 	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim};
+		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim, .bytes = idle_bytes};
 		resident_derive(scene, &s->derived);
 	}
 	return s;

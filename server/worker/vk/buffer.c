@@ -31,12 +31,15 @@ static enum status allocate(struct buffer *b, struct device *d, enum buffer_home
 	int type = memory_type(d, need.memoryTypeBits, home);
 	if (type < 0)
 		return error_set(err, STATUS_DEVICE, "the device has no memory for a buffer of this kind");
-	if (need.size > d->budget || d->bytes > d->budget - need.size)
+	const bool fits = need.size <= d->budget && d->bytes <= d->budget - need.size;
+	if (!fits) {
+		d->wanted = need.size;
 		return error_set(err, STATUS_MEMORY,
 				 "%llu MiB more would exceed the memory budget of %llu MiB (%llu in use): render smaller, "
 				 "unload scenes or raise --memory-budget",
 				 (unsigned long long)(need.size >> 20), (unsigned long long)(d->budget >> 20),
 				 (unsigned long long)(d->bytes >> 20));
+	}
 	const VkMemoryAllocateInfo info = {
 	    .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = need.size, .memoryTypeIndex = (uint32_t)type};
 	VkResult r = vkAllocateMemory(d->handle, &info, NULL, &b->memory);

@@ -54,6 +54,7 @@ struct device {
 	_Atomic uint64_t validation_errors;
 	uint64_t bytes; // allocated now
 	uint64_t budget;
+	uint64_t wanted; // of what was refused last for the budget's sake, here or on the OpenGL device
 	bool lost; // by the driver's word: only a new process can have it again
 	struct pipeline *pipelines; // those that are kept, by pipeline.c
 	uint64_t pipeline_turn;
