@@ -143,7 +143,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	const uint64_t budget = base->jobs > 1 ? s->devices->vk->budget : budget_left(s);
 	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	if (bytes > budget)
-		return refuse_size(s, job, bytes, budget, err);
+		return refuse_size(s, job, bytes, bytes > s->devices->vk->budget ? s->devices->vk->budget : budget, err);
 	do {
 		s->devices->vk->wanted = 0;
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
