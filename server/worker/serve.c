@@ -102,15 +102,16 @@ static bool make_room(struct server *s)
 	return s->devices->vk->wanted <= budget_left(s) && resident_evict(&s->scenes);
 }
 
-static enum status refuse_size(const struct server *s, const struct job *job, uint64_t bytes, uint64_t budget,
+static enum status refuse_size(const struct server *s, const struct job *job, uint64_t bytes, uint64_t left,
 			       struct error *err)
 {
+	const uint64_t budget = s->devices->vk->budget;
 	char advice[TECHNIQUE_ADVICE_BYTES] = "render smaller";
 	if (job->technique->advise)
-		job->technique->advise(s->devices, job->scene, &job->plan, budget, advice);
+		job->technique->advise(s->devices, job->scene, &job->plan, left, advice);
 	return error_set(err, STATUS_MEMORY, "the job takes %llu MiB, the memory budget %s %llu MiB: %s",
-			 (unsigned long long)(bytes >> 20), budget < s->devices->vk->budget ? "leaves" : "is",
-			 (unsigned long long)(budget >> 20), advice);
+			 (unsigned long long)(bytes >> 20), bytes > budget ? "is" : "leaves",
+			 (unsigned long long)((bytes > budget ? budget : left) >> 20), advice);
 }
 
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
@@ -143,7 +144,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	const uint64_t budget = base->jobs > 1 ? s->devices->vk->budget : budget_left(s);
 	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	if (bytes > budget)
-		return refuse_size(s, job, bytes, bytes > s->devices->vk->budget ? s->devices->vk->budget : budget, err);
+		return refuse_size(s, job, bytes, budget, err);
 	do {
 		s->devices->vk->wanted = 0;
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
