@@ -113,9 +113,6 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 {
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_BOUNCES)
 		return "direct shows light that comes straight from its source: pt and vct follow it further";
-	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ENVIRONMENT &&
-	    p->environment.width > 0)
-		return "only pt shows pictures of the surroundings: the background is black";
 	if (p->technique == candil_Technique_TECHNIQUE_DIRECT && effect == candil_Effect_EFFECT_GLASS)
 		return "only pt and vct look through glass: clear surfaces are opaque with their base colour";
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ALPHA_BLEND)
@@ -147,6 +144,8 @@ static candil_EffectState decide(const struct effect_rule *rule, const candil_Re
 	if (r->effects_off & bit)
 		return candil_EffectState_EFFECT_STATE_SWITCHED_OFF;
 	*why = rule->simulated;
+	if (rule->effect == candil_Effect_EFFECT_ENVIRONMENT && p->technique == candil_Technique_TECHNIQUE_DIRECT)
+		*why = "the background is not black: it is seen, and only pt and vct take light from it";
 	if (called_for(rule->effect, r, p, facts))
 		return candil_EffectState_EFFECT_STATE_SIMULATED;
 	*why = rule->absent;

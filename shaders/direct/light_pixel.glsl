@@ -5,6 +5,9 @@
 
 #include "direct/lamp_image.glsl"
 #include "direct/pixel.glsl"
+#ifdef DIRECT_SKY
+#include "direct/sky.glsl"
+#endif
 
 void light_pixel()
 {
@@ -15,8 +18,12 @@ void light_pixel()
 	if (DIRECT_SOFT)
 		imageStore(scale_image, pixel_texel(pixel), vec4(0.0));
 	if (!pixel_visible(pixel, v)) {
+#ifdef DIRECT_SKY
+		pixel_add(pixel, sky_seen(v.direction, job.sky_turn) * job.sky_scale);
+#else
 		if (EFFECT_ENVIRONMENT)
 			pixel_add(pixel, to_vec3(job.background));
+#endif
 		return;
 	}
 	surface s = pixel_surface(v);

@@ -8,6 +8,7 @@
 #define PATH_SKY_GLSL
 
 #include "common/light.glsl"
+#include "common/sky_place.glsl"
 
 layout(constant_id = SPEC_SKY) const bool SKY = false;
 
@@ -23,18 +24,9 @@ struct sky_view {
 	float pdf;   // of the direction by the table, 1/sr
 };
 
-// w, unit, to the picture: 0…1 from left to right, 0…1 from top to bottom.
-vec2 sky_place(vec3 w)
-{
-	float across = length(w.xz);
-	float longitude = across > 0.0 ? atan(w.x, -w.z) : 0.0;
-	float u = 0.5 + longitude * (0.5 / PI) + job.sky_turn;
-	return vec2(u - floor(u), atan(across, w.y) * (1.0 / PI));
-}
-
 sky_view sky_at(vec3 w)
 {
-	vec2 place = sky_place(w) * vec2(job.sky_width, job.sky_height);
+	vec2 place = sky_place(w, job.sky_turn) * vec2(job.sky_width, job.sky_height);
 	vec2 from = floor(place - 0.5);
 	vec2 part = place - 0.5 - from;
 	uint last = job.sky_height - 1u;

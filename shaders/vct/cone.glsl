@@ -152,12 +152,34 @@ vec4 cone_march(cone_origin o, vec3 direction, float tangent)
 	return cone_march_to(o, direction, tangent, uintBitsToFloat(0x7f800000u));
 }
 
+#ifdef VCT_SKY
+#include "direct/sky.glsl"
+layout(binding = SKY_CONES_UNIT) uniform sampler2DArray vct_sky_cones;
+
+// The mean radiance of the picture around the scene over a cone.
+vec3 cone_background(vec3 direction, float tangent)
+{
+	float turn = vct_shadow.y;
+	float layer = clamp(log2(max(tangent, 1e-6) / SKY_TANGENT_LEAST), 0.0, float(SKY_CONES_LAYERS - 1));
+	vec2 at = sky_place(direction, turn);
+	vec3 narrow = textureLod(vct_sky_cones, vec3(at, floor(layer)), 0.0).rgb;
+	vec3 wide = textureLod(vct_sky_cones, vec3(at, ceil(layer)), 0.0).rgb;
+	vec3 mean = tangent < SKY_TANGENT_SHARP ? sky_seen(direction, turn) : mix(narrow, wide, fract(layer));
+	return mean * vct_shadow.z;
+}
+#else
+vec3 cone_background(vec3 direction, float tangent)
+{
+	return vct_background_scale.rgb;
+}
+#endif
+
 // The same with the background behind; W/(m² sr).
 vec3 cone_radiance(cone_origin o, vec3 direction, float tangent)
 {
 	vec4 c = cone_march(o, direction, tangent);
 	vec3 ambient = vec3(VCT_AMBIENT ? uintBitsToFloat(vct_reach_emission.z) * max(1.0 - cone_nearness, 0.0) : 0.0);
-	return c.rgb / vct_background_scale.w + max(1.0 - c.a, 0.0) * vct_background_scale.rgb + ambient;
+	return c.rgb / vct_background_scale.w + max(1.0 - c.a, 0.0) * cone_background(direction, tangent) + ambient;
 }
 
 // Irradiance / π by the diffuse cones about `shading`, kept above the true surface.

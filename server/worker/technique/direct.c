@@ -60,6 +60,8 @@ void direct_define(struct gl_defines *defines, const struct plan *plan, const st
 	gl_define(defines, "DIRECT_LAMPS", "%s", word(!direct_lamps_in_volume(plan, scene)));
 	gl_define(defines, "DIRECT_SHADOWS", "%s", word(plan->direct_shadows != DIRECT_SHADOWS_NONE));
 	gl_define(defines, "DIRECT_SOFT", "%s", word(is_soft(plan, scene)));
+	if (plan_has_sky(plan))
+		gl_define(defines, "DIRECT_SKY", "true");
 	if (!shadow_maps_wanted(plan, scene))
 		return;
 	gl_define(defines, "DIRECT_MAPS", "true");
@@ -92,6 +94,8 @@ static void bind_lamps(void *user, const struct deferred_area *area)
 	(void)area;
 	if (l->maps)
 		shadow_maps_bind(l->maps);
+	if (l->sky)
+		sky_map_bind(l->sky);
 	if (!l->scale.name)
 		return;
 	gl_texture_bind_image(&l->scale, DIRECT_SCALE_UNIT, 0, GL_READ_WRITE);
@@ -127,6 +131,8 @@ enum status direct_lighting_init(struct direct_lighting *l, struct devices *devi
 {
 	*l = (struct direct_lighting){0};
 	enum status s = devices_gl(devices, &l->device, err);
+	if (s == STATUS_OK && plan_has_sky(plan))
+		s = sky_map_get(plan->environment.scene, l->device, &l->sky, err);
 	if (s == STATUS_OK && shadow_maps_wanted(plan, scene))
 		s = shadow_maps_acquire(scene, l->device, plan, &l->compile_us, &l->maps, err);
 	if (s != STATUS_OK)

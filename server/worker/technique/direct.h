@@ -5,6 +5,7 @@
 
 #include "server/worker/technique/deferred.h"
 #include "server/worker/technique/shadow_maps.h"
+#include "server/worker/technique/sky_map.h"
 
 #define DIRECT_PASSES_MAX 2u
 
@@ -19,6 +20,7 @@ extern const struct technique technique_direct;
 struct direct_lighting {
 	struct gl_device *device;
 	struct shadow_maps *maps; // NULL: every shadow by rays
+	const struct sky_map *sky; // NULL: what is around is no picture
 	uint64_t compile_us; // of what draws them, for deferred_add_setup
 	struct gl_texture scale, arrived, expected, facets; // of a band; only if lamps' points are shared, facets if any are
 	struct deferred_pass passes[DIRECT_PASSES_MAX];

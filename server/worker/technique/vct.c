@@ -78,6 +78,11 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->step = 2 * plan->vct_step; // of the cone's breadth; the footprint is half of that
 	o->start = plan->vct_start;
 	o->dither = plan->vct_dither;
+	if (plan_has_sky(plan)) {
+		o->sky = plan->environment.scene->id;
+		o->sky_turn = (float)plan->environment.turn;
+		o->sky_scale = (float)plan->environment.scale;
+	}
 	if (has_background(plan))
 		memcpy(o->background, plan->background, sizeof o->background);
 }

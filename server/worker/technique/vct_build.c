@@ -88,6 +88,8 @@ static void fill_params(struct vct_volume *v)
 	p->ambient = o->ambient;
 	p->falloff = o->falloff;
 	p->shadow_tangent = o->shadow_tangent;
+	p->sky_turn = o->sky_turn;
+	p->sky_scale = o->sky_scale;
 	vct_cones_fill(o->cones, p->cone, p->tangent);
 	fill_gather(p);
 }
@@ -184,6 +186,8 @@ static enum status bind(const struct vct_volume *v, enum vct_stage stage, const 
 	gl_buffer_bind(v->cells.name ? &v->cells : &v->voxels->cells, BIND_VCT_CELLS);
 	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
 	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
+	if (v->sky)
+		sky_map_bind(v->sky);
 	bind_images(v, stage);
 	return STATUS_OK;
 }
@@ -377,6 +381,8 @@ static enum status take_scale(struct vct_volume *v, struct error *err)
 		most = v->emission_most;
 	for (int i = 0; i < 3; i++)
 		most = v->options.background[i] > most ? v->options.background[i] : most;
+	if (v->sky)
+		most = fmaxf(most, v->sky->most * v->options.sky_scale);
 	v->params.scale = most > 0 ? SCALED_MOST / fmaxf(most, DIMMEST) : 1;
 	write_params(v);
 	glCopyNamedBufferSubData(v->direct.name, v->total.name, 0, 0, (GLsizeiptr)bytes);

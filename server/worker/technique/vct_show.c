@@ -41,6 +41,8 @@ static void darken(struct plan *plan, struct vct_options *o)
 	o->ambient = o->falloff = 0;
 	o->emission = 1; // nobody aims at it
 	memset(o->background, 0, sizeof o->background);
+	o->sky = 0;
+	o->sky_turn = o->sky_scale = 0;
 }
 
 static uint32_t top_of(const struct vct_show *s)

@@ -142,6 +142,8 @@ void vct_define(struct gl_defines *d, const struct vct_options *o)
 	gl_define(d, "VCT_SUM", "%s", o->cover ? "false" : "true");
 	gl_define(d, "VCT_ISOTROPIC", "%s", o->pyramid ? "true" : "false");
 	gl_define(d, "VCT_AMBIENT", "%s", o->ambient > 0 ? "true" : "false");
+	if (o->sky)
+		gl_define(d, "VCT_SKY", "true");
 	gl_define(d, "VCT_WEIGHTED", "%s", o->lambert ? "true" : "false");
 	if (!vct_shadows_in_volume(o->volume_shadows))
 		return;
@@ -180,7 +182,7 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 // The background, and surfaces whose emission is in the pyramid, have no irradiance in `direct`: cones bring it.
 static bool sends_by_cones(const struct vct_options *o)
 {
-	return o->emission || o->background[0] > 0 || o->background[1] > 0 || o->background[2] > 0;
+	return o->emission || o->sky || o->background[0] > 0 || o->background[1] > 0 || o->background[2] > 0;
 }
 
 static enum status create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
@@ -228,8 +230,13 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 {
 	struct vct_shelf *shelf = shelf_of(scene);
 	enum status s = STATUS_OK;
+	const struct sky_map *sky = NULL;
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");
+	if (options->sky)
+		s = sky_map_get(plan->environment.scene, device, &sky, err);
+	if (s != STATUS_OK)
+		return s;
 	struct vct_volume *v = find(shelf, scene, options);
 	if (!v) {
 		drop_idle(shelf, KEPT - 1);
@@ -242,6 +249,7 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 		v->next = shelf->first;
 		shelf->first = v;
 	}
+	v->sky = sky;
 	v->users++;
 	v->used = ++shelf->turn;
 	*volume = v;
@@ -295,6 +303,8 @@ void vct_volume_bind(const struct vct_volume *v)
 	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
 	if (v->shares.name)
 		gl_texture_bind(&v->shares, VCT_SHARES_UNIT);
+	if (v->sky)
+		sky_map_bind(v->sky);
 }
 
 uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_options *options)

@@ -13,6 +13,7 @@
 #include "server/worker/gl/program.h"
 #include "server/worker/gl/texture.h"
 #include "server/worker/technique/shadow_maps.h"
+#include "server/worker/technique/sky_map.h"
 #include "server/worker/technique/voxels.h"
 #include "shaders/shared/vct.h"
 
@@ -31,6 +32,8 @@ struct vct_options {
 	float ambient, falloff;
 	float step, start, dither, reach; // as in struct vct_params; reach 0: no end
 	float background[3];
+	float sky_turn, sky_scale; // as in struct pt_job
+	uint64_t sky; // id of the scene that is the picture around it; 0: none
 };
 
 struct vct_shelf; // vct_volume.c
@@ -43,6 +46,7 @@ struct vct_volume {
 	uint32_t users; // jobs that hold it
 	uint64_t used; // when it was last acquired, in turns
 	struct gl_device *device;
+	const struct sky_map *sky; // of options.sky, while a job has it; NULL: none
 	struct resident_scene *scene; // while it is made: others with the same keys share it afterwards
 	struct voxels *voxels;
 	struct vct_params params;

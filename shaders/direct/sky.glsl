@@ -1,0 +1,15 @@
+// The picture around the scene, as a camera's ray or a narrow cone sees it; in its own unit.
+#ifndef DIRECT_SKY_GLSL
+#define DIRECT_SKY_GLSL
+
+#include "common/sky_place.glsl"
+#include "shared/sky.h"
+
+layout(binding = SKY_PICTURE_UNIT) uniform sampler2D sky_picture;
+
+vec3 sky_seen(vec3 w, float turn)
+{
+	return textureLod(sky_picture, sky_place(w, turn), 0.0).rgb;
+}
+
+#endif
