@@ -130,6 +130,17 @@ class Planes(unittest.TestCase):
         self.assertEqual((2 * once.radiance).tobytes(), twice.radiance.tobytes())
 
 
+    def test_densities_are_those_of_the_directions(self):
+        # A sky of three decades, by next-event estimation alone: no weight makes up for a density that is wrong.
+        random = numpy.random.default_rng(9)
+        sky = 10 ** (3 * random.random((8, 16, 1))) * numpy.ones(3)
+        expected = skies.irradiance(sky, (0, 1, 0), 16)[0]
+        picture = daemon.render(floor(), (24, 24), 128, options={"pt.lights": "nee"}, arguments=under(written("decades", sky)))
+        mean, error = irradiance(picture)
+        print(f"three decades: {mean / expected:.5f}, +- {error / expected:.5f}")
+        self.assertLess(abs(mean / expected - 1), 0.01)
+
+
 class Seen(unittest.TestCase):
     def test_a_panorama_gives_the_sky_back(self):
         # A pixel of the panorama is a texel: the mean over it of what is bilinear.
@@ -155,6 +166,39 @@ class Seen(unittest.TestCase):
         below, above = (daemon.render(mirror, (16, 16), 16, camera, arguments=under(written("clear", sky))).radiance
                         for camera in (down, up))
         numpy.testing.assert_allclose(below, above[::-1], rtol=0.03)
+
+
+class OtherTechniques(unittest.TestCase):
+    def test_a_plane_by_cones(self):
+        w = skies.directions(64, 32)
+        smooth = (1 + w @ numpy.array([0.6, 0.3, 0.7]))[:, :, None] ** 4 * numpy.array([1, 0.5, 0.25])
+        for name, sky, turn in (("even", skies.even(64, 32), 0), ("smooth", smooth, 0), ("coarse", skies.even(2, 1), 0)):
+            expected = skies.irradiance(sky, (0, 1, 0)) * ALBEDO / math.pi
+            pictures = [daemon.render(floor(), (16, 16), 1, arguments=under(written(name, sky), "--technique", "vct",
+                                                                          "--background-scale", scale))
+                        for scale in ("1", "1", "0.5")]
+            ratio = pictures[0].radiance.mean(axis=(0, 1)) / expected
+            print(f"vct, {name}: {ratio}")
+            self.assertLess(numpy.abs(ratio - 1).max(), 0.03)
+            self.assertEqual(pictures[0].radiance.tobytes(), pictures[1].radiance.tobytes())
+            self.assertLess(numpy.abs(pictures[2].radiance.mean(axis=(0, 1)) / expected - ratio / 2).max(), 0.01)
+
+    def test_what_is_seen_is_the_same(self):
+        w = skies.directions(64, 32)
+        sky = written("smooth", (1 + w @ numpy.array([0.6, 0.3, 0.7]))[:, :, None] ** 4 * numpy.array([1, 0.5, 0.25]))
+        pictures = [daemon.render(room(), (32, 24), 4, arguments=under(sky, "--technique", technique, "--background-turn", "70",
+                                                                      "--aov", "depth")) for technique in ("pt", "direct", "vct")]
+        beyond = numpy.logical_and.reduce([numpy.isinf(p.channels["Z"]) for p in pictures])
+        beyond[1:-1] &= beyond[2:] & beyond[:-2]
+        beyond[:, 1:-1] &= beyond[:, 2:] & beyond[:, :-2]
+        self.assertGreater(beyond.sum(), 100)
+        for picture in pictures[1:]:
+            numpy.testing.assert_allclose(picture.radiance[beyond], pictures[0].radiance[beyond], rtol=0.03)
+        whole, direct, cones = (p.radiance.mean() for p in pictures)
+        print(f"a room under a sky: {cones / whole:.3f} of pt's light by cones, {direct / whole:.3f} with none of the sky's")
+        self.assertLess(abs(cones / whole - 1), 0.05)
+        why = {e["name"]: e["why"] for e in pictures[1].report["effects"]}["environment"]
+        self.assertIn("only pt and vct take light from it", why)
 
 
 class Together(unittest.TestCase):
