@@ -88,7 +88,7 @@ vec3 glass_radiance(surface s, visible_point v, float shift)
 	// Clear faces are not in the voxels: there is no plane to take out.
 	o.facing = vec3(0.0);
 	float tangent = clamp(w.alpha, 0.0087, 1.0);
-	vec3 radiance = vct_background_scale.rgb;
+	vec3 radiance = cone_background(w.direction, tangent);
 	if (tangent > GLASS_SMOOTH)
 		radiance = cone_radiance(o, w.direction, tangent);
 	else if (met)
