@@ -203,7 +203,7 @@ const struct command render_command = {
 	    "  --background-scale S  W/(m² sr) of its unit; default 1\n"
 	    "  --effects LIST        auto, all or none, then +NAME or -NAME for textures, emitters, lights, environment,\n"
 	    "                        bounces, glossy, normal-maps, alpha-mask, vertex-colors, unlit, glass,\n"
-	    "                        alpha-blend, clearcoat, rough-diffuse: \"auto,-textures\", \"none,+emitters\"; default "
+	    "                        alpha-blend, clearcoat, rough-diffuse, caustics: \"auto,-textures\", \"none,+emitters\"; default "
 	    "auto,\n"
 	    "                        what the scene has\n"
 	    "  --aov LIST            depth, normal, albedo, id: extra channels of an EXR\n"

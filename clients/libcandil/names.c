@@ -29,6 +29,7 @@ SAME(CANDIL_EFFECT_GLASS, candil_Effect_EFFECT_GLASS);
 SAME(CANDIL_EFFECT_ALPHA_BLEND, candil_Effect_EFFECT_ALPHA_BLEND);
 SAME(CANDIL_EFFECT_CLEARCOAT, candil_Effect_EFFECT_CLEARCOAT);
 SAME(CANDIL_EFFECT_ROUGH_DIFFUSE, candil_Effect_EFFECT_ROUGH_DIFFUSE);
+SAME(CANDIL_EFFECT_CAUSTICS, candil_Effect_EFFECT_CAUSTICS);
 SAME(CANDIL_EFFECT_COUNT, _candil_Effect_ARRAYSIZE);
 SAME(CANDIL_EFFECT_SIMULATED, candil_EffectState_EFFECT_STATE_SIMULATED);
 SAME(CANDIL_EFFECT_ABSENT, candil_EffectState_EFFECT_STATE_ABSENT);
@@ -75,7 +76,8 @@ const char *candil_effect_name(enum candil_effect effect)
 {
 	static const char *const names[] = {"textures", "emitters",    "lights",     "environment",   "bounces",
 					    "glossy",   "normal-maps", "alpha-mask", "vertex-colors", "unlit",
-					    "glass",    "alpha-blend", "clearcoat",  "rough-diffuse"};
+					    "glass",    "alpha-blend", "clearcoat",  "rough-diffuse",
+					    "caustics"};
 	_Static_assert(sizeof(names) / sizeof(names[0]) == CANDIL_EFFECT_COUNT, "a name is missing");
 	return NAME_OF(names, effect);
 }

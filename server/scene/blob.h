@@ -17,7 +17,7 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 6u
+#define BLOB_FORMAT 7u
 #define BLOB_ALIGN 256u
 #define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
@@ -69,6 +69,7 @@ enum fact {
 	FACT_CLEARCOAT = 1u << 13, // some lit surface has one
 	FACT_ROUGH_DIFFUSE = 1u << 14, // some lit surface has a diffuse_roughness above zero
 	FACT_SURROUNDINGS = 1u << 15, // it is a picture of all directions
+	FACT_POLISHED = 1u << 16, // some lit surface is a perfect mirror or smooth glass: casters.h
 };
 
 struct blob_header {

@@ -1,5 +1,7 @@
 #include "server/scene/facts.h"
 
+#include "server/scene/casters.h"
+
 static bool above_zero(const float c[3])
 {
 	return c[0] > 0 || c[1] > 0 || c[2] > 0;
@@ -30,6 +32,8 @@ static uint32_t material_facts(const struct material *m)
 		facts |= FACT_ALPHA_MASK;
 	if (m->flags & MATERIAL_ALPHA_BLEND)
 		facts |= FACT_ALPHA_BLEND;
+	if (casters_strength(m) > 0)
+		facts |= FACT_POLISHED;
 	if (unlit)
 		facts |= FACT_UNLIT;
 	return facts;
@@ -121,6 +125,8 @@ const char *fact_name(enum fact fact)
 		return "rough diffuse surfaces";
 	case FACT_SURROUNDINGS:
 		return "surroundings";
+	case FACT_POLISHED:
+		return "polished surfaces";
 	}
 	return NULL;
 }

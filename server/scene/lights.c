@@ -51,7 +51,7 @@ float lights_power_density(const struct material *m, const struct texture_info *
 	return (float)(pi * luminance(colour) * (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
 }
 
-static double area_of(const struct vertex *vertices, const struct triangle *t)
+double lights_area(const struct vertex *vertices, const struct triangle *t)
 {
 	const float *a = vertices[t->vertex[0]].position, *b = vertices[t->vertex[1]].position,
 		    *c = vertices[t->vertex[2]].position;
@@ -71,7 +71,7 @@ static uint32_t list_emitters(const struct material *materials, const struct ver
 	uint32_t found = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		const double density = materials[triangles[i].material].power_density;
-		const double weight = density > 0 ? density * area_of(vertices, &triangles[i]) : 0;
+		const double weight = density > 0 ? density * lights_area(vertices, &triangles[i]) : 0;
 		if (!is_weight(weight))
 			continue;
 		weights[found] = weight;

@@ -9,6 +9,9 @@
 // light) · the number of sides that emit, W/m². Reads all texels of its emission texture.
 float lights_power_density(const struct material *material, const struct texture_info *textures, const uint32_t *texels);
 
+// Of a triangle, m², from coordinates as they are: infinite where they are too large for a double's squares.
+double lights_area(const struct vertex *vertices, const struct triangle *triangle);
+
 // The triangles that emit, chosen by area · power_density. *out (to be freed; NULL without any) holds as many as *count;
 // *power is the sum, W, cut to a float. Triangles whose weight is no normal number are left out. STATUS_MEMORY.
 enum status lights_collect_emitters(const struct material *materials, const struct vertex *vertices,

@@ -49,6 +49,9 @@ static const struct effect_rule rules[] = {
      "coats are left out"},
     {candil_Effect_EFFECT_ROUGH_DIFFUSE, "rough-diffuse", "diffuse surfaces are rough", "no diffuse surface is rough",
      "diffuse surfaces are smooth: Lambert's"},
+    {candil_Effect_EFFECT_CAUSTICS, "caustics", "polished surfaces throw lamps' light about",
+     "light cannot come from a lamp by way of a mirror or smooth glass and then scatter",
+     "caustics of surfaces that emit are found by chance, those of other lights not at all"},
 };
 
 const char *effect_name(candil_Effect effect)
@@ -70,6 +73,15 @@ static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 		if (called_for(lights[i], r, p, facts) && !(r->effects_off >> lights[i] & 1u))
 			return true;
 	return false;
+}
+
+// Whether lamps are there that light paths can begin at, and not switched off.
+static bool lit_by_lamps(const candil_Render *r, uint32_t facts)
+{
+	const bool emitters = facts & FACT_EMITTERS && !(r->effects_off >> candil_Effect_EFFECT_EMITTERS & 1u);
+	const bool lights = facts & (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS) &&
+			    !(r->effects_off >> candil_Effect_EFFECT_LIGHTS & 1u);
+	return emitters || lights;
 }
 
 // Whether the scene and the request's own values call for an effect.
@@ -104,6 +116,9 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 		return facts & FACT_CLEARCOAT;
 	case candil_Effect_EFFECT_ROUGH_DIFFUSE:
 		return facts & FACT_ROUGH_DIFFUSE;
+	case candil_Effect_EFFECT_CAUSTICS:
+		return p->depth > 1 && facts & FACT_POLISHED && lit_by_lamps(r, facts) &&
+		       !(r->effects_off >> candil_Effect_EFFECT_BOUNCES & 1u);
 	}
 	return false;
 }
@@ -121,6 +136,8 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 		return "only pt has clear coats: surfaces are without";
 	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_ROUGH_DIFFUSE)
 		return "only pt has rough diffuse surfaces: they are Lambert's";
+	if (p->technique != candil_Technique_TECHNIQUE_PT && effect == candil_Effect_EFFECT_CAUSTICS)
+		return "only pt follows light from lamps by way of polished surfaces";
 	if (p->technique != candil_Technique_TECHNIQUE_VCT || p->vct_show == VCT_SHOW_NONE)
 		return NULL;
 	if (effect == candil_Effect_EFFECT_NORMAL_MAPS)

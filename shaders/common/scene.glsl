@@ -21,6 +21,7 @@ layout(constant_id = SPEC_GLASS) const bool EFFECT_GLASS = true;
 layout(constant_id = SPEC_ALPHA_BLEND) const bool EFFECT_ALPHA_BLEND = true;
 layout(constant_id = SPEC_CLEARCOAT) const bool EFFECT_CLEARCOAT = true;
 layout(constant_id = SPEC_ROUGH_DIFFUSE) const bool EFFECT_ROUGH_DIFFUSE = true;
+layout(constant_id = SPEC_CAUSTICS) const bool EFFECT_CAUSTICS = true;
 #define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
 #else
 #ifndef EFFECT_TEXTURES
@@ -38,6 +39,7 @@ layout(constant_id = SPEC_ROUGH_DIFFUSE) const bool EFFECT_ROUGH_DIFFUSE = true;
 #define EFFECT_ALPHA_BLEND true
 #define EFFECT_CLEARCOAT true
 #define EFFECT_ROUGH_DIFFUSE true
+#define EFFECT_CAUSTICS true
 #endif
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #endif

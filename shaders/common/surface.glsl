@@ -21,6 +21,7 @@ struct surface {
 	float emission_pdf; // next-event estimation finds this point with this density over area, 1/m²
 	float offset;       // metres: rays start this far off along `geometric`
 	bool unlit;         // shows `base` and nothing else
+	uint material;
 	// With EFFECT_GLASS alone.
 	bool front;         // met from its front
 	float transmission; // probability that light meets a clear boundary here
@@ -218,6 +219,7 @@ surface surface_at(uint id, vec2 uv, vec3 direction)
 	s.thin = (m.flags & MATERIAL_THIN) != 0u;
 	s.ior = m.ior;
 	s.body = EFFECT_GLASS && m.transmission > 0.0 && !s.thin ? tri.material + 1u : 0u;
+	s.material = tri.material;
 	s.clear = false;
 	s.eta = 1.0;
 	bool emits = front || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;

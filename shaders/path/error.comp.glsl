@@ -19,6 +19,9 @@ layout(push_constant) uniform Push {
 layout(std430, set = 0, binding = BIND_JOB) readonly buffer Job {
 	pt_job job;
 };
+layout(std430, set = 0, binding = BIND_ERROR_FILM) readonly buffer Film {
+	film_pixel film[];
+};
 layout(std430, set = 0, binding = BIND_ERRORS) writeonly buffer Errors {
 	float errors[];
 };
@@ -59,6 +62,17 @@ vec3 half_sum(uint first)
 	return vec3(sums[first].x + sums[first].y, sums[first + 1u].x + sums[first + 1u].y, sums[first + 2u].x + sums[first + 2u].y);
 }
 
+// What light paths brought to a pixel, W/(m² sr) where one of the film's numbers is `unit`.
+vec3 film_mean(uint pixel, uint first, float unit)
+{
+	vec3 sum;
+	for (uint i = 0u; i < 3u; i++) {
+		uint part = 2u * (first + i);
+		sum[i] = float(film[pixel].parts[part + 1u]) * 4294967296.0 + float(film[pixel].parts[part]);
+	}
+	return sum * unit;
+}
+
 void main()
 {
 	uint tile = push.first_tile + gl_WorkGroupID.x;
@@ -70,9 +84,14 @@ void main()
 	vec3 mean = vec3(0.0);
 	vec3 half_difference = vec3(0.0);
 	if (mine) {
-		sums_load((pixel.y - push.first_row) * job.width + pixel.x);
+		uint at = (pixel.y - push.first_row) * job.width + pixel.x;
+		sums_load(at);
 		vec3 a = half_sum(0u);
 		vec3 b = half_sum(3u);
+		if (push.has_film != 0u) {
+			a += film_mean(at, 0u, push.film_a) * count_a;
+			b += film_mean(at, 3u, push.film_b) * count_b;
+		}
 		mean = (a + b) / (count_a + count_b);
 		half_difference = 0.5 * (a / count_a - b / count_b);
 	}

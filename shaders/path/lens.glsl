@@ -84,4 +84,79 @@ void lens_ray(vec2 at, vec2 u, out vec3 origin, out vec3 direction)
 	}
 }
 
+// Solid angle of a pixel about a ray's direction, or, of parallel rays, its area.
+float pixel_measure(vec3 direction)
+{
+	if (CAMERA == CAMERA_PANORAMA) {
+		float up = dot(direction, to_vec3(job.up));
+		return 2.0 * PI * PI / (float(job.width) * float(job.height)) * sqrt(max(1.0 - up * up, 0.0));
+	}
+	float area = 4.0 * length(to_vec3(job.right)) * length(to_vec3(job.up)) / (float(job.width) * float(job.height));
+	float along = max(dot(direction, to_vec3(job.forward)), 0.0);
+	return job.orthographic != 0.0 ? area * along : area * along * along * along;
+}
+
+// How many pixels a square metre of a surface covers that the ray meets at distance t with this cosine.
+float pixels_per_area(vec3 direction, float t, float cosine)
+{
+	float reach = job.orthographic != 0.0 && CAMERA != CAMERA_PANORAMA ? 1.0 : t * t;
+	return cosine / max(reach * pixel_measure(direction), 1e-37);
+}
+
+// lens_ray the other way round: where in the image, in pixels, a point is seen, by way of the lens's point u, and the ray that
+// shows it, at distance t. False: the camera looks away from it.
+bool lens_image(vec3 point, vec2 u, out vec2 at, out vec3 origin, out vec3 direction, out float t)
+{
+	vec3 forward = to_vec3(job.forward);
+	vec3 right = to_vec3(job.right);
+	vec3 up = to_vec3(job.up);
+	vec2 size = vec2(job.width, job.height);
+	vec3 aside = vec3(0.0);
+	if (CAMERA == CAMERA_LENS) {
+		vec2 p = concentric_disc(u);
+		aside = p.x * to_vec3(job.lens_right) + p.y * to_vec3(job.lens_up);
+	}
+	origin = to_vec3(job.eye) + aside;
+	vec3 way = point - origin;
+	t = length(way);
+	direction = way / max(t, 1e-37);
+	if (CAMERA == CAMERA_PANORAMA) {
+		float longitude = atan(dot(direction, right), dot(direction, forward));
+		float latitude = asin(clamp(dot(direction, up), -1.0, 1.0));
+		at = size * vec2(0.5 + longitude / (2.0 * PI), 0.5 - latitude / PI);
+		return t > 0.0;
+	}
+	float along = dot(way, forward);
+	vec3 seen;   // in the plane at distance 1, or of parallel rays in that of the eye
+	if (job.orthographic != 0.0) {
+		direction = CAMERA == CAMERA_LENS ? normalize(job.focus * forward - aside) : forward;
+		t = along / dot(direction, forward);
+		origin = point - t * direction;
+		seen = origin - to_vec3(job.eye) - aside;
+	} else {
+		// By way of the point in the plane of focus that the ray goes through.
+		seen = CAMERA == CAMERA_LENS ? way / along + aside / job.focus : way / along;
+	}
+	at = size * vec2(0.5 + 0.5 * dot(seen, right) / dot(right, right), 0.5 - 0.5 * dot(seen, up) / dot(up, up));
+	return along > 0.0 && t > 0.0;
+}
+
+// Density of sample_filter over the image, 1/pixel²; `from` in pixels from the pixel's middle.
+float filter_density(vec2 from)
+{
+	if (FILTER == FILTER_BLACKMAN_HARRIS) {
+		vec2 t = from / FILTER_RADIUS;
+		vec2 window = 0.35875 + 0.48829 * cos(PI * t) + 0.14128 * cos(2.0 * PI * t) + 0.01168 * cos(3.0 * PI * t);
+		vec2 density = window / (2.0 * FILTER_RADIUS * 0.35875);
+		return max(abs(t.x), abs(t.y)) < 1.0 ? density.x * density.y : 0.0;
+	}
+	if (FILTER == FILTER_GAUSSIAN) {
+		float variance = FILTER_SIGMA * FILTER_SIGMA;
+		float whole = 2.0 * PI * variance * (1.0 - exp(-0.5 * FILTER_RADIUS * FILTER_RADIUS / variance));
+		float r2 = dot(from, from);
+		return r2 < FILTER_RADIUS * FILTER_RADIUS ? exp(-0.5 * r2 / variance) / whole : 0.0;
+	}
+	return max(abs(from.x), abs(from.y)) <= 0.5 ? 1.0 : 0.0;
+}
+
 #endif

@@ -57,6 +57,16 @@ uvec2 media_beyond(uvec2 media, surface s)
 	return s.front ? media_with(media, s.body) : media_without(media, s.body);
 }
 
+// Whether a surface is clear for this event, and what is on its far side.
+uvec2 choose_clear(inout surface s, uvec2 media, float chance)
+{
+	s.clear = chance < s.transmission;
+	uvec2 beyond = media_beyond(media, s);
+	float here = media_index(media);
+	s.eta = (s.thin ? s.ior : media_index(beyond)) / here;
+	return beyond;
+}
+
 // What is left of light after `distance` metres.
 vec3 media_transmittance(uvec2 media, float distance)
 {

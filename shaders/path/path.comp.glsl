@@ -16,6 +16,7 @@
 #include "common/light.glsl"
 #include "common/tile.glsl"
 #include "path/accumulate.glsl"
+#include "path/caustic.glsl"
 #include "path/lens.glsl"
 #include "path/media.glsl"
 #include "path/sky.glsl"
@@ -60,18 +61,25 @@ struct walker {
 	float pdf;
 	uint event;
 	uvec2 media;   // with EFFECT_GLASS: the clear bodies that it is in
+	float rivals;  // with EFFECT_CAUSTICS: rivals_at the first event, 0 if that did not spread light
+	float aim;     // and caster_density at the last one, over the cosine that it was left with
 	uint taken;    // samples of this dispatch's that are done
 	bool alive;
 };
 
-// Whether a surface is clear for this event, and what is on its far side.
-uvec2 choose_clear(inout surface s, uvec2 media, float chance)
+// What light paths leave to this one of a lamp that it has met.
+float path_keeps(walker p, surface s, float t, float cos_lamp)
 {
-	s.clear = chance < s.transmission;
-	uvec2 beyond = media_beyond(media, s);
-	float here = media_index(media);
-	s.eta = (s.thin ? s.ior : media_index(beyond)) / here;
-	return beyond;
+	bool shared_path = p.event > 1u && p.rivals > 0.0 && p.pdf >= PDF_MIRROR && s.emission_pdf > 0.0;
+	return shared_path ? camera_keeps(p.rivals, lamp_density(s.emission_pdf, cos_lamp, p.aim, 1.0, t)) : 1.0;
+}
+
+// What the shares of a path need of this event, which has chosen p.direction.
+void caustic_note(inout walker p, surface s)
+{
+	bool spreads = p.pdf < PDF_MIRROR;
+	p.rivals = p.event == 0u && !spreads ? 0.0 : p.rivals;
+	p.aim = spreads ? 0.0 : caster_density[s.material] / max(abs(dot(p.direction, s.geometric)), 1e-30);
 }
 
 // A light that is seen through the surface: its ray starts on the other side. And what is clear in between takes its part.
@@ -116,6 +124,8 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 	float lobe = EFFECT_GLOSSY || EFFECT_GLASS || EFFECT_CLEARCOAT ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
 	p.direction = bsdf_sample(b, lobe, sample_2d(rnd, set + SET_BSDF), weight, p.pdf);
 	p.throughput *= weight;
+	if (EFFECT_CAUSTICS)
+		caustic_note(p, s);
 	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
 	float worth = 1.0;
 	if (EFFECT_GLASS) {
@@ -150,8 +160,13 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	}
 	if (EFFECT_EMITTERS) {
 		float c = abs(dot(s.geometric, p.direction));
-		p.radiance += p.throughput * s.emission * emission_weight(p.event, p.pdf, s.emission_pdf, hit.t, c);
+		float weight = emission_weight(p.event, p.pdf, s.emission_pdf, hit.t, c);
+		if (EFFECT_CAUSTICS)
+			weight *= path_keeps(p, s, hit.t, c);
+		p.radiance += p.throughput * s.emission * weight;
 	}
+	if (EFFECT_CAUSTICS && p.event == 0u)
+		p.rivals = rivals_at(p.direction, hit.t, abs(dot(s.geometric, p.direction)), push.band_tiles * TILE_PIXELS);
 	if (EFFECT_UNLIT && s.unlit) {
 		// Seen by the camera alone: it takes no light and gives none.
 		if (p.event == 0u)
@@ -210,6 +225,8 @@ void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
 	p.pdf = 0.0;
 	p.event = 0u;
 	p.media = uvec2(0u);
+	p.rivals = 0.0;
+	p.aim = 0.0;
 	p.alive = true;
 }
 
@@ -292,7 +309,7 @@ void path_load(uint slot, out walker p)
 {
 	path_state s = paths[slot];
 	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event,
-		   uvec2(s.media[0], s.media[1]), s.taken, s.event != PATH_DONE);
+		   uvec2(s.media[0], s.media[1]), s.rivals, s.aim, s.taken, s.event != PATH_DONE);
 }
 
 void path_store(uint slot, walker p)
@@ -304,6 +321,8 @@ void path_store(uint slot, walker p)
 	paths[slot].throughput = float[3](p.throughput.r, p.throughput.g, p.throughput.b);
 	paths[slot].taken = p.taken;
 	paths[slot].media = uint[2](p.media.x, p.media.y);
+	paths[slot].rivals = p.rivals;
+	paths[slot].aim = p.aim;
 	paths[slot].radiance = float[3](p.radiance.r, p.radiance.g, p.radiance.b);
 }
 

@@ -43,7 +43,13 @@
 // Path alone: the picture of the surroundings, struct environment_texel and struct environment_row.
 #define BIND_ENVIRONMENT 20
 #define BIND_ENVIRONMENT_ROWS 21
-#define BIND_PATH_COUNT 22
+#define BIND_CASTER_DENSITY 22 // a float a material: of points that BIND_CASTERS chooses on it, 1/m²
+#define BIND_PATH_COUNT 23
+// Light paths have the same, and
+#define BIND_FILM 16 // struct film_pixel
+#define BIND_CASTERS 23 // struct emitter: polished triangles in an alias table
+#define BIND_LIGHT_COUNT 24
+#define BIND_ERROR_FILM 18 // error: BIND_FILM's
 
 // Specialization constants, one for each effect of the plan.
 #define SPEC_TEXTURES 0
@@ -60,21 +66,22 @@
 #define SPEC_ALPHA_BLEND 11
 #define SPEC_CLEARCOAT 12
 #define SPEC_ROUGH_DIFFUSE 13
-#define SPEC_EFFECTS 14
+#define SPEC_CAUSTICS 14
+#define SPEC_EFFECTS 15
 // And of how a path is run.
-#define SPEC_RESUMED 14
-#define SPEC_PACKET 15 // walk the tree by subgroups
-#define SPEC_WIDTH 16 // lanes of a subgroup
-#define SPEC_CAMERA 17 // CAMERA_…
-#define SPEC_FILTER 18 // FILTER_…
-#define SPEC_SAMPLER 19 // SAMPLER_…
-#define SPEC_UNIFORM 20 // diffuse directions are uniform over the hemisphere, else as the cosine
-#define SPEC_LAMPS_BY 21 // LAMPS_BY_…
-#define SPEC_ROULETTE 22 // dim paths end by chance
-#define SPEC_CLAMP 23 // no sample is brighter than pt_job.clamp
-#define SPEC_SKY 24 // what is around the scene is a picture, and a light
-#define SPEC_DISCS 25 // some directional light shines from a disc
-#define SPEC_COUNT 26
+#define SPEC_RESUMED 15
+#define SPEC_PACKET 16 // walk the tree by subgroups
+#define SPEC_WIDTH 17 // lanes of a subgroup
+#define SPEC_CAMERA 18 // CAMERA_…
+#define SPEC_FILTER 19 // FILTER_…
+#define SPEC_SAMPLER 20 // SAMPLER_…
+#define SPEC_UNIFORM 21 // diffuse directions are uniform over the hemisphere, else as the cosine
+#define SPEC_LAMPS_BY 22 // LAMPS_BY_…
+#define SPEC_ROULETTE 23 // dim paths end by chance
+#define SPEC_CLAMP 24 // no sample is brighter than pt_job.clamp
+#define SPEC_SKY 25 // what is around the scene is a picture, and a light
+#define SPEC_DISCS 26 // some directional light shines from a disc
+#define SPEC_COUNT 27
 
 // How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
 // first alone; by the second alone.
@@ -102,7 +109,6 @@
 // scattering keeps there and at the next η, √r and √μ spaced as above.
 #define GGX_COSINES 64
 #define GGX_ROUGHNESSES 64
-#define GGX_ALPHA_LEAST 1e-4 // α below it is a perfect mirror
 #define GGX_TABLE_PAIRS (GGX_ROUGHNESSES * (GGX_COSINES + 1)) // before the dielectric's
 #define GLASS_RATIOS 33
 #define GLASS_ROUGHNESSES 24
@@ -143,8 +149,11 @@ struct pt_job {
 	float sky_scale; // W/(m² sr) of its unit
 	float sky_share; // probability that next-event estimation goes to it
 	float light_share; // and to the punctual lights
+	uint caster_count; // triangles at BIND_CASTERS
+	float reach; // metres: from any point of the scene it is not further to outside of its bounds
+	float film_unit; // W/(m² sr): a film's whole numbers count it, times the light paths of a sample
 };
-LAYOUT_ASSERT(pt_job, 172)
+LAYOUT_ASSERT(pt_job, 184)
 
 // Where a dispatch works.
 struct path_push {
@@ -155,6 +164,8 @@ struct path_push {
 	uint sample_count; // > 0; this dispatch's and those that resume it
 	uint resumes; // 0: start the paths; else go on with those kept in BIND_PATHS
 	uint round_count; // scattering events of a lane at most in this dispatch
+	uint band_rows; // of that band
+	uint band_tiles; // a sample of the band is as many light paths as these have lanes
 };
 
 // Of what the error of a picture is told.
@@ -162,13 +173,15 @@ struct error_push {
 	uint first_tile;
 	uint first_row; // of the band, as in path_push
 	uint more_tiles; // the image's first tiles, that have more samples than the others
-	uint reserved;
+	uint has_film;
 	float count_a; // samples of a pixel in half A
 	float count_b;
 	float more_a; // and in those first tiles
 	float more_b;
+	float film_a; // W/(m² sr) that one of a film's whole numbers is, in half A
+	float film_b;
 };
-LAYOUT_ASSERT(error_push, 32)
+LAYOUT_ASSERT(error_push, 40)
 
 struct pt_counters {
 	uint rays;
@@ -191,9 +204,18 @@ struct path_state {
 	uint taken; // samples that are done
 	float radiance[3];
 	uint media[2]; // materials whose inside it is in, 16 bits each from below: number + 1, or 0
+	float rivals; // path/caustic.glsl
+	float aim;
 };
-LAYOUT_ASSERT(path_state, 68)
+LAYOUT_ASSERT(path_state, 76)
 #define PATH_DONE 0xFFFFFFFFu
+
+// What light paths brought to a pixel: whole numbers of pt_job.film_unit's, so that their sum does not depend on the order.
+struct film_pixel {
+	uint parts[12]; // half A R G B, half B R G B; each 64 bits, low word first
+};
+LAYOUT_ASSERT(film_pixel, 48)
+#define FILM_FULL 0x80000000u // a high word from here on is too much: the sum may wrap round
 
 struct cast_ray {
 	float origin[3];

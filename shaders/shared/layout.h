@@ -69,6 +69,8 @@ LAYOUT_ASSERT(leaf_triangle, 48)
 #define MATERIAL_ALPHA_BLEND 8u // there with the probability that its alpha says
 #define MATERIAL_THIN 16u // of what lets light through: a sheet without an inside, that does not bend it
 
+#define GGX_ALPHA_LEAST 1e-4 // microfacets' α below it is a perfect mirror
+
 // Base colour, metallic and roughness as glTF 2.0 has them (appendix B), with KHR_materials_specular for what is no metal.
 // Colours are linear Rec.709, 0…1. A texture is an index or NONE and multiplies the factor beside it.
 struct material {

@@ -10,7 +10,7 @@ from render import Daemon
 from writers import Gltf, icosphere
 
 EFFECTS = ("textures", "emitters", "lights", "environment", "bounces", "glossy", "normal-maps", "alpha-mask", "vertex-colors",
-           "unlit", "glass", "alpha-blend", "clearcoat", "rough-diffuse")
+           "unlit", "glass", "alpha-blend", "clearcoat", "rough-diffuse", "caustics")
 
 
 def setUpModule():
@@ -98,7 +98,7 @@ class Off(unittest.TestCase):
 
     def test_direct_sees_through_no_glass(self):
         direct = daemon.render(make.cornell_glass(folder.name), spp=1, arguments=["--technique", "direct"])
-        self.assertEqual((states(direct)["glass"], states(direct)["alpha-blend"]), ("unsupported",) * 2)
+        self.assertEqual([states(direct)[e] for e in ("glass", "alpha-blend", "caustics")], ["unsupported"] * 3)
 
     def test_lights_off_is_black(self):
         off = daemon.render(make.lit_floor(folder.name, "spot"), spp=4, arguments=["--effects", "-lights"])

@@ -1,4 +1,5 @@
 // Each fact follows from what the scene uses, and from nothing that it merely holds.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "server/scene/casters.h"
 #include "server/scene/facts.h"
 #include "tests/unit/small_blob.h"
 
@@ -124,6 +126,27 @@ static void coats_and_matte_facets(void **state)
 	assert_int_equal(facts() & asked, 0);
 }
 
+static void polished(void **state)
+{
+	struct material *m = small_section(&blob, BLOB_MATERIALS);
+	(void)state;
+	*m = (struct material){.metallic = 1, .albedo = {.5f, .5f, .5f}};
+	assert_true(facts() & FACT_POLISHED);
+	assert_true(fabs(casters_strength(m) - .5) < 1e-6);
+	m->flags = MATERIAL_UNLIT;
+	assert_false(facts() & FACT_POLISHED);
+	*m = (struct material){.metallic = 1, .albedo = {.5f, .5f, .5f}, .roughness = .011f};
+	assert_false(facts() & FACT_POLISHED);
+	*m = (struct material){.transmission = .25f, .ior = 1.5f};
+	assert_true(facts() & FACT_POLISHED);
+	assert_true(fabs(casters_strength(m) - .25) < 1e-6);
+	// Too little bent to be spread, unless it is a wall's own facets that spread it.
+	*m = (struct material){.transmission = 1, .ior = 1.0001f, .roughness = .3f};
+	assert_true(facts() & FACT_POLISHED);
+	m->flags = MATERIAL_THIN;
+	assert_false(facts() & FACT_POLISHED);
+}
+
 static void white_vertices_have_no_colour(void **state)
 {
 	struct vertex_color *colors = small_section(&blob, BLOB_COLORS);
@@ -138,9 +161,9 @@ static void white_vertices_have_no_colour(void **state)
 static void every_fact_has_a_name(void **state)
 {
 	(void)state;
-	for (uint32_t bit = 1; bit <= FACT_SURROUNDINGS; bit <<= 1)
+	for (uint32_t bit = 1; bit <= FACT_POLISHED; bit <<= 1)
 		assert_non_null(fact_name((enum fact)bit));
-	assert_null(fact_name((enum fact)(FACT_SURROUNDINGS << 1)));
+	assert_null(fact_name((enum fact)(FACT_POLISHED << 1)));
 	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
 }
 
@@ -153,6 +176,7 @@ int main(void)
 	    cmocka_unit_test_setup(gloss, fresh),
 	    cmocka_unit_test_setup(glass, fresh),
 	    cmocka_unit_test_setup(coats_and_matte_facets, fresh),
+	    cmocka_unit_test_setup(polished, fresh),
 	    cmocka_unit_test_setup(white_vertices_have_no_colour, fresh),
 	    cmocka_unit_test_setup(emitters, fresh),
 	    cmocka_unit_test_setup(unused_materials_say_nothing, fresh),

@@ -39,7 +39,8 @@ void gl_define_effects(struct gl_defines *d, uint32_t effects)
 							[SPEC_GLASS] = "EFFECT_GLASS",
 							[SPEC_ALPHA_BLEND] = "EFFECT_ALPHA_BLEND",
 							[SPEC_CLEARCOAT] = "EFFECT_CLEARCOAT",
-							[SPEC_ROUGH_DIFFUSE] = "EFFECT_ROUGH_DIFFUSE"};
+							[SPEC_ROUGH_DIFFUSE] = "EFFECT_ROUGH_DIFFUSE",
+							[SPEC_CAUSTICS] = "EFFECT_CAUSTICS"};
 	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
 		gl_define(d, names[i], "%s", effects >> i & 1u ? "true" : "false");
 }

@@ -15,6 +15,7 @@
 #include "server/worker/technique/pt_effects.h"
 #include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
+#include "server/worker/technique/pt_light.h"
 #include "server/worker/technique/pt_resolve.h"
 #include "server/worker/vk/command.h"
 
@@ -58,7 +59,9 @@ static uint64_t record_paths(struct technique_job *j, uint64_t count)
 					 .first_row = band->first_row,
 					 .first_sample = j->plan.first_sample + j->sample,
 					 .sample_count = j->batch,
-					 .round_count = j->segment * j->batch};
+					 .round_count = j->segment * j->batch,
+					 .band_rows = band->rows,
+					 .band_tiles = band->tiles};
 		bind(j, j->path, &band->path_bindings);
 		for (uint32_t s = 0; s < j->segments; s++) {
 			push.resumes = s > 0;
@@ -125,6 +128,38 @@ static enum status take_counters(struct technique_job *j, struct error *err)
 	return now.cut ? on_cut(j, err) : STATUS_OK;
 }
 
+// Run what is recorded, and add the time that it took.
+static enum status finish(struct technique_job *j, uint64_t *us, struct error *err)
+{
+	struct device *d = j->device;
+	const VkBufferCopy all = {.size = sizeof(struct pt_counters)};
+	vkCmdCopyBuffer(d->commands, j->counters.handle, j->counters_host.handle, 1, &all);
+	command_barrier(d);
+	const uint64_t start = clock_us();
+	const enum status s = command_finish(d, err);
+	*us += clock_us() - start;
+	return s;
+}
+
+// The light paths of the tiles whose camera's paths have just run, those before the cursor: a submission of their own, so
+// that they have a time of their own.
+static enum status submit_lights(struct technique_job *j, uint32_t first_tile, uint64_t *us, struct error *err)
+{
+	const uint64_t before = *us;
+	enum status s = command_begin(j->device, err);
+	if (s != STATUS_OK)
+		return s;
+	for (uint32_t tile = first_tile; tile < j->tile;) {
+		const struct pt_band *band = pt_job_band(j, tile);
+		const uint32_t count = run_of_tiles(band, tile, j->tile - tile);
+		pt_light_record(j, j->light, &band->light_bindings, band, tile, count);
+		tile += count;
+	}
+	s = finish(j, us, err);
+	j->light_us += *us - before;
+	return s;
+}
+
 static enum status submit(struct technique_job *j, uint64_t count, struct error *err)
 {
 	struct device *d = j->device;
@@ -136,16 +171,13 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	// The greatest count is of one submission; the others grow.
 	vkCmdFillBuffer(d->commands, j->counters.handle, offsetof(struct pt_counters, loop_rounds), sizeof(uint), 0);
 	command_barrier(d);
+	const uint32_t first_tile = j->tile;
 	if (aov)
 		record_aov(j, AOV_TILES * count);
 	else
 		recorded = record_paths(j, count);
-	const VkBufferCopy all = {.size = sizeof(struct pt_counters)};
-	vkCmdCopyBuffer(d->commands, j->counters.handle, j->counters_host.handle, 1, &all);
-	command_barrier(d);
-	const uint64_t start = clock_us();
-	s = command_finish(d, err);
-	const uint64_t us = clock_us() - start;
+	uint64_t us = 0;
+	s = finish(j, &us, err);
 	if (s != STATUS_OK)
 		return s;
 	if (aov) {
@@ -153,6 +185,11 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 		return STATUS_OK;
 	}
 	j->trace_us += us;
+	if (j->light) {
+		s = submit_lights(j, first_tile, &us, err);
+		if (s != STATUS_OK)
+			return s;
+	}
 	const double measured = (double)us / (double)recorded;
 	j->tile_us = j->tile_us > 0 ? 0.5 * (j->tile_us + measured) : measured;
 	s = take_counters(j, err);
@@ -224,9 +261,15 @@ static enum status read_band(struct technique_job *j, const struct pt_band *b, s
 	void *host = malloc(bytes);
 	if (!host)
 		return error_set(err, STATUS_MEMORY, "out of memory");
+	uint32_t *film = NULL;
 	enum status s = buffer_read(&b->accumulator, j->device, 0, bytes, host, err);
 	if (s == STATUS_OK)
+		s = pt_light_read(j, b, &film, err);
+	resolver->film = film;
+	pt_light_units(j, b, resolver->film_units);
+	if (s == STATUS_OK)
 		pt_resolve(resolver, host, b->first_row, b->rows, f);
+	free(film);
 	if (s == STATUS_OK && b->aov.bytes > 0) {
 		// Smaller than the sums, which are no longer needed.
 		s = buffer_read(&b->aov, j->device, 0, b->aov.bytes, host, err);
@@ -267,6 +310,8 @@ static void account(const struct technique_job *j, struct frame *f)
 	if (j->plan.aovs)
 		frame_add_stage(f, "aov", j->aov_us);
 	frame_add_stage(f, "trace", j->trace_us);
+	if (j->light)
+		frame_add_stage(f, "caustics", j->light_us);
 	if (j->error_us)
 		frame_add_stage(f, "error", j->error_us);
 }

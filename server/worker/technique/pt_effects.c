@@ -5,6 +5,7 @@
 #include "protocol/limits.h"
 #include "server/base/clock.h"
 #include "server/worker/technique/pt_job.h"
+#include "server/worker/technique/pt_light.h"
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/vk/command.h"
 
@@ -16,6 +17,8 @@
 struct contestant {
 	struct pipeline *pipeline;
 	struct binding_set bindings;
+	struct pipeline *light; // with EFFECT_CAUSTICS
+	struct binding_set light_bindings;
 	double best_us; // of a tile's sample: by the wall clock
 	double best_work; // and in what the device spent: its time, or if it is software the processors'
 };
@@ -39,7 +42,17 @@ static enum status prepare(struct technique_job *j, uint32_t effects, struct con
 	struct plan plan = j->plan;
 	plan.effects = effects;
 	enum status s = resident_upload(j->scene, j->device, scene_bindings_shade(&plan), err);
-	return s == STATUS_OK ? pt_job_pipeline(j, effects, &c->pipeline, &c->bindings, err) : s;
+	if (s == STATUS_OK)
+		s = pt_job_pipeline(j, effects, &c->pipeline, &c->bindings, err);
+	if (s == STATUS_OK && plan_has(&plan, candil_Effect_EFFECT_CAUSTICS))
+		s = pt_light_pipeline(j, effects, &c->light, &c->light_bindings, err);
+	return s;
+}
+
+static void finish(struct technique_job *j, struct contestant *c)
+{
+	binding_set_finish(&c->bindings, j->device);
+	binding_set_finish(&c->light_bindings, j->device);
 }
 
 // One batch of the tiles in the middle of the first band, as a job does it.
@@ -52,7 +65,9 @@ static enum status trace(struct technique_job *j, struct contestant *c, struct e
 				 .first_row = band->first_row,
 				 .first_sample = j->plan.first_sample,
 				 .sample_count = j->batch,
-				 .round_count = j->segment * j->batch};
+				 .round_count = j->segment * j->batch,
+				 .band_rows = band->rows,
+				 .band_tiles = band->tiles};
 	VkCommandBuffer commands = j->device->commands;
 	enum status s = command_begin(j->device, err);
 	if (s != STATUS_OK)
@@ -66,6 +81,8 @@ static enum status trace(struct technique_job *j, struct contestant *c, struct e
 		vkCmdDispatch(commands, push.tile_count, 1, 1);
 		command_barrier(j->device);
 	}
+	if (c->light)
+		pt_light_record(j, c->light, &c->light_bindings, band, push.first_tile, tiles);
 	const uint64_t start = clock_us();
 	const double before = work_us(j);
 	s = command_finish(j->device, err);
@@ -103,8 +120,14 @@ static enum status time_one(struct technique_job *j, struct contestant *as_plann
 		report->share = !report->has_share ? 0 : runs ? -more : more;
 		report->cost_us = (int64_t)(report->share * as_planned->best_us * j->tiles * j->plan.samples);
 	}
-	binding_set_finish(&other.bindings, j->device);
+	finish(j, &other);
 	return s;
+}
+
+// What light paths need is there in a job that has them alone.
+static bool can_time(const struct technique_job *j, candil_Effect effect)
+{
+	return effect != candil_Effect_EFFECT_CAUSTICS || j->light;
 }
 
 enum status pt_time_effects(struct technique_job *j, candil_EffectReport *reports, uint32_t count, struct error *err)
@@ -115,9 +138,9 @@ enum status pt_time_effects(struct technique_job *j, candil_EffectReport *report
 	// Those that run come first, lest time run out.
 	for (int pass = 0; pass < (j->plan.effect_times == EFFECT_TIMES_ALL ? 2 : 1); pass++)
 		for (uint32_t i = 0; s == STATUS_OK && i < count && clock_us() - start < PROBE_US; i++)
-			if (plan_has(&j->plan, reports[i].effect) == (pass == 0))
+			if (plan_has(&j->plan, reports[i].effect) == (pass == 0) && can_time(j, reports[i].effect))
 				s = time_one(j, &as_planned, &reports[i], err);
-	binding_set_finish(&as_planned.bindings, j->device);
+	finish(j, &as_planned);
 	j->effects_us = clock_us() - start;
 	return s == STATUS_OK ? pt_job_restart(j, j->segment, j->batch_most, err) : s;
 }

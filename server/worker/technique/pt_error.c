@@ -4,6 +4,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/technique/pt_job.h"
+#include "server/worker/technique/pt_light.h"
 #include "server/worker/vk/command.h"
 #include "shaders/error_comp.h"
 
@@ -12,7 +13,7 @@
 static const struct shader error_shader = {.name = "error",
 					   .code = shader_error_comp,
 					   .bytes = sizeof shader_error_comp,
-					   .bindings = BIND_ERRORS + 1,
+					   .bindings = BIND_ERROR_FILM + 1,
 					   .push_bytes = sizeof(struct error_push)};
 
 uint32_t pt_error_checkpoint(uint32_t samples)
@@ -30,6 +31,7 @@ static enum status bind_band(struct technique_job *j, struct pt_band *band, stru
 	buffers[BIND_JOB] = &j->job;
 	buffers[BIND_ACCUMULATOR] = &band->accumulator;
 	buffers[BIND_ERRORS] = &j->errors;
+	buffers[BIND_ERROR_FILM] = &band->film;
 	return binding_set_init(&band->error_bindings, j->device, j->error, buffers, &j->counters_host, err);
 }
 
@@ -44,7 +46,12 @@ static void record(const struct technique_job *j, const struct pt_band *band)
 				  .count_a = (float)((last + 1) / 2 - even[0]),
 				  .count_b = (float)(last / 2 - even[1]),
 				  .more_a = (float)((more + 1) / 2 - even[0]),
-				  .more_b = (float)(more / 2 - even[1])};
+				  .more_b = (float)(more / 2 - even[1]),
+				  .has_film = band->film.handle != VK_NULL_HANDLE};
+	double units[2];
+	pt_light_units(j, band, units);
+	push.film_a = (float)units[0];
+	push.film_b = (float)units[1];
 	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, j->error->handle);
 	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, j->error->layout, 0, 1, &band->error_bindings.set, 0,
 				NULL);

@@ -14,9 +14,11 @@ struct pt_band {
 	uint32_t first_tile, tiles;
 	struct buffer accumulator;
 	struct buffer aov; // only if asked for
+	struct buffer film; // struct film_pixel; only with light paths
 	struct binding_set path_bindings;
 	struct binding_set aov_bindings;
 	struct binding_set error_bindings;
+	struct binding_set light_bindings;
 };
 
 struct technique_job {
@@ -35,6 +37,10 @@ struct technique_job {
 	struct pipeline *path;
 	struct pipeline *aov; // only if asked for
 	struct pipeline *error;
+	struct pipeline *light; // only with light paths
+	struct buffer casters; // struct emitter; only if there are any
+	struct buffer caster_density; // a float a material; only with light paths
+	double film_unit; // pt_job's
 	struct buffer errors; // a float a tile
 	struct pt_band *bands;
 	uint32_t band_count;
@@ -52,7 +58,7 @@ struct technique_job {
 	double estimated_relmse; // of the picture after error_sample samples; negative: unknown
 	uint32_t error_sample;
 	uint64_t error_us; // spent on it
-	uint64_t upload_us, compile_us, effects_us, trace_us, aov_us;
+	uint64_t upload_us, compile_us, effects_us, trace_us, light_us, aov_us;
 };
 
 #define PT_TILES_PER_DISPATCH 4096u
@@ -68,6 +74,19 @@ void pt_job_destroy(struct technique_job *job);
 // The pipeline is the device's, the set is the caller's to finish.
 enum status pt_job_pipeline(struct technique_job *job, uint32_t effects, struct pipeline **pipeline, struct binding_set *set,
 			    struct error *err);
+
+// The pipeline of a shader with these effects and the job's ways of sampling. Not warm.
+enum status pt_job_make_pipeline(struct technique_job *job, const struct shader *shader, uint32_t effects,
+				 struct pipeline **pipeline, struct error *err);
+
+// Buffers of a pipeline that traces, for a band; `result` is at BIND_ACCUMULATOR, which is BIND_AOV and BIND_FILM too.
+enum status pt_job_bind(struct technique_job *job, struct pipeline *pipeline, const struct buffer *result,
+			struct binding_set *set, struct error *err);
+
+// Run a new pipeline once over nothing, so that the driver's compiler works now, under its own name in the account, and not
+// in some slice.
+enum status pt_job_warm_up(struct technique_job *job, struct pipeline *pipeline, const struct binding_set *set,
+			   struct error *err);
 
 // Begin the image again with dispatches of at most `segment` events for each of `batch` samples: what has been summed is
 // forgotten.

@@ -24,11 +24,20 @@ static double sum_of(const float *pair)
 	return (double)pair[0] + (double)pair[1];
 }
 
-static void resolve_pixel(struct pt_resolver *r, const float *sums, const double counts[2], float *radiance)
+// What light paths brought to a channel of a pixel in a half, W/(m² sr).
+static double film_of(const struct pt_resolver *r, const uint32_t *film, int half, int channel)
+{
+	const uint32_t *part = film + 2 * (3 * half + channel);
+	return film ? r->film_units[half] * ((double)part[1] * 4294967296.0 + (double)part[0]) : 0;
+}
+
+static void resolve_pixel(struct pt_resolver *r, const float *sums, const uint32_t *film, const double counts[2],
+			  float *radiance)
 {
 	const double total = counts[0] + counts[1];
 	for (int c = 0; c < 3; c++) {
-		const double a = sum_of(sums + 2 * c), b = sum_of(sums + 6 + 2 * c);
+		const double a = sum_of(sums + 2 * c) + counts[0] * film_of(r, film, 0, c);
+		const double b = sum_of(sums + 6 + 2 * c) + counts[1] * film_of(r, film, 1, c);
 		const double mean = total > 0 ? (a + b) / total : 0;
 		radiance[c] = (float)mean;
 		if (counts[0] > 0 && counts[1] > 0) {
@@ -42,12 +51,14 @@ static void resolve_pixel(struct pt_resolver *r, const float *sums, const double
 void pt_resolve(struct pt_resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
 {
 	const uint32_t tiles_x = (frame->width + TILE_SIDE - 1) / TILE_SIDE;
+	const uint32_t *film = r->film;
 	for (uint32_t y = first_row; y < first_row + rows; y++)
 		for (uint32_t x = 0; x < frame->width; x++) {
 			const uint32_t tile = y / TILE_SIDE * tiles_x + x / TILE_SIDE;
-			resolve_pixel(r, sums, r->counts[tile < r->tiles],
+			resolve_pixel(r, sums, film, r->counts[tile < r->tiles],
 				      frame->radiance + 3 * ((uint64_t)y * frame->width + x));
 			sums += ACCUMULATOR_FLOATS;
+			film = film ? film + sizeof(struct film_pixel) / sizeof *film : NULL;
 		}
 }
 

@@ -12,6 +12,8 @@ struct pt_resolver {
 	double counts[2][2]; // samples of half A and B: in the other tiles, in those first ones
 	double error; // so far
 	uint64_t known;
+	const uint32_t *film; // of the rows to come, struct film_pixel a pixel; NULL: there is none
+	double film_units[2]; // what one of its numbers is in half A and B, W/(m² sr)
 };
 
 // Every pixel has `samples` from `first_sample` on, those of the first `tiles` tiles `more` on top.

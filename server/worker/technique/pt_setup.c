@@ -6,6 +6,7 @@
 #include "server/worker/technique/pt.h"
 #include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
+#include "server/worker/technique/pt_light.h"
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/vk/command.h"
 #include "shaders/aov_comp.h"
@@ -39,6 +40,7 @@ _Static_assert((int)SPEC_GLASS == (int)candil_Effect_EFFECT_GLASS, "one constant
 _Static_assert((int)SPEC_ALPHA_BLEND == (int)candil_Effect_EFFECT_ALPHA_BLEND, "one constant an effect");
 _Static_assert((int)SPEC_CLEARCOAT == (int)candil_Effect_EFFECT_CLEARCOAT, "one constant an effect");
 _Static_assert((int)SPEC_ROUGH_DIFFUSE == (int)candil_Effect_EFFECT_ROUGH_DIFFUSE, "one constant an effect");
+_Static_assert((int)SPEC_CAUSTICS == (int)candil_Effect_EFFECT_CAUSTICS, "one constant an effect");
 _Static_assert(FILTER_BOX == (int)candil_Filter_FILTER_BOX && FILTER_GAUSSIAN == (int)candil_Filter_FILTER_GAUSSIAN &&
 		   FILTER_BLACKMAN_HARRIS == (int)candil_Filter_FILTER_BLACKMAN_HARRIS,
 	       "one number a filter");
@@ -114,7 +116,6 @@ static uint64_t paths_bytes(const struct plan *plan)
 
 uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
-	(void)scene;
 	uint64_t bytes = sizeof(struct pt_job) + 2 * sizeof(struct pt_counters);
 	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
@@ -122,7 +123,7 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 	bytes += pixels_of(plan) * ACCUMULATOR_FLOATS * sizeof(float);
 	if (plan->aovs)
 		bytes += pixels_of(plan) * AOV_WORDS * sizeof(uint32_t);
-	return bytes;
+	return bytes + pt_light_bytes(&scene->view, plan);
 }
 
 // ---- bands --------------------------------------------------------------------------------------------------------------
@@ -164,8 +165,11 @@ struct pt_band *pt_job_band(const struct technique_job *j, uint32_t tile)
 static enum status clear_bands(struct technique_job *j, struct error *err)
 {
 	enum status s = buffer_clear(&j->counters, j->device, err);
-	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
+	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
 		s = buffer_clear(&j->bands[i].accumulator, j->device, err);
+		if (s == STATUS_OK && j->bands[i].film.handle)
+			s = buffer_clear(&j->bands[i].film, j->device, err);
+	}
 	return s;
 }
 
@@ -174,7 +178,9 @@ static enum status make_buffers(struct technique_job *j, struct error *err)
 	struct device *d = j->device;
 	struct pt_job params;
 	scene_job_fill(&j->plan, &j->scene->view, &params);
-	enum status s = buffer_init_with(&j->job, d, &params, sizeof params, err);
+	enum status s = pt_light_init(j, &params, err);
+	if (s == STATUS_OK)
+		s = buffer_init_with(&j->job, d, &params, sizeof params, err);
 	if (s == STATUS_OK)
 		s = buffer_init(&j->counters, d, sizeof(struct pt_counters), BUFFER_DEVICE, err);
 	if (s == STATUS_OK)
@@ -203,8 +209,8 @@ static bool walks_in_packets(const struct technique_job *j)
 	       resident_buffer(j->scene, BIND_LEAF_TRIANGLES)->bytes <= most;
 }
 
-static enum status bind_band(struct technique_job *j, struct pipeline *pipeline, const struct pt_band *band,
-			     struct binding_set *set, struct error *err)
+enum status pt_job_bind(struct technique_job *j, struct pipeline *pipeline, const struct buffer *result,
+			struct binding_set *set, struct error *err)
 {
 	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
 	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
@@ -217,18 +223,14 @@ static enum status bind_band(struct technique_job *j, struct pipeline *pipeline,
 		buffers[BIND_ENVIRONMENT] = &j->sky->texels;
 		buffers[BIND_ENVIRONMENT_ROWS] = &j->sky->rows;
 	}
-	if (pipeline->shader == &aov_shader) {
-		buffers[BIND_AOV] = &band->aov;
-	} else {
-		buffers[BIND_ACCUMULATOR] = &band->accumulator;
-		buffers[BIND_PATHS] = &j->paths;
-	}
+	buffers[BIND_ACCUMULATOR] = result;
+	buffers[BIND_PATHS] = &j->paths;
+	buffers[BIND_CASTERS] = &j->casters;
+	buffers[BIND_CASTER_DENSITY] = &j->caster_density;
 	return binding_set_init(set, j->device, pipeline, buffers, &j->counters_host, err);
 }
 
-// A new pipeline runs once over nothing, so that the driver's compiler works now, under its own name in the account, and not
-// in some slice.
-static enum status warm_up(struct technique_job *j, struct pipeline *pipeline, const struct binding_set *set,
+enum status pt_job_warm_up(struct technique_job *j, struct pipeline *pipeline, const struct binding_set *set,
 			   struct error *err)
 {
 	VkCommandBuffer c = j->device->commands;
@@ -256,7 +258,7 @@ static bool has_discs(const struct resident_scene *scene)
 	return false;
 }
 
-static enum status make_pipeline(struct technique_job *j, const struct shader *shader, uint32_t effects,
+enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *shader, uint32_t effects,
 				 struct pipeline **pipeline, struct error *err)
 {
 	uint32_t constants[SPEC_COUNT];
@@ -286,10 +288,10 @@ enum status pt_job_pipeline(struct technique_job *j, uint32_t effects, struct pi
 	if (j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u)
 		s = pt_sky_get(j->plan.environment.scene, j->device, &j->sky, err);
 	if (s == STATUS_OK)
-		s = make_pipeline(j, &path_shader, effects, pipeline, err);
+		s = pt_job_make_pipeline(j, &path_shader, effects, pipeline, err);
 	if (s == STATUS_OK)
-		s = bind_band(j, *pipeline, &j->bands[0], set, err);
-	return s == STATUS_OK ? warm_up(j, *pipeline, set, err) : s;
+		s = pt_job_bind(j, *pipeline, &j->bands[0].accumulator, set, err);
+	return s == STATUS_OK ? pt_job_warm_up(j, *pipeline, set, err) : s;
 }
 
 static enum status make_path_pass(struct technique_job *j, uint32_t segment, struct error *err)
@@ -301,14 +303,16 @@ static enum status make_path_pass(struct technique_job *j, uint32_t segment, str
 	if (j->segments > 1 && !j->paths.handle)
 		s = buffer_init(&j->paths, j->device, paths_bytes(&j->plan), BUFFER_DEVICE, err);
 	if (s == STATUS_OK)
-		s = make_pipeline(j, &path_shader, j->plan.effects, &j->path, err);
+		s = pt_job_make_pipeline(j, &path_shader, j->plan.effects, &j->path, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
 		binding_set_finish(&j->bands[i].path_bindings, j->device);
-		s = bind_band(j, j->path, &j->bands[i], &j->bands[i].path_bindings, err);
+		s = pt_job_bind(j, j->path, &j->bands[i].accumulator, &j->bands[i].path_bindings, err);
 	}
-	const bool compiles = s == STATUS_OK && !j->path->warm;
+	bool compiles = s == STATUS_OK && !j->path->warm;
 	if (s == STATUS_OK)
-		s = warm_up(j, j->path, &j->bands[0].path_bindings, err);
+		s = pt_job_warm_up(j, j->path, &j->bands[0].path_bindings, err);
+	if (s == STATUS_OK)
+		s = pt_light_make_pass(j, &compiles, err);
 	if (compiles)
 		j->compile_us += clock_us() - start;
 	return s;
@@ -317,12 +321,12 @@ static enum status make_path_pass(struct technique_job *j, uint32_t segment, str
 static enum status make_aov_pass(struct technique_job *j, struct error *err)
 {
 	const uint64_t start = clock_us();
-	enum status s = make_pipeline(j, &aov_shader, j->plan.effects, &j->aov, err);
+	enum status s = pt_job_make_pipeline(j, &aov_shader, j->plan.effects, &j->aov, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
-		s = bind_band(j, j->aov, &j->bands[i], &j->bands[i].aov_bindings, err);
+		s = pt_job_bind(j, j->aov, &j->bands[i].aov, &j->bands[i].aov_bindings, err);
 	const bool compiles = s == STATUS_OK && !j->aov->warm;
 	if (s == STATUS_OK)
-		s = warm_up(j, j->aov, &j->bands[0].aov_bindings, err);
+		s = pt_job_warm_up(j, j->aov, &j->bands[0].aov_bindings, err);
 	if (compiles)
 		j->compile_us += clock_us() - start;
 	return s;
@@ -389,6 +393,7 @@ void pt_job_destroy(struct technique_job *j)
 	if (!j)
 		return;
 	pt_error_finish(j);
+	pt_light_finish(j);
 	for (uint32_t i = 0; j->bands && i < j->band_count; i++) {
 		struct pt_band *b = &j->bands[i];
 		binding_set_finish(&b->path_bindings, j->device);

@@ -9,7 +9,7 @@
 #include "server/base/log.h"
 #include "server/worker/vk/pipeline.h"
 
-#define STORAGE_BUFFERS_NEEDED 22u
+#define STORAGE_BUFFERS_NEEDED 24u
 
 enum status device_error(VkResult result, const char *what, struct error *err)
 {

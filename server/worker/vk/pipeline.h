@@ -8,7 +8,7 @@
 #include "server/worker/vk/buffer.h"
 #include "server/worker/vk/device.h"
 
-#define PIPELINE_BINDINGS_MAX 22u
+#define PIPELINE_BINDINGS_MAX 24u
 #define PIPELINE_TEXELS_MAX 2u
 #define PIPELINE_TEXEL_BYTES 16u
 #define PIPELINE_CONSTANTS_MAX 32u

@@ -1,0 +1,152 @@
+// Where light paths begin: at a lamp, chosen by power as next-event estimation chooses, in a direction of its light or aimed
+// at a point of a caster. The two ways are weighed by the balance heuristic (Veach 1997, 9.2.2), once it is known where the
+// first ray ends: the density of the aimed ones is known there alone.
+#ifndef PATH_EMIT_GLSL
+#define PATH_EMIT_GLSL
+
+#include "path/caustic.glsl"
+
+layout(std430, set = 0, binding = BIND_CASTERS) readonly buffer Casters {
+	emitter casters[];
+};
+
+struct launch {
+	vec3 origin;
+	vec3 direction;
+	vec3 power;       // radiance × cosine, or intensity, or irradiance
+	float pick;       // density of the choice of the lamp and of its point
+	float spread;     // density, by solid angle, of the directions that are not aimed
+	float aimed;      // share of those that are
+	float pdf_area;   // of the lamp's point, 1/m²; 0: it is a punctual light
+	float cos_lamp;
+	bool parallel;    // light from afar: `spread` is none, and what is aimed has a density over the area across it
+	uint target;      // triangle that was aimed at, or NONE
+};
+
+vec3 corner_mix(corners k, vec2 uv)
+{
+	return k.v0 + uv.x * (k.v1 - k.v0) + uv.y * (k.v2 - k.v0);
+}
+
+// A point of a caster.
+vec3 aim_at(uvec2 pick, vec2 u, out uint target)
+{
+	emitter e = casters[alias_row(pick.x, job.caster_count)];
+	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
+	target = keep ? e.triangle : casters[e.alias].triangle;
+	return corner_mix(corners_of(triangles[target]), sample_triangle(u));
+}
+
+// About `axis`, uniform within the angle of this cosine.
+vec3 cone_direction(vec3 axis, float cos_most, vec2 u)
+{
+	vec3 x, y;
+	frame_make(axis, x, y);
+	float z = 1.0 - u.x * (1.0 - cos_most);
+	float r = sqrt(max(1.0 - z * z, 0.0));
+	return r * cos(2.0 * PI * u.y) * x + r * sin(2.0 * PI * u.y) * y + z * axis;
+}
+
+// `share` of all light paths begin at emissive triangles; camera_keeps takes what next-event estimation's share is.
+launch launch_emitter(sampler_state rnd, bool aims, float share)
+{
+	launch l;
+	uvec2 pick = sample_bits(rnd, SET_PICK);
+	emitter e = emitters[alias_row(pick.x, job.emitter_count)];
+	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
+	triangle tri = triangles[keep ? e.triangle : emitters[e.alias].triangle];
+	material m = materials[tri.material];
+	corners k = corners_of(tri);
+	vec2 uv = sample_triangle(sample_2d(rnd, SET_LIGHT));
+	vec3 q = corner_mix(k, uv);
+	vec2 u = sample_2d(rnd, SET_BSDF);
+	bool both = (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
+	vec3 target = q;
+	l.target = NONE;
+	if (aims)
+		target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
+	// The side: that of the target, or any that shines.
+	bool front = aims ? dot(target - q, k.normal) > 0.0 : !both || sample_2d(rnd, SET_LOBE).x < 0.5;
+	vec3 n = front ? k.normal : -k.normal;
+	l.origin = q + n * position_error(k);
+	vec3 x, y;
+	frame_make(n, x, y);
+	vec3 local = cosine_hemisphere(u);
+	l.direction = aims ? normalize(target - l.origin) : local.x * x + local.y * y + local.z * n;
+	l.cos_lamp = max(dot(l.direction, n), 0.0);
+	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
+	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, bary) : vec4(0.0);
+	l.power = front || both ? emission_at(m, at) * l.cos_lamp : vec3(0.0);
+	if (EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND)
+		l.power *= coverage_at(m, tri, bary, at);
+	float density = m.power_density * job.emitter_power_inv;
+	l.pdf_area = density * job.emitter_share;
+	l.pick = density * share;
+	l.spread = l.cos_lamp / (both ? 2.0 * PI : PI);
+	l.parallel = false;
+	return l;
+}
+
+launch launch_punctual(sampler_state rnd, bool aims, float share)
+{
+	launch l;
+	uint number;
+	punctual_light light = pick_punctual(sample_bits(rnd, SET_PICK), number);
+	vec2 u = sample_2d(rnd, SET_BSDF);
+	vec3 axis = to_vec3(light.direction);
+	l.parallel = light.kind == LIGHT_DIRECTIONAL;
+	l.power = to_vec3(light.intensity);
+	if (DISC_LIGHTS && light.spread > 0.0)
+		axis = in_disc(light, axis, sample_2d(rnd, SET_LIGHT), l.power);
+	float cos_most = light.kind == LIGHT_SPOT ? light.cos_outer : -1.0;
+	l.origin = to_vec3(light.position);
+	l.direction = light.kind == LIGHT_SPOT ? cone_direction(axis, cos_most, u) : cone_direction(vec3(0.0, 0.0, 1.0), -1.0, u);
+	l.target = NONE;
+	if (aims) {
+		vec3 target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
+		l.origin = l.parallel ? target - axis * job.reach : l.origin;
+		l.direction = l.parallel ? axis : normalize(target - l.origin);
+	}
+	if (light.kind == LIGHT_SPOT)
+		l.power *= spot_attenuation(light, -l.direction);
+	bool inside = light.kind != LIGHT_SPOT || dot(l.direction, axis) >= cos_most;
+	l.spread = l.parallel || !inside ? 0.0 : 1.0 / (2.0 * PI * max(1.0 - cos_most, 1e-6));
+	l.pick = light.pmf * share;
+	l.pdf_area = 0.0;
+	l.cos_lamp = 1.0;
+	return l;
+}
+
+// A light path's first ray. Its power may be zero: there is none then.
+launch launch_make(sampler_state rnd)
+{
+	vec2 ways = sample_2d(rnd, SET_PIXEL);
+	// As next-event estimation chooses, but for the surroundings.
+	float share = job.emitter_share / max(job.emitter_share + job.light_share, 1e-30);
+	bool emissive = EFFECT_EMITTERS && job.emitter_count > 0u && (!EFFECT_LIGHTS || ways.y < share);
+	float aimed = aimed_share();
+	launch l;
+	if (emissive) {
+		l = launch_emitter(rnd, ways.x < aimed, share);
+	} else if (EFFECT_LIGHTS && job.light_count > 0u) {
+		l = launch_punctual(rnd, ways.x < aimed, 1.0 - share);
+		// From afar there is no other way than to aim.
+		l.power *= l.parallel && ways.x >= aimed ? 0.0 : 1.0;
+	} else {
+		l.power = vec3(0.0);
+	}
+	l.aimed = aimed;
+	return l;
+}
+
+// Of a ray that ended at distance t, met with this cosine where casters are chosen with this density over area: the power that
+// it carries, W. Zero: it was aimed at another triangle.
+vec3 launch_power(launch l, uint id, float density, float cosine, float t)
+{
+	float reach = l.parallel ? 1.0 : t * t;
+	float aimed = l.aimed * density * reach / max(cosine, 1e-30);
+	float pdf = l.pick * ((l.parallel ? 0.0 : (1.0 - l.aimed) * l.spread) + min(aimed, 1e30));
+	return (l.target == NONE || l.target == id) && pdf > 0.0 ? l.power / pdf : vec3(0.0);
+}
+
+#endif
