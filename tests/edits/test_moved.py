@@ -7,6 +7,7 @@ import numpy
 import make
 import wire
 from edited import Refused, Stage, node, pb, point, vec
+from writers import Gltf, icosphere
 
 
 def setUpModule():
@@ -61,6 +62,22 @@ class Nodes(Case):
         for name, move in MOVES.items():
             with self.subTest(name):
                 self.check("arm", move)
+
+    def test_instances_go_with_their_node(self):
+        def scene(name, **place):
+            g = Gltf()
+            positions, triangles = icosphere(1)
+            tree = g.node(mesh=g.mesh(positions, triangles, g.material("leaf", (.5, .6, .3)), normals=positions), name="tree", **place)
+            g.instances(tree, [(-1, 0, 0), (1, 0, 0), (0, 1.5, 0)], scales=[(.5, .5, .5), (.4, .8, .4), (.5, .2, .5)])
+            g.light("point", 30, (2, 4, 4))
+            g.camera((0, 0, 6), (0, 0, 0), 40)
+            return stage.load(g.save(stage.folder, name))
+        still = scene("grove.gltf")
+        for name in ("pushed", "all"):
+            with self.subTest(name):
+                moved = stage.render(still, nodes=[node("tree", **MOVES[name])])
+                self.alike(moved, stage.render(scene("there.gltf", **MOVES[name])), name)
+                self.assertGreater(float((moved[1]["id"] != stage.render(still)[1]["id"]).mean()), 0.01)
 
     def test_an_emitter_moves_with_its_power(self):
         for name in ("pushed", "scaled", "mirrored"):

@@ -352,6 +352,24 @@ def alpha_blend(folder, alpha=.25, sheets=1, albedo=0.0, name="alpha_blend.gltf"
     return g.save(folder, name)
 
 
+def coats(folder, name="coats.gltf"):
+    """A row of spheres on a matte floor, each pair without and with one thing: red plastic and a smooth coat, blue metal and a
+    coat of roughness 0.05, clay by Lambert and by Oren and Nayar."""
+    g = Gltf()
+    g.place(*quad((-8, 0, 6), (8, 0, 6), (8, 0, -6), (-8, 0, -6)), g.material("floor", (.4,) * 3, matte=1))
+    plastic, metal = dict(albedo=(.6, .04, .03), specular=1, roughness=.6), dict(albedo=(.2, .3, .7), metallic=1, roughness=.5, specular=1)
+    clay = dict(albedo=(.7, .6, .5))
+    row = (("plastic", plastic), ("coated plastic", dict(plastic, coat={"clearcoatFactor": 1})), ("metal", metal),
+           ("coated metal", dict(metal, coat={"clearcoatFactor": 1, "clearcoatRoughnessFactor": .05})), ("clay", clay),
+           ("matte clay", dict(clay, matte=1)))
+    positions, triangles = icosphere(4)
+    for i, (label, material) in enumerate(row):
+        g.node(mesh=g.mesh(positions, triangles, g.material(label, **material), normals=positions), translation=[-5.5 + 2.2 * i, 1, 0])
+    g.place(*quad((-2, 6, -2), (2, 6, -2), (2, 6, 2), (-2, 6, 2)), g.material("lamp", (0, 0, 0), (14,) * 3))
+    g.camera((0, 3.2, 14), (0, .9, 0), 26)
+    return g.save(folder, name)
+
+
 def cornell_obj(folder, radiance=15.0, name="cornell.obj"):
     """The same as OBJ and MTL."""
     o = Obj()
@@ -399,6 +417,7 @@ SCENES = {
     "plates": plates,
     "stage": stage,
     "cornell": cornell,
+    "coats": coats,
     "cornell_obj": cornell_obj,
     "cornell_glass": cornell_glass,
     "alpha_blend": alpha_blend,
