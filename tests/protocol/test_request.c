@@ -252,6 +252,11 @@ static void edits(void **state)
 		assert_int_equal(BROKEN_EDIT(l->outer_degrees = bad[i]), STATUS_BAD_ARGUMENT);
 		assert_int_equal(BROKEN_EDIT(m->metallic = bad[i]), STATUS_BAD_ARGUMENT);
 		assert_int_equal(BROKEN_EDIT((m->has_roughness = true, m->roughness = bad[i])), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((m->has_coat = true, m->coat = bad[i])), STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((m->has_coat_roughness = true, m->coat_roughness = bad[i])),
+				 STATUS_BAD_ARGUMENT);
+		assert_int_equal(BROKEN_EDIT((m->has_diffuse_roughness = true, m->diffuse_roughness = bad[i])),
+				 STATUS_BAD_ARGUMENT);
 		assert_int_equal(BROKEN_EDIT((m->has_base_color = true, m->base_color.x = bad[i])), STATUS_BAD_ARGUMENT);
 		assert_int_equal(BROKEN_EDIT((m->has_emission = true, m->emission.z = bad[i])), STATUS_BAD_ARGUMENT);
 	}
