@@ -34,6 +34,7 @@ enum plan_volume_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONE
 enum plan_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
 enum plan_effect_times { EFFECT_TIMES_OFF, EFFECT_TIMES_ON, EFFECT_TIMES_ALL };
 enum plan_hemisphere { HEMISPHERE_COSINE, HEMISPHERE_UNIFORM };
+enum plan_light_tree { LIGHT_TREE_AUTO, LIGHT_TREE_ON, LIGHT_TREE_OFF };
 enum plan_roulette { ROULETTE_ON, ROULETTE_OFF };
 enum plan_traversal { TRAVERSAL_AUTO, TRAVERSAL_SINGLE, TRAVERSAL_PACKET };
 
@@ -61,6 +62,7 @@ struct plan {
 	uint32_t sampler; // pt: SAMPLER_…
 	uint32_t hemisphere; // pt: enum plan_hemisphere, of diffuse directions
 	uint32_t lamps; // pt: how light of surfaces is found, LAMPS_BY_… of shaders/shared/bindings.h
+	uint32_t light_tree; // pt: enum plan_light_tree
 	uint32_t roulette; // pt: enum plan_roulette
 	float clamp; // pt: of a sample's largest component, W/(m² sr); 0: none
 	uint32_t direct_points; // direct: on lamps, for a pixel's sample

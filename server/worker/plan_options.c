@@ -28,6 +28,7 @@ static const char *const effect_times[] = {"off", "on", "all", NULL};
 static const char *const samplers[] = {"sobol", "independent", "blue", NULL};
 static const char *const hemispheres[] = {"cosine", "uniform", NULL};
 static const char *const lamp_ways[] = {"mis", "nee", "none", NULL};
+static const char *const trees[] = {"auto", "on", "off", NULL};
 static const char *const roulettes[] = {"on", "off", NULL};
 static const char *const traversals[] = {"auto", "single", "packet", NULL};
 static const char *const grids[] = {"fitted", "cube", NULL};
@@ -59,6 +60,7 @@ static const struct option_rule options[] = {
     {"pt.sampler", 0, 0, samplers, NULL, false, FIELD(sampler)},
     {"pt.hemisphere", 0, 0, hemispheres, NULL, false, FIELD(hemisphere)},
     {"pt.lights", 0, 0, lamp_ways, NULL, false, FIELD(lamps)},
+    {"pt.light_tree", 0, 0, trees, NULL, false, FIELD(light_tree)},
     {"pt.roulette", 0, 0, roulettes, NULL, false, FIELD(roulette)},
     {"pt.clamp", 0, LIMIT_RADIANCE, NULL, NULL, true, FIELD(clamp)},
     {"vct.voxels", 0, 0, voxel_kinds, NULL, false, FIELD(vct_voxels)},

@@ -1,8 +1,12 @@
-// Next-event estimation: one light a call, chosen by power out of an alias table, then a point on it.
+// Next-event estimation: one light a call, chosen by power out of an alias table, then a point on it. Who defines LIGHT_TREE, a
+// constant, chooses emissive triangles by the tree over them where it is true.
 #ifndef COMMON_LIGHT_GLSL
 #define COMMON_LIGHT_GLSL
 
 #include "common/bsdf.glsl"
+#ifdef LIGHT_TREE
+#include "common/light_tree.glsl"
+#endif
 
 #ifndef LAMPS_BY
 #define LAMPS_BY LAMPS_BY_BOTH
@@ -41,13 +45,47 @@ struct emitter_view {
 	float inverse;  // one over the density with which it was chosen, by solid angle
 };
 
-// The point that `pick` and u choose, by power. False: it shows the receiver its dark side or its edge.
-bool view_emitter(vec3 origin, uvec2 pick, vec2 u, float share, out emitter_view v)
+// The side that light reaches a surface from: its triangle's normal, or zero where light comes through it.
+vec3 facing_of(bsdf b)
 {
+	return EFFECT_GLASS && b.clear ? vec3(0.0) : b.geometric;
+}
+
+// The triangle that `pick` chooses for a surface at `origin`, and its chance over its area: a density, the same for all its
+// points. `facing`: facing_of the surface.
+uint choose_emitter(vec3 origin, vec3 facing, uvec2 pick, out float area_density)
+{
+#ifdef LIGHT_TREE
+	if (LIGHT_TREE) {
+		float chance;
+		uint id = emitters[light_tree_pick(origin, facing, pick, chance)].triangle;
+		area_density = chance / max(area_of(corners_of(triangles[id])), 1e-37);
+		return id;
+	}
+#endif
 	uint row = alias_row(pick.x, job.emitter_count);
 	emitter e = emitters[row];
 	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
-	triangle tri = triangles[keep ? e.triangle : emitters[e.alias].triangle];
+	uint id = keep ? e.triangle : emitters[e.alias].triangle;
+	area_density = materials[triangles[id].material].power_density * job.emitter_power_inv;
+	return id;
+}
+
+// With what density over area choose_emitter and a uniform point find this point of an emissive triangle from `origin`.
+float emitter_density(vec3 origin, vec3 facing, uint id, float by_power)
+{
+#ifdef LIGHT_TREE
+	if (LIGHT_TREE && by_power > 0.0)
+		return light_tree_chance(origin, facing, id) * job.emitter_share / max(area_of(corners_of(triangles[id])), 1e-37);
+#endif
+	return by_power;
+}
+
+// The point that `pick` and u choose, by power. False: it shows the receiver its dark side or its edge.
+bool view_emitter(vec3 origin, vec3 facing, uvec2 pick, vec2 u, float share, out emitter_view v)
+{
+	float area_density;
+	triangle tri = triangles[choose_emitter(origin, facing, pick, area_density)];
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
 	vec3 n = k.normal;
@@ -64,7 +102,7 @@ bool view_emitter(vec3 origin, uvec2 pick, vec2 u, float share, out emitter_view
 	float d = sqrt(d2);
 	vec3 w = v.segment / d;
 	float cos_light = abs(dot(n, w));
-	float pdf_area = m.power_density * job.emitter_power_inv * share;
+	float pdf_area = area_density * share;
 	v.radiance = vec3(0.0);
 	v.inverse = 0.0;
 	if (!lit || !(d2 > 0.0) || cos_light == 0.0)
@@ -80,7 +118,7 @@ bool view_emitter(vec3 origin, uvec2 pick, vec2 u, float share, out emitter_view
 bool sample_emitter(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
 {
 	emitter_view v;
-	bool lit = view_emitter(origin, pick, u, job.emitter_share, v);
+	bool lit = view_emitter(origin, facing_of(b), pick, u, job.emitter_share, v);
 	l.segment = v.segment;
 	l.t_max = 1.0;
 	if (!lit)

@@ -66,6 +66,16 @@ corners corners_of(triangle tri)
 	return c;
 }
 
+// Half the length of the edges' product, brought to a size near 1 first as unit_normal does.
+float area_of(corners c)
+{
+	vec3 a = c.v1 - c.v0;
+	vec3 b = c.v2 - c.v0;
+	vec3 m = max(abs(a), abs(b));
+	float size = max(max(m.x, max(m.y, m.z)), 1e-30);
+	return 0.5 * length(cross(a / size, b / size)) * size * size;
+}
+
 // The greatest coordinate bounds the rounding of a position in every direction.
 float position_error(corners c)
 {

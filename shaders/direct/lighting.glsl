@@ -191,7 +191,7 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 	vec2 where;
 	emitter_view v;
 	direct_point(pattern, k, pick, where);
-	if (!view_emitter(origin, pick, where, 1.0, v))
+	if (!view_emitter(origin, vec3(0.0), pick, where, 1.0, v))
 		return;
 	vec3 w = normalize(v.segment);
 	vec4 facets;

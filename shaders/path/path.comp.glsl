@@ -63,6 +63,7 @@ struct walker {
 	uvec2 media;   // with EFFECT_GLASS: the clear bodies that it is in
 	float rivals;  // with EFFECT_CAUSTICS: rivals_at the first event, 0 if that did not spread light
 	float aim;     // and caster_density at the last one, over the cosine that it was left with
+	vec3 facing;   // with LIGHT_TREE: of the surface at `origin`, light.glsl's facing_of
 	uint taken;    // samples of this dispatch's that are done
 	bool alive;
 };
@@ -120,6 +121,8 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 		if (EFFECT_GLASS && l.t_max > 0.0)
 			light_through(s, p.media, beyond, from, l);
 	}
+	if (LIGHT_TREE)
+		p.facing = facing_of(b);
 	vec3 weight;
 	float lobe = EFFECT_GLOSSY || EFFECT_GLASS || EFFECT_CLEARCOAT ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
 	p.direction = bsdf_sample(b, lobe, sample_2d(rnd, set + SET_BSDF), weight, p.pdf);
@@ -160,7 +163,8 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	}
 	if (EFFECT_EMITTERS) {
 		float c = abs(dot(s.geometric, p.direction));
-		float weight = emission_weight(p.event, p.pdf, s.emission_pdf, hit.t, c);
+		float pdf_area = p.event == 0u ? 0.0 : emitter_density(p.origin, p.facing, hit.id, s.emission_pdf);
+		float weight = emission_weight(p.event, p.pdf, pdf_area, hit.t, c);
 		if (EFFECT_CAUSTICS)
 			weight *= path_keeps(p, s, hit.t, c);
 		p.radiance += p.throughput * s.emission * weight;
@@ -227,6 +231,7 @@ void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
 	p.media = uvec2(0u);
 	p.rivals = 0.0;
 	p.aim = 0.0;
+	p.facing = vec3(0.0);
 	p.alive = true;
 }
 
@@ -309,7 +314,7 @@ void path_load(uint slot, out walker p)
 {
 	path_state s = paths[slot];
 	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event,
-		   uvec2(s.media[0], s.media[1]), s.rivals, s.aim, s.taken, s.event != PATH_DONE);
+		   uvec2(s.media[0], s.media[1]), s.rivals, s.aim, to_vec3(s.facing), s.taken, s.event != PATH_DONE);
 }
 
 void path_store(uint slot, walker p)
@@ -323,6 +328,7 @@ void path_store(uint slot, walker p)
 	paths[slot].media = uint[2](p.media.x, p.media.y);
 	paths[slot].rivals = p.rivals;
 	paths[slot].aim = p.aim;
+	paths[slot].facing = float[3](p.facing.x, p.facing.y, p.facing.z);
 	paths[slot].radiance = float[3](p.radiance.r, p.radiance.g, p.radiance.b);
 }
 

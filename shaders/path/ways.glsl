@@ -9,6 +9,7 @@ layout(constant_id = SPEC_SAMPLER) const uint WAY_SAMPLER = SAMPLER_SOBOL;
 layout(constant_id = SPEC_UNIFORM) const bool WAY_UNIFORM = false;
 layout(constant_id = SPEC_LAMPS_BY) const uint WAY_LAMPS = LAMPS_BY_BOTH;
 layout(constant_id = SPEC_ROULETTE) const bool WAY_ROULETTE = true;
+layout(constant_id = SPEC_LIGHT_TREE) const bool WAY_LIGHT_TREE = false;
 layout(constant_id = SPEC_CLAMP) const bool WAY_CLAMP = false;
 layout(constant_id = SPEC_DISCS) const bool WAY_DISCS = false;
 
@@ -16,5 +17,6 @@ layout(constant_id = SPEC_DISCS) const bool WAY_DISCS = false;
 #define HEMISPHERE_UNIFORM WAY_UNIFORM
 #define LAMPS_BY WAY_LAMPS
 #define DISC_LIGHTS WAY_DISCS
+#define LIGHT_TREE WAY_LIGHT_TREE
 
 #endif

@@ -44,11 +44,14 @@
 #define BIND_ENVIRONMENT 20
 #define BIND_ENVIRONMENT_ROWS 21
 #define BIND_CASTER_DENSITY 22 // a float a material: of points that BIND_CASTERS chooses on it, 1/m²
-#define BIND_PATH_COUNT 23
 // Light paths have the same, and
 #define BIND_FILM 16 // struct film_pixel
 #define BIND_CASTERS 23 // struct emitter: polished triangles in an alias table
-#define BIND_LIGHT_COUNT 24
+// And the tree over the emitters, where there is one: struct light_node as texels, and a uint an emitter, its trail.
+#define BIND_LIGHT_NODES 24
+#define BIND_LIGHT_TRAILS 25
+#define BIND_PATH_COUNT 26
+#define BIND_LIGHT_COUNT 26
 #define BIND_ERROR_FILM 18 // error: BIND_FILM's
 
 // Specialization constants, one for each effect of the plan.
@@ -81,7 +84,8 @@
 #define SPEC_CLAMP 24 // no sample is brighter than pt_job.clamp
 #define SPEC_SKY 25 // what is around the scene is a picture, and a light
 #define SPEC_DISCS 26 // some directional light shines from a disc
-#define SPEC_COUNT 27
+#define SPEC_LIGHT_TREE 27 // emissive triangles are chosen by the tree over them, else by their power alone
+#define SPEC_COUNT 28
 
 // How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
 // first alone; by the second alone.
@@ -206,8 +210,9 @@ struct path_state {
 	uint media[2]; // materials whose inside it is in, 16 bits each from below: number + 1, or 0
 	float rivals; // path/caustic.glsl
 	float aim;
+	float facing[3]; // of the surface that it left, for the tree over the emitters
 };
-LAYOUT_ASSERT(path_state, 76)
+LAYOUT_ASSERT(path_state, 88)
 #define PATH_DONE 0xFFFFFFFFu
 
 // What light paths brought to a pixel: whole numbers of pt_job.film_unit's, so that their sum does not depend on the order.

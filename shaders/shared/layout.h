@@ -158,6 +158,19 @@ struct emitter {
 };
 LAYOUT_ASSERT(emitter, 16)
 
+// A node of the tree over the emitters: server/scene/light_tree.h. `child` and `child` + 1 are below it; of a leaf, LIGHT_LEAF
+// and the emitter's number.
+struct light_node {
+	float min[3]; // metres
+	float power; // of all lamps below, W
+	float max[3];
+	float cos_spread; // every normal below is within the angle of this cosine of `axis`
+	float axis[3]; // unit
+	uint child;
+};
+LAYOUT_ASSERT(light_node, 48)
+#define LIGHT_LEAF 0x80000000u
+
 #define LIGHT_POINT 0u
 #define LIGHT_SPOT 1u
 #define LIGHT_DIRECTIONAL 2u

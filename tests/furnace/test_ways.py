@@ -11,7 +11,7 @@ from render import Daemon, Failed
 
 SIZE = (48, 48)
 WAYS = (("pt.sampler", "independent", 0.02), ("pt.sampler", "blue", 0.02), ("pt.hemisphere", "uniform", 0.02), ("pt.lights", "nee", 0.02),
-        ("pt.lights", "none", 0.08), ("pt.roulette", "off", 0.02))
+        ("pt.lights", "none", 0.08), ("pt.roulette", "off", 0.02), ("pt.light_tree", "on", 0.02))
 
 
 def setUpModule():
@@ -42,6 +42,24 @@ class Ways(unittest.TestCase):
                   f"{picture.report['estimated_relmse'] / usual.report['estimated_relmse']:.2f} times")
             self.assertLess(abs(mean(picture) / mean(usual) - 1), tolerance)
             self.assertNotEqual(picture.radiance.tobytes(), usual.radiance.tobytes())
+
+    def test_a_tree_over_the_lamps(self):
+        """It changes which lamps are asked, not what they send: the same picture with less noise, lamps met by chance included."""
+        path = make.many_lamps(folder.name, 12)
+        reference = daemon.render(path, SIZE, 512, options={"pt.light_tree": "off"}, arguments=["--seed", "9"]).radiance
+        errors, means = {}, {}
+        for tree in ("off", "on", "auto"):
+            picture = daemon.render(path, SIZE, 32, options={"pt.light_tree": tree})
+            self.assertEqual(picture.report["non_finite_samples"], 0)
+            errors[tree], means[tree] = relmse(picture.radiance, reference), mean(picture)
+        print(f"relMSE by power {errors['off']:.2e}, by the tree {errors['on']:.2e}")
+        self.assertEqual(errors["on"], errors["auto"])
+        self.assertLess(errors["on"], 0.7 * errors["off"])
+        # Both see the same lamps by the same samples, and they are the most of the mean.
+        self.assertAlmostEqual(means["on"] / means["off"], 1, delta=0.005)
+        few = make.cornell(folder.name)
+        self.assertEqual(daemon.render(few, SIZE, 4).radiance.tobytes(),
+                         daemon.render(few, SIZE, 4, options={"pt.light_tree": "off"}).radiance.tobytes())
 
     def test_neighbours_errors_cancel(self):
         """By `blue` a pixel is as wrong as by `sobol`, and what a filter leaves of the error is less."""

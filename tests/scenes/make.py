@@ -342,6 +342,30 @@ def cornell_glass(folder, scale=1.0, name="cornell_glass.gltf"):
     return g.save(folder, name)
 
 
+def many_lamps(folder, side=30, name="many_lamps.gltf"):
+    """A hall of side x side small lamps below its ceiling, of many colours and powers, with screens between them: what shines on
+    a place are a few of them."""
+    g = Gltf()
+    half = side / 2
+    g.place(*box((-half, 0, -half), (half, 3, half), inward=True), g.material("walls", (.6, .6, .6)))
+    screen = g.material("screen", (.5, .45, .4))
+    for i in range(0, side, 3):
+        g.place(*box((-half + i, 0, -half + 2), (-half + i + .1, 1.8, half - 2)), screen)
+    glow = [g.material(f"lamp {k}", (0, 0, 0), [8 * 2 ** k * c for c in colour])
+            for k, colour in enumerate(((1, .3, .2), (.3, 1, .3), (.3, .4, 1), (1, .9, .7)))]
+    parts = [([], []) for _ in glow]
+    for i in range(side * side):
+        x, z = -half + .5 + i % side, -half + .5 + i // side
+        positions, triangles = parts[(i * 7919 >> 3) % 4]
+        corners, two = quad((x - .05, 2.9, z - .05), (x + .05, 2.9, z - .05), (x + .05, 2.9, z + .05), (x - .05, 2.9, z + .05))
+        triangles += [tuple(c + len(positions) for c in t) for t in two]
+        positions += corners
+    for material, part in zip(glow, parts):
+        g.place(*part, material)
+    g.camera((-half + 1.2, 1.7, half - 1), (half / 3, .8, -half / 2), 60)
+    return g.save(folder, name)
+
+
 def alpha_blend(folder, alpha=.25, sheets=1, albedo=0.0, name="alpha_blend.gltf"):
     """Black sheets before each other, each there by a share: of what is behind them (1 - alpha) ** sheets comes through."""
     g = Gltf()
@@ -421,6 +445,7 @@ SCENES = {
     "cornell_obj": cornell_obj,
     "cornell_glass": cornell_glass,
     "alpha_blend": alpha_blend,
+    "many_lamps": many_lamps,
 }
 
 

@@ -303,6 +303,8 @@ static void account(const struct technique_job *j, struct frame *f)
 	f->rays = j->rays;
 	if (j->upload_us)
 		frame_add_stage(f, "upload", j->upload_us);
+	if (j->tree_us > 0)
+		frame_add_stage(f, "light-tree", j->tree_us);
 	if (j->compile_us)
 		frame_add_stage(f, "compile", j->compile_us);
 	if (j->effects_us)

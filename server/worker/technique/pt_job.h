@@ -30,6 +30,7 @@ struct technique_job {
 	uint32_t segment; // scattering events in a dispatch at most, for each of its samples
 	uint32_t segments; // dispatches that a batch takes
 	uint32_t batch_most; // samples of a batch at most
+	const struct pt_light_tree *tree; // the tree over emissive triangles, the scene's; NULL: they are chosen by power
 	struct buffer job; // struct pt_job
 	struct buffer counters; // struct pt_counters, growing
 	struct buffer counters_host; // what the last submission left in them
@@ -58,7 +59,7 @@ struct technique_job {
 	double estimated_relmse; // of the picture after error_sample samples; negative: unknown
 	uint32_t error_sample;
 	uint64_t error_us; // spent on it
-	uint64_t upload_us, compile_us, effects_us, trace_us, light_us, aov_us;
+	uint64_t upload_us, tree_us, compile_us, effects_us, trace_us, light_us, aov_us;
 };
 
 #define PT_TILES_PER_DISPATCH 4096u

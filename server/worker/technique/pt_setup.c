@@ -7,6 +7,7 @@
 #include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_light.h"
+#include "server/worker/technique/pt_light_tree.h"
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/vk/command.h"
 #include "shaders/aov_comp.h"
@@ -50,7 +51,7 @@ static const struct shader path_shader = {.name = "path",
 					  .code = shader_path_comp,
 					  .bytes = sizeof shader_path_comp,
 					  .bindings = BIND_PATH_COUNT,
-					  .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS,
+					  .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS | 1u << BIND_LIGHT_NODES,
 					  .push_bytes = sizeof(struct path_push)};
 static const struct shader aov_shader = {.name = "aov",
 					 .code = shader_aov_comp,
@@ -119,6 +120,8 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 	uint64_t bytes = sizeof(struct pt_job) + 2 * sizeof(struct pt_counters);
 	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
+	if (pt_light_tree_wanted(devices, scene, plan))
+		bytes += pt_light_tree_bytes(scene);
 	bytes += tiles_of(plan) * sizeof(float);
 	bytes += pixels_of(plan) * ACCUMULATOR_FLOATS * sizeof(float);
 	if (plan->aovs)
@@ -217,6 +220,10 @@ enum status pt_job_bind(struct technique_job *j, struct pipeline *pipeline, cons
 		buffers[i] = resident_buffer(j->scene, i);
 	buffers[BIND_NODE_TEXELS] = buffers[BIND_NODES];
 	buffers[BIND_LEAF_TEXELS] = buffers[BIND_LEAF_TRIANGLES];
+	if (j->tree) {
+		buffers[BIND_LIGHT_NODES] = &j->tree->nodes;
+		buffers[BIND_LIGHT_TRAILS] = &j->tree->trails;
+	}
 	buffers[BIND_JOB] = &j->job;
 	buffers[BIND_COUNTERS] = &j->counters;
 	if (j->sky) {
@@ -278,6 +285,7 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 	constants[SPEC_CLAMP] = j->plan.clamp > 0;
 	constants[SPEC_SKY] = j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
 	constants[SPEC_DISCS] = effects >> candil_Effect_EFFECT_LIGHTS & 1u && has_discs(j->scene);
+	constants[SPEC_LIGHT_TREE] = j->tree && effects >> candil_Effect_EFFECT_EMITTERS & 1u;
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
 }
 
@@ -355,6 +363,8 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	if (s == STATUS_OK)
 		s = make_buffers(j, err);
 	j->upload_us = clock_us() - start;
+	if (s == STATUS_OK && pt_light_tree_wanted(devices, scene, plan))
+		s = pt_light_tree_get(device, scene, &j->tree, &j->tree_us, err);
 	if (s == STATUS_OK)
 		s = make_path_pass(j, segment_of(device, plan), err);
 	if (s == STATUS_OK && plan->aovs)

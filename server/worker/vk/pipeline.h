@@ -8,8 +8,8 @@
 #include "server/worker/vk/buffer.h"
 #include "server/worker/vk/device.h"
 
-#define PIPELINE_BINDINGS_MAX 24u
-#define PIPELINE_TEXELS_MAX 2u
+#define PIPELINE_BINDINGS_MAX 26u
+#define PIPELINE_TEXELS_MAX 3u
 #define PIPELINE_TEXEL_BYTES 16u
 #define PIPELINE_CONSTANTS_MAX 32u
 

@@ -1,0 +1,270 @@
+#include "server/scene/light_tree.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BINS 12
+#define DEPTH_MAX 31u
+
+static const double pi = 3.14159265358979323846;
+
+// Where lamps are, and which way they look: every normal is within `spread` radians of the axis.
+struct bound {
+	double min[3], max[3];
+	double power; // W
+	double axis[3];
+	double spread; // π: every way
+};
+
+struct lamp {
+	struct bound bound;
+	double centre[3];
+	uint32_t emitter;
+};
+
+struct builder {
+	struct lamp *lamps; // in the order of the leaves
+	struct light_node *nodes;
+	uint32_t *trails; // by emitter
+	uint32_t used; // nodes so far
+};
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double clamped_acos(double c)
+{
+	return acos(c < -1 ? -1 : c > 1 ? 1 : c);
+}
+
+// ---- bounds -------------------------------------------------------------------------------------------------------------
+
+// The smallest cone about two: Conty Estevez and Kulla, algorithm 1.
+static void cone_add(struct bound *to, const struct bound *from)
+{
+	struct bound wide = to->spread >= from->spread ? *to : *from;
+	const struct bound *other = to->spread >= from->spread ? from : to;
+	const double apart = clamped_acos(dot(wide.axis, other->axis));
+	if (fmin(apart + other->spread, pi) > wide.spread) {
+		const double spread = 0.5 * (wide.spread + apart + other->spread);
+		const double turn = spread - wide.spread, s = sin(apart);
+		if (spread >= pi || s < 1e-9) {
+			wide.spread = pi;
+		} else {
+			for (int i = 0; i < 3; i++)
+				wide.axis[i] = (sin(apart - turn) * wide.axis[i] + sin(turn) * other->axis[i]) / s;
+			wide.spread = spread;
+		}
+	}
+	memcpy(to->axis, wide.axis, sizeof to->axis);
+	to->spread = wide.spread;
+}
+
+static void bound_add(struct bound *to, const struct bound *from)
+{
+	if (to->power <= 0) {
+		*to = *from;
+		return;
+	}
+	for (int i = 0; i < 3; i++) {
+		to->min[i] = fmin(to->min[i], from->min[i]);
+		to->max[i] = fmax(to->max[i], from->max[i]);
+	}
+	cone_add(to, from);
+	to->power += from->power;
+}
+
+// How much of a lamp's surroundings the cone's lamps may light, weighted by the cosine: their equation 1, with the half
+// sphere that a surface emits into.
+static double cone_measure(double spread)
+{
+	const double w = fmin(spread + pi / 2, pi);
+	return 2 * pi * (1 - cos(spread)) +
+	       pi / 2 * (2 * w * sin(spread) - cos(spread - 2 * w) - 2 * spread * sin(spread) + cos(spread));
+}
+
+// What choosing among a node's lamps is expected to cost in noise: their equation 2, but for its regularising factor.
+static double bound_cost(const struct bound *b)
+{
+	const double d[3] = {b->max[0] - b->min[0], b->max[1] - b->min[1], b->max[2] - b->min[2]};
+	const double area = d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+	// Lamps in a line have no area; their length still counts.
+	const double length = d[0] + d[1] + d[2];
+	return b->power * (area + 1e-3 * length * length) * cone_measure(b->spread);
+}
+
+static double half_cross(const double u[3], const double v[3], double n[3])
+{
+	n[0] = u[1] * v[2] - u[2] * v[1];
+	n[1] = u[2] * v[0] - u[0] * v[2];
+	n[2] = u[0] * v[1] - u[1] * v[0];
+	return 0.5 * sqrt(dot(n, n));
+}
+
+static struct lamp lamp_of(const struct vertex *vertices, const struct triangle *t, const struct material *m)
+{
+	struct lamp l = {.bound.spread = m->flags & MATERIAL_EMITS_BOTH_SIDES ? pi : 0};
+	double p[3][3], u[3], v[3], n[3];
+	for (int c = 0; c < 3; c++)
+		for (int i = 0; i < 3; i++)
+			p[c][i] = vertices[t->vertex[c]].position[i];
+	for (int i = 0; i < 3; i++) {
+		u[i] = p[1][i] - p[0][i];
+		v[i] = p[2][i] - p[0][i];
+		l.bound.min[i] = fmin(p[0][i], fmin(p[1][i], p[2][i]));
+		l.bound.max[i] = fmax(p[0][i], fmax(p[1][i], p[2][i]));
+		l.centre[i] = 0.5 * (l.bound.min[i] + l.bound.max[i]);
+	}
+	const double area = half_cross(u, v, n);
+	for (int i = 0; i < 3; i++)
+		l.bound.axis[i] = area > 0 ? n[i] / (2 * area) : i == 2;
+	l.bound.power = area * (double)m->power_density;
+	return l;
+}
+
+// ---- the split ----------------------------------------------------------------------------------------------------------
+
+struct split {
+	int axis; // -1: none
+	double at;
+	double cost;
+};
+
+static int compare_lamps(const void *a, const void *b, void *user)
+{
+	const struct lamp *x = a, *y = b;
+	const int axis = *(const int *)user;
+	if (x->centre[axis] < y->centre[axis])
+		return -1;
+	if (x->centre[axis] > y->centre[axis])
+		return 1;
+	return x->emitter < y->emitter ? -1 : 1;
+}
+
+static uint32_t bin_of(const struct lamp *l, int axis, double min, double max)
+{
+	const double at = (l->centre[axis] - min) / (max - min) * BINS;
+	return at < BINS - 1 ? (uint32_t)at : BINS - 1;
+}
+
+// The best of the places between bins along one axis. A long thin node is not to be cut along its thin side.
+static void try_axis(const struct lamp *lamps, uint32_t count, int axis, const double min[3], const double max[3],
+		     struct split *best)
+{
+	struct bound bins[BINS] = {0}, left[BINS] = {0}, right = {0};
+	double longest = 0;
+	for (int i = 0; i < 3; i++)
+		longest = fmax(longest, max[i] - min[i]);
+	if (!(max[axis] > min[axis]))
+		return;
+	for (uint32_t i = 0; i < count; i++)
+		bound_add(&bins[bin_of(&lamps[i], axis, min[axis], max[axis])], &lamps[i].bound);
+	for (uint32_t i = 0; i < BINS; i++) {
+		left[i] = i > 0 ? left[i - 1] : left[i];
+		if (bins[i].power > 0)
+			bound_add(&left[i], &bins[i]);
+	}
+	for (uint32_t i = BINS - 1; i > 0; i--) {
+		if (bins[i].power > 0)
+			bound_add(&right, &bins[i]);
+		const double cost = (bound_cost(&left[i - 1]) + bound_cost(&right)) * longest / (max[axis] - min[axis]);
+		if (left[i - 1].power > 0 && right.power > 0 && cost < best->cost)
+			*best = (struct split){axis, min[axis] + (max[axis] - min[axis]) * i / BINS, cost};
+	}
+}
+
+// Put those before the split first. Returns how many. In pieces: the order of equals does not matter, but is always the
+// same.
+static uint32_t partition(struct lamp *lamps, uint32_t count, const struct split *split, const double min[3],
+			  const double max[3])
+{
+	const uint32_t first_right =
+	    (uint32_t)lround((split->at - min[split->axis]) / (max[split->axis] - min[split->axis]) * BINS);
+	uint32_t left = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		if (bin_of(&lamps[i], split->axis, min[split->axis], max[split->axis]) >= first_right)
+			continue;
+		const struct lamp swap = lamps[left];
+		lamps[left++] = lamps[i];
+		lamps[i] = swap;
+	}
+	return left;
+}
+
+// Divide a node's lamps in two, neither empty. No more than `half_most` fit under a child.
+static uint32_t divide(struct lamp *lamps, uint32_t count, uint32_t half_most)
+{
+	double min[3], max[3];
+	struct split best = {.axis = -1, .cost = INFINITY};
+	memcpy(min, lamps[0].centre, sizeof min);
+	memcpy(max, lamps[0].centre, sizeof max);
+	for (uint32_t i = 1; i < count; i++)
+		for (int a = 0; a < 3; a++) {
+			min[a] = fmin(min[a], lamps[i].centre[a]);
+			max[a] = fmax(max[a], lamps[i].centre[a]);
+		}
+	for (int axis = 0; axis < 3; axis++)
+		try_axis(lamps, count, axis, min, max, &best);
+	uint32_t left = best.axis >= 0 ? partition(lamps, count, &best, min, max) : 0;
+	if (left == 0 || left == count || left > half_most || count - left > half_most) {
+		int longest = 0;
+		for (int a = 1; a < 3; a++)
+			longest = max[a] - min[a] > max[longest] - min[longest] ? a : longest;
+		qsort_r(lamps, count, sizeof *lamps, compare_lamps, &longest);
+		left = count / 2;
+	}
+	return left;
+}
+
+// ---- the tree -----------------------------------------------------------------------------------------------------------
+
+static void put_node(struct light_node *n, const struct bound *b)
+{
+	for (int i = 0; i < 3; i++) {
+		n->min[i] = (float)b->min[i];
+		n->max[i] = (float)b->max[i];
+		n->axis[i] = (float)b->axis[i];
+	}
+	n->power = (float)fmax(FLT_MIN, fmin(b->power, 1e37)); // only shares count
+	n->cos_spread = (float)cos(b->spread);
+}
+
+static void build(struct builder *b, uint32_t node, uint32_t first, uint32_t count, uint32_t trail, uint32_t depth)
+{
+	struct bound all = {0};
+	for (uint32_t i = first; i < first + count; i++)
+		bound_add(&all, &b->lamps[i].bound);
+	put_node(&b->nodes[node], &all);
+	if (count == 1) {
+		b->nodes[node].child = LIGHT_LEAF | b->lamps[first].emitter;
+		b->trails[b->lamps[first].emitter] = trail;
+		return;
+	}
+	const uint32_t half_most = 1u << (DEPTH_MAX - depth - 1);
+	const uint32_t left = divide(b->lamps + first, count, half_most), child = b->used;
+	b->nodes[node].child = child;
+	b->used += 2;
+	build(b, child, first, left, trail, depth + 1);
+	build(b, child + 1, first + left, count - left, trail | 1u << depth, depth + 1);
+}
+
+enum status light_tree_build(const struct material *materials, const struct vertex *vertices,
+			     const struct triangle *triangles, const struct emitter *emitters, uint32_t count,
+			     struct light_node *nodes, uint32_t *trails, struct error *err)
+{
+	struct builder b = {.lamps = malloc(count * sizeof *b.lamps), .nodes = nodes, .trails = trails, .used = 1};
+	if (!b.lamps)
+		return error_set(err, STATUS_MEMORY, "no memory for a tree of %u lamps", count);
+	for (uint32_t i = 0; i < count; i++) {
+		const struct triangle *t = &triangles[emitters[i].triangle];
+		b.lamps[i] = lamp_of(vertices, t, &materials[t->material]);
+		b.lamps[i].emitter = i;
+	}
+	build(&b, 0, 0, count, 0, 0);
+	free(b.lamps);
+	return STATUS_OK;
+}

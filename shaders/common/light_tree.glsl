@@ -1,0 +1,143 @@
+// Choosing an emissive triangle by the tree over all of them (server/scene/light_tree.h): from the root down, each time the child
+// with a probability proportional to what its lamps could send here at the most, nearly: Conty Estevez and Kulla 2018,
+//     power · cos θ' · cos φ' / d²,   θ' = max(0, θ − spread − size),   φ' = max(0, φ − size),
+// d being the distance to the node's middle, but at least half its diagonal, θ that between its axis and the direction here, φ
+// that between the surface's normal here and the direction there, and size what the node covers as seen from here.
+// The chances along the way multiply to the lamp's own, which a lamp that was met by a direction finds again by its trail.
+#ifndef COMMON_LIGHT_TREE_GLSL
+#define COMMON_LIGHT_TREE_GLSL
+
+#include "common/scene.glsl"
+
+// struct light_node, three texels each: software drivers fetch texels for all lanes at once.
+layout(set = 0, binding = BIND_LIGHT_NODES) uniform utextureBuffer light_texels;
+SCENE_BUFFER(BIND_LIGHT_TRAILS) readonly buffer LightTrails {
+	uint light_trails[];
+};
+
+const uint LIGHT_LEVELS = 32u;
+
+light_node light_node_at(uint i)
+{
+	uvec4 a = texelFetch(light_texels, int(3u * i));
+	uvec4 b = texelFetch(light_texels, int(3u * i + 1u));
+	uvec4 c = texelFetch(light_texels, int(3u * i + 2u));
+	vec4 low = uintBitsToFloat(a);
+	vec4 high = uintBitsToFloat(b);
+	vec4 axis = uintBitsToFloat(c);
+	return light_node(float[3](low.x, low.y, low.z), low.w, float[3](high.x, high.y, high.z), high.w,
+			  float[3](axis.x, axis.y, axis.z), c.w);
+}
+
+uint light_child(uint i)
+{
+	return texelFetch(light_texels, int(3u * i + 2u)).w;
+}
+
+// cos max(0, a − b) of two angles in 0…π by their sines and cosines.
+float cos_left(float cos_a, float sin_a, float cos_b, float sin_b)
+{
+	return cos_a >= cos_b ? 1.0 : cos_a * cos_b + sin_a * sin_b;
+}
+
+float sin_left(float cos_a, float sin_a, float cos_b, float sin_b)
+{
+	return cos_a >= cos_b ? 0.0 : sin_a * cos_b - cos_a * sin_b;
+}
+
+float sine_of(float cosine)
+{
+	return sqrt(max(0.0, 1.0 - cosine * cosine));
+}
+
+// `normal` is that of the triangle here, on the side that light comes from, or zero where it may come from either.
+float light_importance(light_node n, vec3 here, vec3 normal)
+{
+	vec3 low = to_vec3(n.min);
+	vec3 high = to_vec3(n.max);
+	vec3 to_here = here - 0.5 * (low + high);
+	vec3 reach = 0.5 * (high - low);
+	float r2 = dot(reach, reach);
+	float d2 = dot(to_here, to_here);
+	float near = min(n.power / max(max(d2, r2), 1e-30), 1e37);
+	if (d2 <= r2)
+		return near;
+	// A little more than it covers, for the rounding of both.
+	float sin_size = min(1.0, 1.001 * sqrt(r2 / d2) + 1e-4);
+	float cos_size = sine_of(sin_size);
+	float up = -dot(to_here, normal) * inversesqrt(d2);
+	if (normal != vec3(0.0))
+		near *= max(0.0, cos_left(up, sine_of(up), cos_size, sin_size));
+	if (n.cos_spread <= -1.0)
+		return near;
+	float c = dot(to_here, to_vec3(n.axis)) * inversesqrt(d2);
+	float sin_spread = sine_of(n.cos_spread);
+	float s = sine_of(c);
+	float c1 = cos_left(c, s, n.cos_spread, sin_spread);
+	float s1 = sin_left(c, s, n.cos_spread, sin_spread);
+	return near * max(0.0, cos_left(c1, s1, cos_size, sin_size));
+}
+
+// Of a node's two children, the chance of the second. Where neither could send anything, by power.
+float second_chance(uint child, vec3 here, vec3 normal)
+{
+	light_node a = light_node_at(child);
+	light_node b = light_node_at(child + 1u);
+	float first = light_importance(a, here, normal);
+	float second = light_importance(b, here, normal);
+	if (!(first + second > 0.0)) {
+		first = a.power;
+		second = b.power;
+	}
+	return second / (first + second);
+}
+
+// The emitter that the 32 random bits of each of two numbers choose for a place, and the chance that it had.
+uint light_tree_pick(vec3 here, vec3 normal, uvec2 pick, out float chance)
+{
+	uint child = light_child(0u);
+	float u = float(pick.x >> 8) * 5.9604644775390625e-08;
+	chance = 1.0;
+	for (uint level = 0u; level < LIGHT_LEVELS && child < LIGHT_LEAF; level++) {
+		float second = second_chance(child, here, normal);
+		bool goes_second = u < second;
+		float own = goes_second ? second : 1.0 - second;
+		u = goes_second ? u / second : (u - second) / own;
+		// Each level uses digits up: halfway down a long way there are new ones.
+		u = level == 10u ? float(pick.y >> 8) * 5.9604644775390625e-08 : min(u, 0.99999994);
+		chance *= own;
+		child = light_child(child + (goes_second ? 1u : 0u));
+	}
+	return child & ~LIGHT_LEAF;
+}
+
+// The emitter of a triangle that is known to be one. They are listed by ascending triangle.
+uint emitter_of(uint id)
+{
+	uint low = 0u;
+	uint high = job.emitter_count - 1u;
+	for (uint i = 0u; i < LIGHT_LEVELS && low < high; i++) {
+		uint middle = (low + high) / 2u;
+		bool above = emitters[middle].triangle < id;
+		low = above ? middle + 1u : low;
+		high = above ? high : middle;
+	}
+	return low;
+}
+
+// The chance that light_tree_pick chooses the emitter of a triangle from here.
+float light_tree_chance(vec3 here, vec3 normal, uint id)
+{
+	uint trail = light_trails[emitter_of(id)];
+	uint child = light_child(0u);
+	float chance = 1.0;
+	for (uint level = 0u; level < LIGHT_LEVELS && child < LIGHT_LEAF; level++) {
+		float second = second_chance(child, here, normal);
+		bool goes_second = (trail >> level & 1u) != 0u;
+		chance *= goes_second ? second : 1.0 - second;
+		child = light_child(child + (goes_second ? 1u : 0u));
+	}
+	return chance;
+}
+
+#endif
