@@ -1,5 +1,5 @@
 // Light paths: from lamps by way of polished surfaces to where the camera sees them (light tracing: Arvo 1986; Dutré, Lafortune
-// and Willems 1993). As many a sample as a band has pixels; what they bring is in the band's film.
+// and Willems 1993). A band has one a sample for every few pixels; what they bring is in the band's film.
 //
 // The first event is on a surface that does not spread light, or the path is none of ours: next-event estimation has the rest.
 // From then on each event that spreads light is joined to the camera by a ray. The first one's light is shared with the
@@ -79,7 +79,7 @@ sampler_state sampler_of(uint place, uint taken)
 	uint number = push.first_sample + taken;
 	sampler_state s = sampler_make(NONE - push.first_row, number & 1u, 0u, job.seed[0], job.seed[1]);
 	uint high, low, carry;
-	umulExtended(number >> 1, push.band_tiles * TILE_PIXELS, high, low);
+	umulExtended(number >> 1, push.light_tiles * TILE_PIXELS, high, low);
 	s.index = uaddCarry(low, place, carry);
 	high += carry;
 	s.scramble = high > 0u ? hash_combine(s.scramble, high) : s.scramble;
@@ -149,8 +149,8 @@ view view_from(walker p, surface s, uvec2 beyond, sampler_state rnd)
 	bool through = dot(direction, s.geometric) > 0.0;
 	if (EFFECT_GLASS)
 		v.value *= media_transmittance(through ? beyond : p.media, t);
-	v.value *= light_keeps(rivals_at(direction, t, cosine, push.band_tiles * TILE_PIXELS), p.lamp);
-	v.value /= job.film_unit * float(push.band_tiles * TILE_PIXELS);
+	v.value *= light_keeps(rivals_at(direction, t, cosine, push.light_tiles * TILE_PIXELS), p.lamp);
+	v.value /= job.film_unit * float(push.light_tiles * TILE_PIXELS);
 	v.origin = s.position + seen.geometric * s.offset;
 	v.segment = eye - v.origin;
 	v.t_max = max(v.value.r, max(v.value.g, v.value.b)) > 0.0 ? 1.0 : -1.0;

@@ -170,7 +170,7 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 		p.radiance += p.throughput * s.emission * weight;
 	}
 	if (EFFECT_CAUSTICS && p.event == 0u)
-		p.rivals = rivals_at(p.direction, hit.t, abs(dot(s.geometric, p.direction)), push.band_tiles * TILE_PIXELS);
+		p.rivals = rivals_at(p.direction, hit.t, abs(dot(s.geometric, p.direction)), push.light_tiles * TILE_PIXELS);
 	if (EFFECT_UNLIT && s.unlit) {
 		// Seen by the camera alone: it takes no light and gives none.
 		if (p.event == 0u)

@@ -122,6 +122,7 @@
 #define AOV_WORDS 8
 #define TILE_SIDE 8 // pixels; one workgroup
 #define TILE_PIXELS 64
+#define TILES_PER_LIGHT_TILE 4 // a light path for so many pixels' samples
 
 // Everything about a job that stays the same from dispatch to dispatch.
 struct pt_job {
@@ -169,7 +170,7 @@ struct path_push {
 	uint resumes; // 0: start the paths; else go on with those kept in BIND_PATHS
 	uint round_count; // scattering events of a lane at most in this dispatch
 	uint band_rows; // of that band
-	uint band_tiles; // a sample of the band is as many light paths as these have lanes
+	uint light_tiles; // a sample of the band is as many light paths as so many tiles have lanes
 };
 
 // Of what the error of a picture is told.

@@ -51,7 +51,7 @@ def glass(g, ior=1.5, solid=True, roughness=0.0, **more):
 class Plates(unittest.TestCase):
     """Parallel light on a floor of albedo 1/2, seen from between it and a clear plate."""
 
-    def irradiance(self, solid, degrees, depth, spp=256):
+    def irradiance(self, solid, degrees, depth, spp=768):
         g = Gltf()
         g.place(*floor(3), g.material("floor", (.5, .5, .5)))
         if solid:
@@ -98,7 +98,7 @@ class Mirrors(unittest.TestCase):
         g.place(*ceiling(1, 2), g.material("ceiling", (.5, .5, .5)))
         return g.save(folder.name, "mirror.gltf")
 
-    def reflected(self, light, *arguments, camera=CAMERA, size=(16, 16), spp=384):
+    def reflected(self, light, *arguments, camera=CAMERA, size=(16, 16), spp=1024):
         both, direct = (daemon.render(self.scene(), size=size, spp=spp, camera=camera, options={"pt.depth": depth},
                                       arguments=["--light", light, *arguments]) for depth in (2, 1))
         self.assertEqual(both.report["non_finite_samples"], 0)
@@ -122,7 +122,7 @@ class Mirrors(unittest.TestCase):
     def test_a_panorama(self):
         """Overhead: the top row, which sees a cap of 11.25 degrees."""
         value = self.reflected(f"spot:at=0,1.5,0,to=0,0,0,cone=30,60,intensity={math.pi}", "--panorama",
-                               camera=(0, 1, 0, 0, 1, -1, 0, 1, 0, 20), size=(32, 16), spp=1024)
+                               camera=(0, 1, 0, 0, 1, -1, 0, 1, 0, 20), size=(32, 16), spp=2048)
         self.assertLess(rel(float(value[0].mean(dtype=numpy.float64)), .5 * .8 / 3.5 ** 2), 0.05)
         self.assertEqual(float(value[8:].max()), 0)
 
@@ -137,7 +137,7 @@ class Mirrors(unittest.TestCase):
         g.place(*at(1, ceiling(.5, 2)), g.material("ceiling", (.5, .5, .5)))
         g.place(*at(1, floor(1)), g.material("floor", (.5, .5, .5)))
         g.place(*at(-1.2, ceiling(1.2, 2.2)), g.material("shade", (0, 0, 0)))
-        picture = daemon.render(g.save(folder.name, "bright.gltf"), size=(16, 16), spp=512, camera=(1, 1, 0, 1, 0, 0, 0, 0, -1, 40),
+        picture = daemon.render(g.save(folder.name, "bright.gltf"), size=(16, 16), spp=1536, camera=(1, 1, 0, 1, 0, 0, 0, 0, -1, 40),
                                 options={"pt.depth": 3},
                                 arguments=["--orthographic", "1.6", "--light", "directional:direction=1,-1,0,intensity=10"])
         exitance = .5 * .8 * 10 * math.sqrt(.5)

@@ -61,7 +61,7 @@ static uint64_t record_paths(struct technique_job *j, uint64_t count)
 					 .sample_count = j->batch,
 					 .round_count = j->segment * j->batch,
 					 .band_rows = band->rows,
-					 .band_tiles = band->tiles};
+					 .light_tiles = pt_light_tiles(band->tiles)};
 		bind(j, j->path, &band->path_bindings);
 		for (uint32_t s = 0; s < j->segments; s++) {
 			push.resumes = s > 0;

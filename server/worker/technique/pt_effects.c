@@ -67,7 +67,7 @@ static enum status trace(struct technique_job *j, struct contestant *c, struct e
 				 .sample_count = j->batch,
 				 .round_count = j->segment * j->batch,
 				 .band_rows = band->rows,
-				 .band_tiles = band->tiles};
+				 .light_tiles = pt_light_tiles(band->tiles)};
 	VkCommandBuffer commands = j->device->commands;
 	enum status s = command_begin(j->device, err);
 	if (s != STATUS_OK)

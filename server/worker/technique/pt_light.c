@@ -106,20 +106,24 @@ void pt_light_record(const struct technique_job *j, const struct pipeline *pipel
 		     const struct pt_band *band, uint32_t first_tile, uint32_t tiles)
 {
 	VkCommandBuffer c = j->device->commands;
-	struct path_push push = {.first_tile = first_tile,
-				 .tile_count = tiles,
+	const uint32_t from = pt_light_tiles(first_tile - band->first_tile);
+	const uint32_t to = pt_light_tiles(first_tile - band->first_tile + tiles);
+	if (from == to)
+		return;
+	struct path_push push = {.first_tile = band->first_tile + from,
+				 .tile_count = to - from,
 				 .first_row = band->first_row,
 				 .first_sample = j->plan.first_sample + j->sample,
 				 .sample_count = j->batch,
 				 .round_count = j->segment * j->batch,
 				 .band_rows = band->rows,
-				 .band_tiles = band->tiles};
+				 .light_tiles = pt_light_tiles(band->tiles)};
 	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
 	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set->set, 0, NULL);
 	for (uint32_t i = 0; i < j->segments; i++) {
 		push.resumes = i > 0;
 		vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
-		vkCmdDispatch(c, tiles, 1, 1);
+		vkCmdDispatch(c, to - from, 1, 1);
 		command_barrier(j->device);
 	}
 }
@@ -133,13 +137,14 @@ static double of_half(uint64_t n, uint32_t half)
 void pt_light_units(const struct technique_job *j, const struct pt_band *band, double units[2])
 {
 	const uint32_t before = j->tile > band->first_tile ? j->tile - band->first_tile : 0;
-	const uint32_t ahead = before < band->tiles ? before : band->tiles;
+	const uint32_t ahead = pt_light_tiles(before < band->tiles ? before : band->tiles);
+	const uint32_t whole = pt_light_tiles(band->tiles);
 	const uint64_t first = j->plan.first_sample, last = first + j->sample;
 	for (uint32_t half = 0; half < 2; half++) {
 		const double all = of_half(last, half) - of_half(first, half);
 		const double more = of_half(last + j->batch, half) - of_half(last, half);
-		const double tiles = all * band->tiles + (j->tile > 0 ? more * ahead : 0);
-		units[half] = tiles > 0 ? j->film_unit * band->tiles / tiles : 0;
+		const double tiles = all * whole + (j->tile > 0 ? more * ahead : 0);
+		units[half] = tiles > 0 ? j->film_unit * whole / tiles : 0;
 	}
 }
 

@@ -1,6 +1,6 @@
 // The path tracer's light paths (shaders/path/light.comp.glsl): a second pass over the same tiles and samples, there if the
-// plan has EFFECT_CAUSTICS. A sample of a band is as many light paths as its tiles have lanes; they reach the band's own
-// pixels and leave what they bring in its film, apart from the sums of the camera's paths.
+// plan has EFFECT_CAUSTICS. A band has a light path a sample for every few pixels; they reach the band's own pixels
+// and leave what they bring in its film, apart from the sums of the camera's paths.
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_LIGHT_H
 #define CANDIL_WORKER_TECHNIQUE_PT_LIGHT_H
 
@@ -20,6 +20,12 @@ void pt_light_finish(struct technique_job *job);
 // The pipeline with other effects, compiled, and its buffers for the first band. The set is the caller's to finish.
 enum status pt_light_pipeline(struct technique_job *job, uint32_t effects, struct pipeline **pipeline,
 			      struct binding_set *set, struct error *err);
+
+// Light paths are fewer than pixels' samples: the tiles of light paths that go with a band's first so many tiles.
+static inline uint32_t pt_light_tiles(uint32_t tiles)
+{
+	return (tiles + TILES_PER_LIGHT_TILE - 1) / TILES_PER_LIGHT_TILE;
+}
 
 // Record the light paths of some of a band's tiles for the batch at the job's cursor.
 void pt_light_record(const struct technique_job *job, const struct pipeline *pipeline, const struct binding_set *set,
