@@ -51,13 +51,13 @@ def glass(g, ior=1.5, solid=True, roughness=0.0, **more):
 class Plates(unittest.TestCase):
     """Parallel light on a floor of albedo 1/2, seen from between it and a clear plate."""
 
-    def irradiance(self, solid, degrees, depth, spp=768):
+    def irradiance(self, solid, degrees, depth, spp=1024):
         g = Gltf()
         g.place(*floor(3), g.material("floor", (.5, .5, .5)))
         if solid:
-            g.place(*box((-2, .5, -2), (2, .8, 2)), glass(g))
+            g.place(*box((-1.5, .5, -1.5), (1.5, .8, 1.5)), glass(g))
         else:
-            g.place(*floor(2, .5), glass(g, solid=False))
+            g.place(*floor(1.5, .5), glass(g, solid=False))
         a = math.radians(degrees)
         light = "directional:direction=%r,%r,0,intensity=%r" % (math.sin(a), -math.cos(a), math.pi)
         return daemon.render(g.save(folder.name, "plate.gltf"), size=(16, 16), spp=spp, camera=(0, .45, 0, 0, 0, 0, 0, 0, -1, 120),
@@ -69,7 +69,7 @@ class Plates(unittest.TestCase):
             expected = .5 * math.cos(math.radians(degrees)) * (1 - r) / (1 + r)
             value = float(mean(self.irradiance(False, degrees, 2))[0])
             print(f"pane, {degrees} degrees: {value:.4f}, {expected:.4f} expected")
-            self.assertLess(rel(value, expected), 0.02)
+            self.assertLess(rel(value, expected), 0.03)
 
     def test_and_through_a_slab(self):
         """With what goes to and fro inside of it, but for the little that depth cuts."""
@@ -80,7 +80,7 @@ class Plates(unittest.TestCase):
             # The floor's own light, sent back by the slab, comes on top: the camera's paths find it.
             without = float(mean(self.irradiance(True, degrees, 3))[0])
             print(f"slab, {degrees} degrees: {value:.4f}, {without:.4f} straight through, {expected:.4f} expected")
-            self.assertLess(rel(without, expected * (1 - r) * (1 + r)), 0.02)
+            self.assertLess(rel(without, expected * (1 - r) * (1 + r)), 0.03)
             self.assertGreater(value, expected)
 
     def test_depth_counts_every_event(self):
