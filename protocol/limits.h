@@ -93,7 +93,7 @@
 
 // ---- the worker ----
 #define LIMIT_SLICE_MS 1000u
-#define LIMIT_STEP_SECONDS 60u // a slice (first compilation included) past this: the worker hangs
+#define LIMIT_STEP_SECONDS 120u // a slice (first compilation included) past this: the worker hangs
 #define LIMIT_JOB_RETRIES 1u // times the job that a dying worker held is begun again
 #define LIMIT_ENCODE_SECONDS 600u // an image that is not encoded by then: the worker hangs
 #define LIMIT_IPC_QUEUE 4096u // messages that wait for a worker to take them; more: it hangs

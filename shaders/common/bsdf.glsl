@@ -162,36 +162,23 @@ vec3 into_frame(bsdf b, vec3 w)
 vec4 bsdf_eval(bsdf b, vec3 w)
 {
 	float above = dot(b.geometric, w);
-	if (EFFECT_GLASS && b.clear) {
-		bool through = above < 0.0;
-		return glass_lobe(b.glass, b.view, into_frame(b, w), through) +
-		       glass_lobe(b.glass, b.view, into_frame(b, w - 2.0 * above * b.geometric), through);
-	}
-	if (above <= 0.0)
+	bool clear = EFFECT_GLASS && b.clear;
+	if (!clear && above <= 0.0)
 		return vec4(0.0);
-	vec3 folded = w - 2.0 * above * b.geometric;
-	return coated_lobes(b, into_frame(b, w)) + coated_lobes(b, into_frame(b, folded));
-}
-
-// bsdf_sample of a clear boundary.
-vec3 clear_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
-{
-	bool through;
-	vec3 l = glass_sample(b.glass, b.view, lobe, u, through);
-	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
-	float above = dot(b.geometric, w);
-	w = through != (above < 0.0) ? w - 2.0 * above * b.geometric : w;
-	vec4 f = bsdf_eval(b, w);
-	bool whole = through == (l.z < 0.0) && f.w > 0.0;
-	weight = b.glass.polished ? glass_weight(b.glass, through) : whole ? f.xyz / f.w : vec3(0.0);
-	pdf = b.glass.polished ? PDF_MIRROR : f.w;
-	return w;
+	// The direction and the one that folds to it, by one piece of code.
+	vec4 f = vec4(0.0);
+	for (uint i = 0u; i < 2u; i++) {
+		vec3 l = into_frame(b, i == 0u ? w : w - 2.0 * above * b.geometric);
+		f += clear ? glass_lobe(b.glass, b.view, l, above < 0.0) : coated_lobes(b, l);
+	}
+	return f;
 }
 
 // A lobe's own direction in the frame.
 struct lobe_sample {
 	vec3 l;
-	bool whole;           // it left on the lobe's upper side
+	bool whole;           // it left on the lobe's own side
+	bool through;         // it is meant for the other side of a clear boundary
 	bool mirror;          // a perfect mirror's, which takes `weight`
 	vec3 weight;
 };
@@ -199,7 +186,7 @@ struct lobe_sample {
 // The lobe that `lobe` chooses, and its direction.
 lobe_sample lobes_sample(bsdf b, float lobe, vec2 u)
 {
-	lobe_sample r = lobe_sample(diffuse_sample(u), true, false, vec3(0.0));
+	lobe_sample r = lobe_sample(diffuse_sample(u), true, false, false, vec3(0.0));
 	float passed = 1.0;
 	bool coated = EFFECT_CLEARCOAT && lobe < b.film.share;
 	if (EFFECT_CLEARCOAT && !coated && b.film.share > 0.0) {
@@ -223,26 +210,38 @@ lobe_sample lobes_sample(bsdf b, float lobe, vec2 u)
 	return r;
 }
 
+// The same of a clear boundary.
+lobe_sample clear_sample(bsdf b, float lobe, vec2 u)
+{
+	lobe_sample r;
+	r.l = glass_sample(b.glass, b.view, lobe, u, r.through);
+	r.whole = r.through == (r.l.z < 0.0);
+	r.mirror = b.glass.polished;
+	r.weight = glass_weight(b.glass, r.through);
+	return r;
+}
+
 // A direction above the surface, or through it where it is clear, the weight BSDF × cosine / density and the density. `lobe`
 // and u are uniform in [0, 1). A weight of zero means that there is none.
 vec3 bsdf_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
 {
-	if (EFFECT_GLASS && b.clear)
-		return clear_sample(b, lobe, u, weight, pdf);
-	lobe_sample r = lobes_sample(b, lobe, u);
+	bool clear = EFFECT_GLASS && b.clear;
+	lobe_sample r;
+	if (EFFECT_GLASS && clear)
+		r = clear_sample(b, lobe, u);
+	else
+		r = lobes_sample(b, lobe, u);
 	vec3 w = r.l.x * b.x + r.l.y * b.y + r.l.z * b.normal;
 	float above = dot(b.geometric, w);
-	w = above < 0.0 ? w - 2.0 * above * b.geometric : w;
-	if (!EFFECT_GLOSSY && !EFFECT_CLEARCOAT && !EFFECT_ROUGH_DIFFUSE && !HEMISPHERE_UNIFORM) {
+	w = r.through != (above < 0.0) ? w - 2.0 * above * b.geometric : w;
+	vec4 f = bsdf_eval(b, w);
+	weight = r.whole && f.w > 0.0 ? f.xyz / f.w : vec3(0.0);
+	pdf = f.w;
+	if (!EFFECT_GLOSSY && !EFFECT_CLEARCOAT && !EFFECT_ROUGH_DIFFUSE && !HEMISPHERE_UNIFORM && !clear)
 		weight = b.diffuse;
-		pdf = bsdf_eval(b, w).w;
-	} else if (r.mirror) {
+	if (r.mirror) {
 		weight = r.weight;
 		pdf = PDF_MIRROR;
-	} else {
-		vec4 f = bsdf_eval(b, w);
-		weight = r.whole && f.w > 0.0 ? f.xyz / f.w : vec3(0.0);
-		pdf = f.w;
 	}
 	return w;
 }

@@ -115,21 +115,36 @@ bool view_emitter(vec3 origin, vec3 facing, uvec2 pick, vec2 u, float share, out
 	return true;
 }
 
-bool sample_emitter(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
+// What next-event estimation chose, before the surface is asked. All lights come to this, so that the BSDF's code is there once:
+// some drivers take long over it.
+struct light_choice {
+	vec3 w;         // towards it, unit
+	vec3 radiance;  // W/(m² sr), or irradiance that no direction finds by chance
+	float scale;    // one over the density by which it was chosen
+	float inverse;  // the same for its rival, the BSDF's sampling, whose density times this is the ratio of the two; 0: it has none
+	vec3 segment;   // as light_sample's
+	float t_max;
+};
+
+// False: it is dark.
+bool choose_lamp(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_choice c)
 {
 	emitter_view v;
 	bool lit = view_emitter(origin, facing_of(b), pick, u, job.emitter_share, v);
-	l.segment = v.segment;
-	l.t_max = 1.0;
-	if (!lit)
-		return false;
-	vec4 f = bsdf_eval(b, v.segment / length(v.segment));
-	if (f.w == 0.0)
-		return false;
-	// f.w · inverse: the BSDF's density over ours. However near the light is, f · inverse · weight stays finite.
-	float weight = LAMPS_BY == LAMPS_BY_POINTS ? 1.0 : power_weight(min(f.w * v.inverse, 1e18));
-	l.contribution = f.xyz * v.radiance * (v.inverse * weight);
-	return true;
+	c = light_choice(v.segment / max(length(v.segment), 1e-37), v.radiance, v.inverse, v.inverse, v.segment, 1.0);
+	return lit;
+}
+
+// What a surface makes of it. False: nothing.
+bool light_scattered(bsdf b, light_choice c, out light_sample l)
+{
+	l.segment = c.segment;
+	l.t_max = c.t_max;
+	vec4 f = bsdf_eval(b, c.w);
+	// However near the light is, f · scale · weight stays finite.
+	float weight = LAMPS_BY == LAMPS_BY_POINTS ? 1.0 : power_weight(min(f.w * c.inverse, 1e18));
+	l.contribution = f.xyz * c.radiance * (c.scale * weight);
+	return f.w != 0.0;
 }
 
 float spot_attenuation(punctual_light light, vec3 w)
@@ -185,32 +200,29 @@ vec3 in_disc(punctual_light light, vec3 w, vec2 u, inout vec3 irradiance)
 	return normalize((1.0 - lower) * w + across * (cos(turn) * x + sin(turn) * y));
 }
 
-bool sample_punctual(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_sample l)
+bool choose_punctual(vec3 origin, uvec2 pick, vec2 u, out light_choice c)
 {
 	uint number;
 	punctual_light light = pick_punctual(pick, number);
-	vec3 w;
-	vec3 irradiance = punctual_irradiance(light, origin, w, l.segment, l.t_max);
+	c.radiance = punctual_irradiance(light, origin, c.w, c.segment, c.t_max);
 	if (DISC_LIGHTS && light.spread > 0.0)
-		l.segment = w = in_disc(light, w, u, irradiance);
-	vec4 f = bsdf_eval(b, w);
-	if (irradiance == vec3(0.0) || f.w == 0.0)
-		return false;
-	l.contribution = f.xyz * irradiance / (light.pmf * job.light_share);
-	return true;
+		c.segment = c.w = in_disc(light, c.w, u, c.radiance);
+	c.scale = 1.0 / (light.pmf * job.light_share);
+	c.inverse = 0.0;
+	return c.radiance != vec3(0.0);
 }
 
 // False: no light can come by this sample. `table` chooses between emissive triangles and punctual lights, `pick` the
 // light, `u` the point.
-bool sample_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out light_sample l)
+bool choose_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out light_choice c)
 {
 	bool emissive = EFFECT_EMITTERS && (!EFFECT_LIGHTS || table < job.emitter_share);
 	if (EFFECT_EMITTERS && emissive && LAMPS_BY == LAMPS_BY_CHANCE)
 		return false;
 	if (EFFECT_EMITTERS && emissive && job.emitter_count > 0u)
-		return sample_emitter(b, origin, pick, u, l);
+		return choose_lamp(b, origin, pick, u, c);
 	if (EFFECT_LIGHTS && !emissive && job.light_count > 0u)
-		return sample_punctual(b, origin, pick, u, l);
+		return choose_punctual(origin, pick, u, c);
 	return false;
 }
 

@@ -113,8 +113,10 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 	if (EFFECT_EMITTERS || EFFECT_LIGHTS || SKY) {
 		uvec2 pick = sample_bits(rnd, set + SET_PICK);
 		vec2 place = sample_2d(rnd, set + SET_LIGHT);
-		if (sky_chosen(chance.y) ? sample_sky(b, pick, place, l)
-					 : sample_light(b, p.origin, chance.y, pick, place, l))
+		light_choice c;
+		bool some = sky_chosen(chance.y) ? choose_sky(pick, place, c)
+						 : choose_light(b, p.origin, chance.y, pick, place, c);
+		if (some && light_scattered(b, c, l))
 			l.contribution *= p.throughput;
 		else
 			l.t_max = -1.0;

@@ -68,21 +68,14 @@ vec3 sky_direction(uint texel, vec2 u)
 }
 
 // Light of the picture. False: none can come by this sample.
-bool sample_sky(bsdf b, uvec2 pick, vec2 u, out light_sample l)
+bool choose_sky(uvec2 pick, vec2 u, out light_choice c)
 {
 	uint texel = sky_pick(pick);
 	vec3 w = sky_direction(texel, u);
 	float pdf = sky_texels[texel].w * job.sky_share;
 	sky_view v = sky_at(w);
-	l.segment = w;
-	l.t_max = INFINITY;
-	vec4 f = bsdf_eval(b, w);
-	if (LAMPS_BY == LAMPS_BY_CHANCE || f.w == 0.0 || !(pdf > 0.0))
-		return false;
-	float r = f.w / max(v.pdf * job.sky_share, 1e-30);
-	float weight = LAMPS_BY == LAMPS_BY_POINTS ? 1.0 : power_weight(min(r, 1e18));
-	l.contribution = f.xyz * v.radiance * (weight / pdf);
-	return true;
+	c = light_choice(w, v.radiance, 1.0 / max(pdf, 1e-37), 1.0 / max(v.pdf * job.sky_share, 1e-30), w, INFINITY);
+	return LAMPS_BY != LAMPS_BY_CHANCE && pdf > 0.0;
 }
 
 // What a ray brings that left the scene, weighted. The camera's is the only way there.
