@@ -6,7 +6,12 @@ one path-traced sample per pixel, and what each of its options changes in both.
 error: the public Cornell box by resolution, beside `direct` and `direct` + the best constant x albedo. speed: another camera,
 another light, a mesh of 262,144 triangles moved, each in turns with path tracing. stages: every stage by scene and
 resolution. options: time and error by option. scenes: error of the public scenes.
-CANDIL_SCENES names the folder of public scenes; without it there are only ours. References are kept in --references."""
+CANDIL_SCENES names the folder of public scenes; without it there are only ours. References are kept in --references.
+
+Times and memory of the stages by scene and resolution, cones at 720p and 1080p, steps, shadows and apertures, each with its error:
+    bench_vct.py stages options --resolutions 64,128,256 --spp 32 --references FOLDER
+and of a few scenes alone with --cases Sponza,our. Side by side, with every scene's error:
+    bench_vct.py scenes --side 320 --spp 64 --references FOLDER --pictures FOLDER"""
 import argparse
 import json
 import math
@@ -98,17 +103,18 @@ CURTAINS = [part for edit in ("#18:emission=3,.2,.1", "#19:emission=.2,3,.1", "#
             for part in ("--material", edit)]
 
 
-def cases(folder):
+def cases(folder, given):
     found = [Case("our Cornell box", make.cornell(folder), brightest=4), Case("light box", rooms.light_box(folder), brightest=0.49)]
     if PUBLIC:
         found += [Case("Bitterli's Cornell box", f"{PUBLIC}/ref-cornell-box/cornell-box.gltf", brightest=4),
                   Case("Sponza, sun", f"{PUBLIC}/sponza/Sponza.gltf", ["--camera", "-10,1.2,-.5,0,2.6,0,0,1,0,60", *SUN]),
                   Case("Sponza, curtains that glow", f"{PUBLIC}/sponza/Sponza.gltf", ["--camera", "-10,1.2,-.5,0,2.6,0,0,1,0,60", *CURTAINS],
                        brightest=2.9, glows=True),
-                  Case("teapot that glows", teapot_in_a_box(folder), brightest=1.9, glows=True),
                   Case("kitchen", f"{PUBLIC}/kitchen/kitchen.obj", kitchen_camera(), brightest=3.9),
                   Case("Veach's plates", f"{PUBLIC}/ref-veach-mis/veach-mis.gltf", brightest=7)]
-    return [case for case in found if case.is_there()]
+    if PUBLIC and os.path.exists(f"{PUBLIC}/teapot/teapot.obj"):
+        found += [Case("teapot that glows", teapot_in_a_box(folder), brightest=1.9, glows=True)]
+    return [case for case in found if case.is_there() and case.name.startswith(tuple(given.cases.split(",")))]
 
 
 def kitchen_camera():
@@ -184,7 +190,7 @@ ERROR_COLUMNS = ["scene", "picture", ">relMSE", ">mean %", ">ms a sample, voxels
 
 
 def error(daemon, given, folder):
-    case = next((c for c in cases(folder) if c.name.startswith("Bitterli")), cases(folder)[0])
+    case = next((c for c in cases(folder, given) if c.name.startswith("Bitterli")), cases(folder, given)[0])
     renders = Renders(daemon, case, given.references)
     rows = [(f"vct {r}³", {"resolution": r}) for r in (64, 128, 256)]
     rows += [("vct 128³, every pixel", {"resolution": 128, "detail": "full"})]
@@ -194,7 +200,7 @@ def error(daemon, given, folder):
 
 def scenes(daemon, given, folder):
     def rows():
-        for case in cases(folder):
+        for case in cases(folder, given):
             renders = Renders(daemon, case, given.references)
             ways = [("vct 128³", {"resolution": 128}), ("vct 256³", {"resolution": 256})]
             if case.glows:
@@ -245,7 +251,7 @@ STAGES = ("voxelise", "voxel-light", "pyramid", "voxel-gather", "visibility", "l
 
 def stages(daemon, given, folder):
     def rows():
-        for case in cases(folder):
+        for case in cases(folder, given):
             for resolution in given.resolutions:
                 renders = Renders(daemon, case, given.references)
                 renders("vct", (64, 64), resolution=16)   # compiles and uploads
@@ -271,7 +277,7 @@ OPTIONS = [("as it is", {}), *((f"step {s}", {"step": s}) for s in (0.1, 0.25, 1
 
 def options(daemon, given, folder):
     def rows():
-        for case in [c for c in cases(folder) if c.name.startswith(("Sponza", "Bitterli", "our"))][-2:]:
+        for case in [c for c in cases(folder, given) if c.name.startswith(("Sponza", "Bitterli", "our"))][-2:]:
             renders = Renders(daemon, case, given.references)
             reference, _, _, mask = renders.baseline((320, 180), given.spp)
             for name, chosen in OPTIONS:
@@ -291,6 +297,7 @@ def main():
     parser.add_argument("--side", type=int, default=512, help="pixels (default %(default)s)")
     parser.add_argument("--spp", type=int, default=256, help="of references (default %(default)s)")
     parser.add_argument("--turns", type=int, default=5, help="of speed (default %(default)s)")
+    parser.add_argument("--cases", default="", help="scenes whose names begin so, with commas between (default: all)")
     parser.add_argument("--resolutions", default="64,128,256", help="of stages (default %(default)s)")
     parser.add_argument("--references", help="folder that keeps references from run to run")
     parser.add_argument("--pictures", help="folder for path tracing, cones and their difference x 4 side by side")
