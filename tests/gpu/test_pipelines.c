@@ -19,7 +19,7 @@ static struct error err;
 static const struct shader shader = {.name = "error",
 				     .code = shader_error_comp,
 				     .bytes = sizeof shader_error_comp,
-				     .bindings = BIND_ERRORS + 1,
+				     .bindings = PIPELINE_BINDINGS_MAX,
 				     .push_bytes = sizeof(struct error_push)};
 
 static struct pipeline *pipeline_of(uint32_t constant)
@@ -51,7 +51,7 @@ static void no_more_are_kept_than_the_limit(void **state)
 	struct buffer buffer;
 	struct binding_set set;
 	assert_int_equal(buffer_init(&buffer, device, 64, BUFFER_DEVICE, &err), STATUS_OK);
-	const struct buffer *buffers[BIND_ERRORS + 1] = {&buffer};
+	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {&buffer};
 	struct pipeline *in_use = pipeline_of(0);
 	assert_int_equal(binding_set_init(&set, device, in_use, buffers, &buffer, &err), STATUS_OK);
 	pipeline_of(1);
