@@ -44,6 +44,12 @@ static void destroy(struct derived *derived)
 	free(t);
 }
 
+static uint64_t idle_bytes(const struct derived *derived)
+{
+	const struct tree *t = (const struct tree *)derived;
+	return t->buffers.nodes.bytes + t->buffers.trails.bytes;
+}
+
 static enum status make(struct tree *t, const struct resident_scene *scene, struct error *err)
 {
 	const uint32_t count = scene_count(scene, BLOB_EMITTERS);
@@ -76,7 +82,7 @@ enum status pt_light_tree_get(struct device *device, struct resident_scene *scen
 		t = calloc(1, sizeof *t);
 		if (!t)
 			return error_set(err, STATUS_MEMORY, "out of memory");
-		t->derived = (struct derived){.kind = &kind, .destroy = destroy};
+		t->derived = (struct derived){.kind = &kind, .destroy = destroy, .bytes = idle_bytes};
 		t->device = device;
 		s = make(t, scene, err);
 		if (s == STATUS_OK)
