@@ -3,7 +3,8 @@
 Goldens tell of change where no closed form reaches; tolerances allow for other devices' rounding and for the noise of a short
 render: each is compared at a few samples by its mean, and by relMSE against what so many samples must have.
 
-    test_goldens.py --update    render them anew (8,192 samples; then look at them before you commit them)
+    test_goldens.py --update            render them anew (8,192 samples; then look at them before you commit them)
+    test_goldens.py --update-gallery    those of the gallery
 """
 import os
 import shutil
@@ -13,6 +14,7 @@ import unittest
 
 import numpy
 
+import gallery
 import make
 from render import Daemon, Picture
 
@@ -20,6 +22,9 @@ FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "goldens")
 GOLDEN_SPP = 8192
 SPP = 64
 SIZE = (64, 64)
+# The gallery's pictures are smaller and coarser: there are fourteen, some of light that comes by rare ways.
+GALLERY_SIZE = (40, 30)
+GALLERY_SPP = 2048
 
 
 def spot(folder):
@@ -37,9 +42,32 @@ CASES = {
 }
 
 
+# name: (relMSE, relative difference of the means) of a 64-sample render: measured, and then doubled
+GALLERY = {
+    "cube": (1e-04, 0.01),
+    "cut_out": (9e-04, 0.01),
+    "mirror_cube": (1e-03, 0.01),
+    "village": (1e-03, 0.01),
+    "mirror_floor": (8e-03, 0.02),
+    "cornell_original": (6e-03, 0.01),
+    "cornell_mirror": (1e-02, 0.01),
+    "cornell_spheres": (4e-02, 0.02),
+    "cornell_saturated": (1e-02, 0.01),
+    "cornell_glossy": (3e-02, 0.01),
+    "cornell_weekend": (2e-02, 0.01),
+    "cornell_empty": (2e-03, 0.01),
+    "cornell_orange_blue": (3e-03, 0.01),
+    "cornell_white": (5e-03, 0.01),
+}
+
+
 def render(daemon, folder, name, spp):
     scene, arguments, _ = CASES[name]
     return daemon.render(scene(folder), size=SIZE, spp=spp, arguments=arguments)
+
+
+def render_gallery(daemon, folder, name, spp, *more):
+    return daemon.render(gallery.SCENES[name](folder), size=GALLERY_SIZE, spp=spp, arguments=[*gallery.arguments(name), *more])
 
 
 def relmse(picture, reference):
@@ -60,6 +88,20 @@ class Goldens(unittest.TestCase):
                           f"{picture.report['estimated_relmse']:.2e}")
                     self.assertLess(error, tolerance)
                     self.assertLess(abs(mean), 0.01)
+
+    def test_the_gallery(self):
+        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+            for name in gallery.SCENES:
+                with self.subTest(scene=name):
+                    golden = Picture(os.path.join(FOLDER, "gallery", name + ".exr"), None)
+                    picture = render_gallery(daemon, folder, name, SPP)
+                    error = relmse(picture, golden)
+                    mean = float(picture.radiance.mean(dtype=numpy.float64) / golden.radiance.mean(dtype=numpy.float64) - 1)
+                    print(f"{name}: relMSE {error:.2e}, mean {100 * mean:+.3f} %")
+                    self.assertEqual(picture.report["non_finite_samples"], 0)
+                    most, apart = GALLERY[name]
+                    self.assertLess(error, most)
+                    self.assertLess(abs(mean), apart)
 
     def test_the_error_is_known(self):
         """What the two half sequences estimate is what the golden says, within a factor of 1.5, averaged over seeds."""
@@ -88,8 +130,22 @@ def update(names):
             print("wrote", name)
 
 
+def update_gallery(names):
+    target = os.path.join(FOLDER, "gallery")
+    os.makedirs(target, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+        for name in names or gallery.SCENES:
+            path = os.path.join(folder, name + ".exr")
+            daemon.candil("render", gallery.SCENES[name](folder), "-o", path, "--half", "--size", "%dx%d" % GALLERY_SIZE, "--spp",
+                          str(GALLERY_SPP), "--seed", "1000", *gallery.arguments(name))
+            shutil.copy(path, target)
+            print("wrote", name)
+
+
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--update"]:
         update(sys.argv[2:])
+    elif sys.argv[1:2] == ["--update-gallery"]:
+        update_gallery(sys.argv[2:])
     else:
         unittest.main()

@@ -176,10 +176,10 @@ def village(folder):
 
 
 def mirror_floor(folder):
-    """Two cubes on a mirror: their pictures stand upside down below them, and meet them where they stand."""
+    """Two cubes on a mirror: their pictures stand upside down below them, and the sun lights their sides a second time from it."""
     g = Gltf()
     g.light("directional", 2.5, (4, 8, 5), (0, 0, 0), (1, .95, .85), up=(0, 1, 0))
-    g.place(*quad((-6, 0, 6), (6, 0, 6), (6, 0, -6), (-6, 0, -6)), metal(g, "mirror", (.9, .9, .9)))
+    g.place(*quad((-2.2, 0, 2.2), (2.2, 0, 2.2), (2.2, 0, -2.2), (-2.2, 0, -2.2)), metal(g, "mirror", (.9, .9, .9)))
     block(g, .45, .9, 20, (-.8, 0, 0), g.material("red", (.75, .12, .1)))
     block(g, .45, .9, -30, (.8, 0, -.4), g.material("blue", (.1, .2, .7)))
     g.camera((0, 1.5, 4.2), (0, .35, 0), 38)
