@@ -12,6 +12,12 @@ static void destroy(struct derived *derived)
 	free(s);
 }
 
+static uint64_t idle_bytes(const struct derived *derived)
+{
+	const struct pt_sky *s = (const struct pt_sky *)derived;
+	return s->texels.allocated + s->rows.allocated;
+}
+
 static enum status upload(struct resident_scene *picture, enum blob_section section, struct device *device,
 			  struct buffer *buffer, struct error *err)
 {
@@ -28,7 +34,7 @@ enum status pt_sky_get(struct resident_scene *picture, struct device *device, co
 	s = calloc(1, sizeof *s);
 	if (!s)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	s->derived = (struct derived){.kind = &kind, .destroy = destroy};
+	s->derived = (struct derived){.kind = &kind, .destroy = destroy, .bytes = idle_bytes};
 	s->device = device;
 	enum status status = upload(picture, BLOB_ENVIRONMENT, device, &s->texels, err);
 	if (status == STATUS_OK)

@@ -25,6 +25,12 @@ static void destroy(struct derived *derived)
 	free(m);
 }
 
+static uint64_t idle_bytes(const struct derived *derived)
+{
+	const struct sky_map *m = (const struct sky_map *)derived;
+	return m->picture.bytes + m->cones.bytes;
+}
+
 static void place_cell(struct cell *c, uint32_t x, uint32_t y)
 {
 	const float longitude = ((float)x + 0.5f) / SKY_CONES_WIDTH * 2 * PI - PI;
@@ -180,7 +186,7 @@ enum status sky_map_get(struct resident_scene *picture, struct gl_device *device
 		free(m);
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	}
-	m->derived = (struct derived){.kind = &kind, .destroy = destroy};
+	m->derived = (struct derived){.kind = &kind, .destroy = destroy, .bytes = idle_bytes};
 	m->device = device;
 	enum status s = upload(m, picture, cones, err);
 	free(cones);
