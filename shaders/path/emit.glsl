@@ -66,7 +66,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	if (aims)
 		target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
 	// The side: that of the target, or any that shines.
-	bool front = aims ? dot(target - q, k.normal) > 0.0 : !both || sample_2d(rnd, SET_LOBE).x < 0.5;
+	bool front = aims ? dot(target - q, k.normal) > 0.0 : !both || sample_2d(rnd, SET_LENS).x < 0.5;
 	vec3 n = front ? k.normal : -k.normal;
 	l.origin = q + n * position_error(k);
 	vec3 x, y;
