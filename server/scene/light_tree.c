@@ -230,7 +230,7 @@ static void put_node(struct light_node *n, const struct bound *b)
 		n->axis[i] = (float)b->axis[i];
 	}
 	n->power = (float)fmax(FLT_MIN, fmin(b->power, 1e37)); // only shares count
-	n->cos_spread = (float)cos(b->spread);
+	n->cos_spread = (float)(cos(b->spread) - 1e-6); // rounding is not to leave a lamp out
 }
 
 static void build(struct builder *b, uint32_t node, uint32_t first, uint32_t count, uint32_t trail, uint32_t depth)

@@ -136,7 +136,7 @@ uint64_t resident_idle_bytes(const struct resident_scenes *scenes)
 	uint64_t bytes = 0;
 	for (const struct resident_scene *s = scenes->first; s; s = s->next) {
 		for (const struct derived *d = s->derived; d; d = d->next)
-			bytes += s->jobs == 0 || d->trim ? d->bytes(d) : 0;
+			bytes += d->bytes && (s->jobs == 0 || d->trim) ? d->bytes(d) : 0;
 		for (unsigned i = 0; s->jobs == 0 && i < BIND_SCENE_COUNT; i++)
 			bytes += s->buffers[i].allocated;
 	}

@@ -20,7 +20,7 @@ struct derived {
 	const void *kind; // the address of something that only its maker has
 	void (*destroy)(struct derived *derived);
 	bool (*trim)(struct derived *derived); // free some of what no job uses; false: there is none. NULL: never any
-	uint64_t (*bytes)(const struct derived *derived); // device memory that no job uses; without trim, all of it
+	uint64_t (*bytes)(const struct derived *derived); // device memory that no job uses; without trim, all. NULL: none
 };
 
 struct resident_scene {

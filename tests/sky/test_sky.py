@@ -229,6 +229,16 @@ class Together(unittest.TestCase):
         self.assertEqual(without.radiance.tobytes(), black.radiance.tobytes())
         self.assertEqual({e["name"]: e["state"] for e in black.report["effects"]}["environment"], "absent")
 
+    def test_a_picture_at_rest_is_no_trouble(self):
+        """A picture and a scene that stay loaded, used together and then one without the other: by one worker all along."""
+        with Daemon() as other:
+            other.candil("load", written("sunset", skies.sunset(128, 500)), "--name", "sunset")
+            other.candil("load", room(), "--name", "room")
+            for technique in ("pt", "vct", "direct"):
+                for more in (under("sunset"), []):
+                    other.render("room", (16, 12), 1, arguments=["--technique", technique, *more])
+            self.assertEqual(other.stats()["worker_starts"], 1)
+
     def test_pieces_do_not_show(self):
         sky = written("sunset", skies.sunset(128, 500))
         for way in ("mis", "nee"):

@@ -99,7 +99,8 @@ static double check_node(struct lamps *l, uint32_t node, uint32_t trail, uint32_
 {
 	const struct light_node *n = &l->nodes[node];
 	uint32_t path[33];
-	memcpy(path, above, above_count * sizeof *path);
+	if (above_count > 0)
+		memcpy(path, above, above_count * sizeof *path);
 	path[above_count] = node;
 	assert_true(depth <= 31);
 	l->deepest = depth > l->deepest ? depth : l->deepest;

@@ -47,7 +47,7 @@ static void destroy(struct derived *derived)
 static uint64_t idle_bytes(const struct derived *derived)
 {
 	const struct tree *t = (const struct tree *)derived;
-	return t->buffers.nodes.bytes + t->buffers.trails.bytes;
+	return t->buffers.nodes.allocated + t->buffers.trails.allocated;
 }
 
 static enum status make(struct tree *t, const struct resident_scene *scene, struct error *err)

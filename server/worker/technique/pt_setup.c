@@ -122,6 +122,9 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 		bytes += paths_bytes(plan);
 	if (pt_light_tree_wanted(devices, scene, plan))
 		bytes += pt_light_tree_bytes(scene);
+	if (plan_has_sky(plan))
+		bytes += (uint64_t)plan->environment.width * plan->environment.height *
+			 (sizeof(struct environment_texel) + sizeof(struct environment_row));
 	bytes += tiles_of(plan) * sizeof(float);
 	bytes += pixels_of(plan) * ACCUMULATOR_FLOATS * sizeof(float);
 	if (plan->aovs)
