@@ -152,12 +152,18 @@ void vct_define(struct gl_defines *d, const struct vct_options *o)
 		gl_define(d, "VCT_SHADOW_VOLUME", "true");
 }
 
+// Of many lamps two points are a poor sample, and what an entry near one of them has wrong, every cone that meets it shows.
+#define LAMPS_MANY 64u
+#define POINTS_OF_MANY 16u
+
 static enum status prepare_light(struct vct_volume *v, const struct plan *plan, struct error *err)
 {
 	struct plan of_light = *plan;
 	// The volume outlives the job: what samples there are is the picture's business.
 	of_light.samples = 1;
 	struct pt_job job;
+	if (scene_count(v->scene, BLOB_EMITTERS) > LAMPS_MANY && of_light.direct_points < POINTS_OF_MANY)
+		of_light.direct_points = POINTS_OF_MANY;
 	// The volume serves requests of any seed, so that it may not depend on who came first.
 	of_light.seed = 0;
 	// Entries are diffuse, and have the geometry's own normals.
