@@ -11,15 +11,17 @@ float mtl_roughness(double exponent);
 
 // Set what a material's statements come to, after the albedo was set from Kd. False if a value had to be clamped.
 //
+// clang-format off
 // | illum | meaning in MTL | here |
 // | --- | --- | --- |
 // | none | | as 2 if both Ks and Ns are above zero, else as 1 |
 // | 0, 1 | colour; and diffuse shading | diffuse, Kd |
-// | 2 | and highlights | and microfacets that reflect Ks at normal incidence and its largest component at grazing, of Ns's
-// width | | 3, 8 | and reflection, traced or not | as 2; without Ns a perfect mirror | | 5 | the same by Fresnel | as 3, and
-// all is reflected at grazing | | 4, 6, 7, 9 | and what is behind, straight or refracted | solid glass, where a Tf above
-// zero, or without Tf a Ni or a d below 1, says that light comes through; else as 2 | | 10 | shadows on what is not seen |
-// as 2, and told as ignored |
+// | 2 | and highlights | and microfacets that reflect Ks at normal incidence and its largest component at grazing, as wide as Ns says |
+// | 3, 8 | and reflection, traced or not | as 2; without Ns a perfect mirror |
+// | 5 | the same by Fresnel | as 3, and all is reflected at grazing |
+// | 4, 6, 7, 9 | and what is behind, straight or refracted | solid glass, where a Tf above zero, or without Tf a Ni or a d below 1, says that light comes through; else as 2 |
+// | 10 | shadows on what is not seen | as 2, and told as ignored |
+// clang-format on
 //
 // Glass has the index Ni (1.5 without), reflects by Fresnel, lets Tf through (all without; it counts once for both faces of
 // a body), has the roughness Pr (0 without) and leaves Kd and Ks out. Other surfaces are there with the probability d, else
