@@ -19,7 +19,7 @@ from render import Daemon
 
 RESOLUTIONS = ((1280, 720), (1920, 1080), (2560, 1440))
 ERROR_SIZE = (160, 90)
-REFERENCE = 2048
+REFERENCE = 1024
 # Published milliseconds: by samples, by depth with 10 samples, by resolution; and the two columns of the CPU's comparison.
 BY_SAMPLES = {5: 12, 10: 20, 15: 28, 20: 35}
 BY_DEPTH = {10: 19, 20: 24, 50: 28}
@@ -59,7 +59,7 @@ class Bench:
         print("### By depth\n\nThe box with spheres, 10 samples. Error: relMSE against the deepest, what is cut off and noise together.\n")
         rows = [(n, trace_ms(self.render("cornell_spheres", spp=10, options={"pt.depth": n})), ms) for n, ms in BY_DEPTH.items()]
         bench.table(("depth", *COLUMNS[1:]), grown(rows))
-        whole = self.render("cornell_spheres", ERROR_SIZE, 1024, {"pt.depth": 50}, exact=True).radiance
+        whole = self.render("cornell_spheres", ERROR_SIZE, 512, {"pt.depth": 50}, exact=True).radiance
         shown = []
         for depth in (1, 2, 3, 4, 20, 50):
             picture = self.render("cornell_spheres", ERROR_SIZE, 64, {"pt.depth": depth}, exact=True).radiance
