@@ -7,6 +7,7 @@
 #ifndef COMMON_LIGHT_TREE_GLSL
 #define COMMON_LIGHT_TREE_GLSL
 
+#include "common/sampling.glsl"
 #include "common/scene.glsl"
 
 // struct light_node, three texels each: software drivers fetch texels for all lanes at once.
@@ -96,7 +97,7 @@ float second_chance(uint child, vec3 here, vec3 normal)
 uint light_tree_pick(vec3 here, vec3 normal, uvec2 pick, out float chance)
 {
 	uint child = light_child(0u);
-	float u = float(pick.x >> 8) * 5.9604644775390625e-08;
+	float u = float(pick.x >> 8) * UNIT_24;
 	chance = 1.0;
 	for (uint level = 0u; level < LIGHT_LEVELS && child < LIGHT_LEAF; level++) {
 		float second = second_chance(child, here, normal);
@@ -104,7 +105,7 @@ uint light_tree_pick(vec3 here, vec3 normal, uvec2 pick, out float chance)
 		float own = goes_second ? second : 1.0 - second;
 		u = goes_second ? u / second : (u - second) / own;
 		// Each level uses digits up: halfway down a long way there are new ones.
-		u = level == 10u ? float(pick.y >> 8) * 5.9604644775390625e-08 : min(u, 0.99999994);
+		u = level == 10u ? float(pick.y >> 8) * UNIT_24 : min(u, 0.99999994);
 		chance *= own;
 		child = light_child(child + (goes_second ? 1u : 0u));
 	}

@@ -19,26 +19,12 @@
 #include "common/finite.glsl"
 #include "common/tile.glsl"
 #include "path/caustic.glsl"
+#include "path/dispatch.glsl"
 #include "path/emit.glsl"
 #include "path/film.glsl"
 #include "path/media.glsl"
-#include "trace/traverse.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
-
-layout(push_constant) uniform Push {
-	path_push push;
-};
-layout(std430, set = 0, binding = BIND_PATHS) buffer Paths {
-	path_state paths[];
-};
-layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
-	pt_counters counters;
-};
-
-layout(constant_id = SPEC_RESUMED) const bool RESUMED = true;
-
-const uint ROULETTE_FROM = 4u;
 
 // What a light path carries; event 0 is yet to leave its lamp.
 struct walker {
@@ -293,16 +279,6 @@ void path_store(uint slot, walker p)
 	paths[slot].aim = p.most;
 }
 
-void give_account(tally account)
-{
-	atomicAdd(counters.rays, account.rays);
-	if (account.non_finite > 0u)
-		atomicAdd(counters.non_finite, account.non_finite);
-	if (trace_cut)
-		atomicAdd(counters.cut, 1u);
-	atomicMax(counters.loop_rounds, trace_rounds + account.rounds);
-}
-
 void main()
 {
 	uint slot = gl_WorkGroupID.x * TILE_PIXELS + gl_LocalInvocationIndex;
@@ -320,7 +296,7 @@ void main()
 	light_run(p, place, account);
 	if (!had_work)
 		return;
-	give_account(account);
+	count_work(account.rays, account.non_finite, account.rounds);
 	if (RESUMED)
 		path_store(slot, p);
 }

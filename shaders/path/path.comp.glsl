@@ -17,28 +17,12 @@
 #include "common/tile.glsl"
 #include "path/accumulate.glsl"
 #include "path/caustic.glsl"
+#include "path/dispatch.glsl"
 #include "path/lens.glsl"
 #include "path/media.glsl"
 #include "path/sky.glsl"
-#include "trace/traverse.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
-
-layout(push_constant) uniform Push {
-	path_push push;
-};
-layout(std430, set = 0, binding = BIND_PATHS) buffer Paths {
-	path_state paths[];
-};
-layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
-	pt_counters counters;
-};
-
-// Whether a path may be longer than a dispatch. If not, it needs no place to wait.
-layout(constant_id = SPEC_RESUMED) const bool RESUMED = true;
-
-// Events before which a path is never ended by chance.
-const uint ROULETTE_FROM = 4u;
 
 // Weight of radiance that the BSDF's sampling found on an emissive triangle. The camera's ray is the only way there.
 float emission_weight(uint event, float pdf_bsdf, float pdf_area, float t, float cos_light)
@@ -337,9 +321,7 @@ void path_store(uint slot, walker p)
 // What the dispatch did, for the host.
 void give_account(tally account)
 {
-	atomicAdd(counters.rays, account.rays);
-	if (account.non_finite > 0u)
-		atomicAdd(counters.non_finite, account.non_finite);
+	count_work(account.rays, account.non_finite, account.rounds);
 	if (WAY_CLAMP && account.clamped > 0u) {
 		atomicAdd(counters.clamped, account.clamped);
 		// Sixty-four bits of whole numbers: their sum does not depend on the order.
@@ -348,9 +330,6 @@ void give_account(tally account)
 		if (before + removed < before)
 			atomicAdd(counters.removed[1], 1u);
 	}
-	if (trace_cut)
-		atomicAdd(counters.cut, 1u);
-	atomicMax(counters.loop_rounds, trace_rounds + account.rounds);
 }
 
 void main()

@@ -1,0 +1,36 @@
+// What the two passes that follow paths share, the camera's and the lamps': where a dispatch works, paths that wait for the next
+// one, and the account that the host reads.
+#ifndef PATH_DISPATCH_GLSL
+#define PATH_DISPATCH_GLSL
+
+#include "common/scene.glsl"
+#include "trace/traverse.glsl"
+
+layout(push_constant) uniform Push {
+	path_push push;
+};
+layout(std430, set = 0, binding = BIND_PATHS) buffer Paths {
+	path_state paths[];
+};
+layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
+	pt_counters counters;
+};
+
+// Whether a path may be longer than a dispatch. If not, it needs no place to wait.
+layout(constant_id = SPEC_RESUMED) const bool RESUMED = true;
+
+// Events before which a path is never ended by chance.
+const uint ROULETTE_FROM = 4u;
+
+// What an invocation did, for the host.
+void count_work(uint rays, uint non_finite, uint rounds)
+{
+	atomicAdd(counters.rays, rays);
+	if (non_finite > 0u)
+		atomicAdd(counters.non_finite, non_finite);
+	if (trace_cut)
+		atomicAdd(counters.cut, 1u);
+	atomicMax(counters.loop_rounds, trace_rounds + rounds);
+}
+
+#endif
