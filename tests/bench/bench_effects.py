@@ -3,7 +3,6 @@ it is not, and how far the picture is from the planned one if it is forced on th
 (pt.effect_times=all): by difference, on a small probe, so a share below a few percent of the job is noise, either way.
 Scenes: those of the project, and what CANDIL_SCENES has of a list of public ones."""
 import os
-import tempfile
 
 import numpy
 
@@ -54,10 +53,10 @@ def rows(daemon, name, file, arguments):
 
 
 def main():
-    with tempfile.TemporaryDirectory(prefix="candil-bench-") as folder, Daemon() as daemon:
-        daemon.render(make.unlit(folder), size=(8, 8), spp=1)  # the worker is started by its first job
+    with Daemon() as daemon:
+        daemon.render(make.unlit(daemon.folder), size=(8, 8), spp=1)  # the worker is started by its first job
         bench.header(daemon.stats()["device"])
-        bench.table(COLUMNS, (row for scene in scenes(folder) for row in rows(daemon, *scene)))
+        bench.table(COLUMNS, (row for scene in scenes(daemon.folder) for row in rows(daemon, *scene)))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ is the growth from row to row that compares, not the milliseconds.
 `--quick` renders a quarter of the width and height; `--pictures` keeps a picture of each scene and of each depth."""
 import argparse
 import os
-import tempfile
 
 import numpy
 
@@ -42,12 +41,12 @@ COLUMNS = ("", ">ms", ">to the first", ">published ms", ">to the first")
 
 
 class Bench:
-    def __init__(self, daemon, folder, quick):
-        self.daemon, self.folder, self.quick = daemon, folder, quick
+    def __init__(self, daemon, quick):
+        self.daemon, self.quick = daemon, quick
 
     def render(self, name, size=RESOLUTIONS[0], spp=1, options=None, exact=False, **more):
         size = size if exact or not self.quick else tuple(n // 4 for n in size)
-        return self.daemon.render(gallery.SCENES[name](self.folder), size, spp, options=options,
+        return self.daemon.render(gallery.SCENES[name](self.daemon.folder), size, spp, options=options,
                                   arguments=[*gallery.arguments(name), *more.get("arguments", [])])
 
     def by_samples(self):
@@ -125,9 +124,9 @@ def main():
     args = parser.parse_args()
     if args.pictures:
         os.makedirs(args.pictures, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+    with Daemon() as daemon:
         bench.header(daemon.stats()["device"])
-        b = Bench(daemon, folder, args.quick)
+        b = Bench(daemon, args.quick)
         b.by_samples()
         b.by_depth(args.pictures)
         b.by_size()

@@ -1,7 +1,6 @@
 """What each way of sampling is worth on the Cornell box: relMSE at equal samples, and at the time that the default takes for
 them. `--error` compares the estimated error with the true one instead, over frames of small scenes."""
 import argparse
-import tempfile
 
 import numpy
 
@@ -32,8 +31,8 @@ def fastest(daemon, path, options):
     return min((daemon.render(path, SIZE, SPP, options=options) for _ in range(3)), key=trace_us)
 
 
-def ways(daemon, folder):
-    path = make.cornell(folder)
+def ways(daemon):
+    path = make.cornell(daemon.folder)
     reference = radiance(daemon.render(path, SIZE, REFERENCE, arguments=["--seed", "99"]))
     usual = None
     for options in WAYS:
@@ -61,8 +60,8 @@ def scenes(folder):
     yield "disc lamp", make.disc_lamp(folder), []
 
 
-def errors(daemon, folder):
-    for name, path, more in scenes(folder):
+def errors(daemon):
+    for name, path, more in scenes(daemon.folder):
         reference = radiance(daemon.render(path, (64, 64), 1024, arguments=[*more, "--seed", "99"]))
         for spp in FRAMES:
             picture = daemon.render(path, (64, 64), spp, arguments=more)
@@ -74,13 +73,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--error", action="store_true")
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="candil-bench-") as folder, Daemon() as daemon:
-        daemon.render(make.unlit(folder), size=(8, 8), spp=1)  # the worker is started by its first job
+    with Daemon() as daemon:
+        daemon.render(make.unlit(daemon.folder), size=(8, 8), spp=1)  # the worker is started by its first job
         bench.header(daemon.stats()["device"])
         if arguments.error:
-            bench.table(["scene", ">samples", ">relMSE", ">estimated", ">estimated / true"], errors(daemon, folder))
+            bench.table(["scene", ">samples", ">relMSE", ">estimated", ">estimated / true"], errors(daemon))
         else:
-            bench.table(["way", ">relMSE", ">behind a Gaussian of 1.5 pixels", ">ms a sample", ">samples in the same time", ">relMSE then"], ways(daemon, folder))
+            bench.table(["way", ">relMSE", ">behind a Gaussian of 1.5 pixels", ">ms a sample", ">samples in the same time", ">relMSE then"], ways(daemon))
 
 
 if __name__ == "__main__":

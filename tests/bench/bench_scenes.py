@@ -43,7 +43,7 @@ def stages(report):
 
 
 def render(daemon, side, samples, arguments):
-    path = os.path.join(daemon.folder.name, "picture.exr")
+    path = os.path.join(daemon.folder, "picture.exr")
     command = ["render", "scene", "-o", path, "--json", "--size", f"{side}x{side}", "--spp", str(samples)]
     return json.loads(daemon.candil(*command, *arguments)[1])
 

@@ -16,7 +16,6 @@ import argparse
 import json
 import math
 import os
-import tempfile
 
 import numpy
 
@@ -305,12 +304,12 @@ def main():
     given.resolutions = [int(r) for r in given.resolutions.split(",")]
     if not set(given.parts) <= set(parts):
         parser.error("parts are " + ", ".join(parts))
-    with tempfile.TemporaryDirectory(prefix="candil-bench-") as folder, Daemon() as daemon:
-        given.references = given.references or folder
-        daemon.render(make.unlit(folder), (8, 8), 1)
+    with Daemon() as daemon:
+        given.references = given.references or daemon.folder
+        daemon.render(make.unlit(daemon.folder), (8, 8), 1)
         bench.header(daemon.stats()["device"])
         for name in given.parts or parts:
-            parts[name](daemon, given, folder)
+            parts[name](daemon, given, daemon.folder)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """Light that leaks into a dark room beside a bright one, by the thickness of the wall between them in voxels (scenes/rooms.py): mean
 and 99th percentile of the dark room's radiance over the bright room's mean, over three sub-voxel shifts the worst of each."""
 import argparse
-import tempfile
 
 import bench
 import rooms
@@ -19,12 +18,12 @@ def main():
     parser.add_argument("--resolutions", default="64,128", help="default %(default)s")
     parser.add_argument("--set", action="append", default=[], metavar="vct.NAME=VALUE")
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="candil-bench-") as folder, Daemon() as daemon:
+    with Daemon() as daemon:
         options = dict(pair.split("=") for pair in given.set)
-        rooms.leak(daemon, rooms.TwoRooms(folder, 32, 2), 32)
+        rooms.leak(daemon, rooms.TwoRooms(daemon.folder, 32, 2), 32)
         bench.header(daemon.stats()["device"])
         bench.table([">voxels", ">turned", ">wall, voxels", ">mean %", ">99th percentile %"],
-                    (row(daemon, folder, int(resolution), turned, voxels, options) for resolution in given.resolutions.split(",")
+                    (row(daemon, daemon.folder, int(resolution), turned, voxels, options) for resolution in given.resolutions.split(",")
                      for turned in (0, 30) for voxels in rooms.LEAK_THICKNESSES))
 
 

@@ -8,7 +8,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 
 import bench
 import make
@@ -70,14 +69,14 @@ def main():
     blender = shutil.which("blender")
     if not blender:
         sys.exit("bench_warm: there is no blender here to compare with: install the package `blender`")
-    with tempfile.TemporaryDirectory(prefix="candil-bench-") as folder, Daemon() as daemon:
-        blend, scene = prepare(blender, folder), make.cornell(folder)
+    with Daemon() as daemon:
+        blend, scene = prepare(blender, daemon.folder), make.cornell(daemon.folder)
         latency = [os.path.join(bench.BUILD, "tests", "bench_latency"), "--least", "100", daemon.socket, scene]
         run(latency)
         bench.header(daemon.stats()["device"])
         theirs, ours = [], []
         for _ in range(turns):
-            theirs.append(blender_frame(blender, blend, folder))
+            theirs.append(blender_frame(blender, blend, daemon.folder))
             ours += [float(line) for line in run(latency).split()]
     version = run([blender, "--version"]).splitlines()[0]
     bench.table(["16 x 16, 1 sample", ">runs", ">median ms", ">p95 ms"],

@@ -1,6 +1,5 @@
 """Cameras by what they must show of a few glowing squares: sizes, directions, circles of confusion."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -8,19 +7,13 @@ import numpy
 from render import Daemon, Failed
 from writers import Gltf, quad
 
+daemon = Daemon()
 SIZE = 64
 ALONG_Z = (0, 0, 0, 0, 0, -1, 0, 1, 0, 40)  # from the origin along -Z
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def square(middle, towards, side, up=(0, 1, 0)):
@@ -41,7 +34,7 @@ def scene(name, *squares):
         emission[i] = 1.0
         g.place(*square(middle, towards, side), g.material(f"glow {i}", (0, 0, 0), emission))
     g.camera((0, 0, 0), (0, 0, -1), 40)
-    return g.save(folder.name, name)
+    return g.save(daemon.folder, name)
 
 
 def moments(weights):

@@ -1,6 +1,5 @@
 """Pixel filters: a flat field stays flat, light is neither made nor lost, and an edge shows each filter's integral."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -9,26 +8,20 @@ from render import Daemon
 from test_camera import ALONG_Z, square
 from writers import Gltf
 
+daemon = Daemon()
 SIZE = 32
 FILTERS = ("box", "gauss", "bh")
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def glowing(name, middle, side):
     g = Gltf()
     g.place(*square(middle, (0, 0, 1), side), g.material("glow", (0, 0, 0), (1, 1, 1)))
     g.camera((0, 0, 0), (0, 0, -1), 40)
-    return g.save(folder.name, name)
+    return g.save(daemon.folder, name)
 
 
 def render(path, name, spp, *more):

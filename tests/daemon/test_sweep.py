@@ -1,5 +1,4 @@
 """Many cameras in one request: order, limits, cancel, a worker that dies, a client that does not read."""
-import os
 import signal
 import unittest
 

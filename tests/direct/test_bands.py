@@ -1,6 +1,5 @@
 """Where a picture is worked on in bands of rows it has the bits that it has at once: the passes that look at pixels near by, lamps'
 points shared by neighbours and cones of every second row, see across."""
-import tempfile
 import unittest
 
 import numpy
@@ -9,16 +8,11 @@ import make
 from render import Daemon
 from writers import Gltf, icosphere, quad
 
+daemon = Daemon()
+
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def glossy_room():
@@ -28,7 +22,7 @@ def glossy_room():
     g.place(*icosphere(2, .5), g.material("sphere", (.6,) * 3), translation=[0, .7, 0])
     g.place(*quad((-.4, 2, -.4), (.4, 2, -.4), (.4, 2, .4), (-.4, 2, .4)), g.material("lamp", (0, 0, 0), (15,) * 3))
     g.camera((0.3, 1.2, 3), (0, .5, 0), 45)
-    return g.save(folder.name, "glossy.gltf")
+    return g.save(daemon.folder, "glossy.gltf")
 
 
 class Bands(unittest.TestCase):
@@ -46,21 +40,21 @@ class Bands(unittest.TestCase):
             self.assertEqual(banded.report["rays"], whole.report["rays"])
 
     def test_lamps_shared_by_neighbours(self):
-        self.check("direct", make.cornell(folder.name))
+        self.check("direct", make.cornell(daemon.folder))
         self.check("direct", glossy_room())
 
     def test_more_samples(self):
-        self.check("direct", make.cornell(folder.name), spp=5)
+        self.check("direct", make.cornell(daemon.folder), spp=5)
 
     def test_cones_of_every_second_row(self):
-        self.check("vct", make.cornell(folder.name), vct_resolution=16, vct_bounces=1)
+        self.check("vct", make.cornell(daemon.folder), vct_resolution=16, vct_bounces=1)
         self.check("vct", glossy_room(), spp=2, vct_resolution=16, vct_bounces=1)
 
     def test_cones_of_every_pixel(self):
-        self.check("vct", make.cornell(folder.name), vct_resolution=16, vct_bounces=1, vct_detail="full")
+        self.check("vct", make.cornell(daemon.folder), vct_resolution=16, vct_bounces=1, vct_detail="full")
 
     def test_a_band_takes_less_memory_than_the_whole(self):
-        cornell = make.cornell(folder.name)
+        cornell = make.cornell(daemon.folder)
         some, all_at_once = (daemon.render(cornell, size=(256, 256), spp=1, options=options,
                                            arguments=["--technique", "direct"]).report["job_bytes"]
                              for options in ({"direct.rows": 64}, {}))

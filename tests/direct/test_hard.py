@@ -1,7 +1,6 @@
 """Where a raster and short floats could fail `direct`, and what must not change its bits."""
 import os
 import subprocess
-import tempfile
 import unittest
 
 import numpy
@@ -10,18 +9,12 @@ import make
 from render import Daemon
 from writers import Gltf, box, quad
 
+daemon = Daemon()
 DIRECT = ["--technique", "direct"]
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def direct(scene, spp=1, arguments=(), on=None, **more):
@@ -36,7 +29,7 @@ def scaled(scale, offset=(0, 0, 0)):
     g.place(*quad((-.5, 3, -.5), (.5, 3, -.5), (.5, 3, .5), (-.5, 3, .5)), g.material("lamp", (0, 0, 0), (9,) * 3), **more)
     place = lambda p: tuple(c * scale + o for c, o in zip(p, offset))
     g.camera(place((1, 2, 4)), place((0, .4, 0)), 40)
-    return g.save(folder.name, "scaled.gltf")
+    return g.save(daemon.folder, "scaled.gltf")
 
 
 class Numbers(unittest.TestCase):
@@ -57,11 +50,11 @@ class Numbers(unittest.TestCase):
 
     def test_sealed_room_stays_dark(self):
         for scale, rotated in ((1e-3, 30), (1, 0), (1e3, 30)):
-            scene = make.sealed_room(folder.name, scale=scale, rotated=rotated)
+            scene = make.sealed_room(daemon.folder, scale=scale, rotated=rotated)
             self.assertEqual(float(direct(scene, spp=4).radiance.max()), 0.0)
 
     def test_camera_in_a_block(self):
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         camera = (-.35, .5, -.3, 0, .5, -3, 0, 1, 0, 90)
         ours = direct(scene, camera=camera, arguments=["--aov", "depth"])
         theirs = daemon.render(scene, spp=1, camera=camera, options={"pt.depth": 1}, arguments=["--aov", "depth"])
@@ -87,7 +80,7 @@ class Numbers(unittest.TestCase):
         g.place([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [(0, 1, 2)], g.material("only", (.8,) * 3))
         g.light("point", 10, (0, 0, 2))
         g.camera((0, 0, 3), (0, 0, 0), 60)
-        picture = direct(g.save(folder.name, "one.gltf"), size=(33, 33))
+        picture = direct(g.save(daemon.folder, "one.gltf"), size=(33, 33))
         # 0.8 / pi * 10 / 4 straight below the light.
         self.assertAlmostEqual(float(picture.radiance[16, 16, 0]), .8 / numpy.pi * 2.5, delta=2e-3)
         self.assertEqual(float(picture.radiance[0, 0, 0]), 0)
@@ -101,7 +94,7 @@ class Numbers(unittest.TestCase):
         g.camera((0, 0, 2), (0, 0, 0), 40)
         g.json["cameras"][0] = {"type": "orthographic", "name": "camera",
                                 "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 100}}
-        scene = g.save(folder.name, "parallel.gltf")
+        scene = g.save(daemon.folder, "parallel.gltf")
         ours = direct(scene, size=(32, 32), arguments=["--aov", "depth,id"])
         theirs = daemon.render(scene, spp=1, size=(32, 32), arguments=["--aov", "depth,id"])
         self.assertTrue(numpy.array_equal(ours.channels["id"], theirs.channels["id"]))
@@ -115,14 +108,14 @@ class Numbers(unittest.TestCase):
             g.place(*quad((-9, -1, 9), (9, -1, 9), (9, -1, -90), (-9, -1, -90)), g.material(name, colour))
         g.light("directional", 1.0, (0, 5, 0), (1, 0, 0))
         g.camera((0, 0, 9), (0, -.5, 0), 40)
-        scene = g.save(folder.name, "coplanar.gltf")
+        scene = g.save(daemon.folder, "coplanar.gltf")
         ids = numpy.rint(direct(scene, arguments=["--aov", "id"]).channels["id"].astype(float) * 2 ** 32)
         self.assertEqual(set(numpy.unique(ids)), {0, 1})
 
 
 class Bits(unittest.TestCase):
     def test_twice_and_in_other_slices(self):
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         aov = ["--aov", "depth,normal"]
         for spp in (1, 3):
             once = direct(scene, spp=spp, size=(160, 120), arguments=aov)
@@ -135,10 +128,10 @@ class Bits(unittest.TestCase):
 
     def test_beside_the_path_tracer(self):
         """Both APIs in one process, and turns taken: neither disturbs the other."""
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         alone = direct(scene, size=(128, 128))
         pt = daemon.render(scene, size=(128, 128), spp=8)
-        path = os.path.join(daemon.folder.name, "beside.exr")
+        path = os.path.join(daemon.folder, "beside.exr")
         other = subprocess.Popen([os.environ["CANDIL_BUILD"] + "/bin/candil", "--connect", daemon.socket, "render", scene, "-o",
                                   path, "--spp", "64", "--size", "128x128"], stdout=subprocess.DEVNULL)
         beside = direct(scene, size=(128, 128))
@@ -149,7 +142,7 @@ class Bits(unittest.TestCase):
 
 class Life(unittest.TestCase):
     def test_device_memory_stays_level(self):
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         direct(scene, size=(64, 64))
         before = daemon.stats()
         for i in range(50):
@@ -159,10 +152,10 @@ class Life(unittest.TestCase):
 
     def test_budget_is_kept(self):
         with Daemon("--memory-budget", "16") as small:
-            status, _, text = small.candil("render", make.cornell(folder.name), "-o", folder.name + "/x.exr", *DIRECT, "--size",
+            status, _, text = small.candil("render", make.cornell(daemon.folder), "-o", daemon.folder + "/x.exr", *DIRECT, "--size",
                                            "1024x1024", check=False)
             self.assertEqual(status, 6, text)
-            picture = direct(make.cornell(folder.name), size=(64, 64), on=small)
+            picture = direct(make.cornell(daemon.folder), size=(64, 64), on=small)
             self.assertGreater(float(picture.radiance.max()), 0)
 
 

@@ -1,6 +1,5 @@
 """What `direct` shows: irradiances known in closed form, and else the path tracer's light after one scattering event."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -9,18 +8,12 @@ import make
 from render import Daemon
 from writers import Gltf, icosphere, quad
 
+daemon = Daemon()
 DIRECT = ["--technique", "direct"]
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def direct(scene, spp=1, arguments=(), **more):
@@ -42,11 +35,11 @@ class ClosedForms(unittest.TestCase):
 
     def test_square_lamp(self):
         a = 0.5 / math.sqrt(1.25)
-        self.check(make.lamp_over_floor(folder.name), 4 * a * math.atan(a), 1e-3)
+        self.check(make.lamp_over_floor(daemon.folder), 4 * a * math.atan(a), 1e-3)
 
     def test_disc_lamp_of_many_triangles(self):
         # Too many for the closed form: points on them alone.
-        self.check(make.disc_lamp(folder.name), math.pi / 5, 0.01, spp=4, options={"direct.samples": 16})
+        self.check(make.disc_lamp(daemon.folder), math.pi / 5, 0.01, spp=4, options={"direct.samples": 16})
 
     def test_small_lamp_is_a_point(self):
         side = 1e-3
@@ -55,7 +48,7 @@ class ClosedForms(unittest.TestCase):
         g.place(*quad(*((x * side, 2, z * side) for x, z in ((-.5, -.5), (.5, -.5), (.5, .5), (-.5, .5)))),
                 g.material("lamp", (0, 0, 0), (1e6,) * 3))
         g.camera((0, 1, 4), (0, 0, 0), 40)
-        self.check(g.save(folder.name, "small_lamp.gltf"), 0.25, 1e-3)
+        self.check(g.save(daemon.folder, "small_lamp.gltf"), 0.25, 1e-3)
 
     def test_lamp_half_below_the_horizon(self):
         """A wall that goes up from the floor shows a floor's point beside it half a hemisphere's cosine, if it is high and
@@ -65,16 +58,16 @@ class ClosedForms(unittest.TestCase):
         g.place(*quad((-1e4, -3, -.1), (1e4, -3, -.1), (1e4, 1e4, -.1), (-1e4, 1e4, -.1)),
                 g.material("lamp", (0, 0, 0), (1,) * 3))
         g.camera((0, 1, 4), (0, 0, 0), 40)
-        self.check(g.save(folder.name, "horizon.gltf"), math.pi / 2, 1e-3)
+        self.check(g.save(daemon.folder, "horizon.gltf"), math.pi / 2, 1e-3)
 
     def test_point_light(self):
-        self.check(make.lit_floor(folder.name, "point", 3.0), 0.75, 1e-3)
+        self.check(make.lit_floor(daemon.folder, "point", 3.0), 0.75, 1e-3)
 
     def test_spot_light(self):
-        self.check(make.lit_floor(folder.name, "spot", 3.0), 0.75, 1e-3)
+        self.check(make.lit_floor(daemon.folder, "spot", 3.0), 0.75, 1e-3)
 
     def test_directional_light(self):
-        self.check(make.lit_floor(folder.name, "directional", 3.0), 3.0, 1e-4)
+        self.check(make.lit_floor(daemon.folder, "directional", 3.0), 3.0, 1e-4)
 
 
 def mixed():
@@ -89,7 +82,7 @@ def mixed():
     g.light("directional", 0.5, (0, 5, 0), (1, 0, 0))
     g.light("spot", 6.0, (-3, 3, 2), (0, 0, 0), cone=(.2, .4))
     g.camera((0, 1, 6), (0, 0, 0), 40)
-    return g.save(folder.name, "mixed.gltf")
+    return g.save(daemon.folder, "mixed.gltf")
 
 
 def many_lights():
@@ -101,7 +94,7 @@ def many_lights():
         a = 2 * math.pi * i / 100
         g.light("point", .02 + .08 * (i % 2), (3 * math.cos(a), 2, 3 * math.sin(a)))
     g.camera((0, 1, 6), (0, 0, 0), 40)
-    return g.save(folder.name, "many.gltf")
+    return g.save(daemon.folder, "many.gltf")
 
 
 def mirror():
@@ -110,7 +103,7 @@ def mirror():
     g.place(*quad((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)), g.material("mirror", (.9,) * 3, metallic=1, roughness=0))
     g.place(*quad((-.5, 1, -1), (-.5, 2, -1), (.5, 2, -1), (.5, 1, -1)), g.material("lamp", (0, 0, 0), (1, 2, 3), both_sides=True))
     g.camera((0, 2, 4), (0, .5, 0), 50)
-    return g.save(folder.name, "mirror.gltf")
+    return g.save(daemon.folder, "mirror.gltf")
 
 
 class EqualsPathTracing(unittest.TestCase):
@@ -128,23 +121,23 @@ class EqualsPathTracing(unittest.TestCase):
 
     def test_box_with_lamp(self):
         # The lamp, two pixels high, outshines all else.
-        self.check(make.cornell(folder.name), 1e-2, mean_bound=0.06)
+        self.check(make.cornell(daemon.folder), 1e-2, mean_bound=0.06)
 
     def test_alpha_mask(self):
-        self.check(make.alpha_mask(folder.name), 3e-3)
+        self.check(make.alpha_mask(daemon.folder), 3e-3)
 
     def test_vertex_colours(self):
-        self.check(make.vertex_colours(folder.name), 2e-4, pt_spp=64)
+        self.check(make.vertex_colours(daemon.folder), 2e-4, pt_spp=64)
 
     def test_textures_and_second_coordinates(self):
-        self.check(make.second_uvs(folder.name), 2e-4, pt_spp=64)
+        self.check(make.second_uvs(daemon.folder), 2e-4, pt_spp=64)
 
     def test_normal_map(self):
-        self.check(make.normal_mapped_quad(folder.name), 2e-4, pt_spp=64)
+        self.check(make.normal_mapped_quad(daemon.folder), 2e-4, pt_spp=64)
 
     def test_negative_scale(self):
         # The lamp shines up: all that is to be seen is its small front, and little more than its edges.
-        self.check(make.negative_scale(folder.name), 2e-3, mean_bound=0.06)
+        self.check(make.negative_scale(daemon.folder), 2e-3, mean_bound=0.06)
 
     def test_every_kind_of_light_on_gloss(self):
         # The path tracer chooses the spot seldom.
@@ -155,14 +148,14 @@ class EqualsPathTracing(unittest.TestCase):
 
     def test_lamps_in_rough_plates(self):
         # Lamps of radiance 100 in the sharpest plate: whatever the samples, some pixels keep some noise.
-        self.check(make.plates(folder.name), 5e-2, mean_bound=0.08)
+        self.check(make.plates(daemon.folder), 5e-2, mean_bound=0.08)
 
     def test_mirror_shows_the_lamp(self):
         self.check(mirror(), 5e-3)
 
     def test_one_sample_has_no_noise(self):
         """A picture of one sample: off its edges it is the converged one, and shadows are soft."""
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         picture = direct(scene, size=(64, 64))
         reference = daemon.render(scene, spp=128, size=(64, 64), options={"pt.depth": 1})
         r = reference.radiance.astype(numpy.float64)
@@ -173,8 +166,8 @@ class EqualsPathTracing(unittest.TestCase):
 
 class Aovs(unittest.TestCase):
     def test_the_same_as_the_path_tracers(self):
-        for scene in (make.cornell(folder.name), make.alpha_mask(folder.name), make.normal_mapped_quad(folder.name),
-                      make.unlit(folder.name)):
+        for scene in (make.cornell(daemon.folder), make.alpha_mask(daemon.folder), make.normal_mapped_quad(daemon.folder),
+                      make.unlit(daemon.folder)):
             aov = ["--aov", "depth,normal,albedo,id"]
             a = direct(scene, size=(96, 96), arguments=aov).channels
             b = daemon.render(scene, size=(96, 96), spp=1, arguments=aov).channels
@@ -190,36 +183,36 @@ class Aovs(unittest.TestCase):
 
 class Effects(unittest.TestCase):
     def test_bounces_are_beyond_it(self):
-        picture = direct(make.cornell(folder.name), size=(8, 8))
+        picture = direct(make.cornell(daemon.folder), size=(8, 8))
         bounces = [e for e in picture.report["effects"] if e["name"] == "bounces"][0]
         self.assertEqual(bounces["state"], "unsupported")
         self.assertIn("pt", bounces["why"])
         self.assertEqual(picture.metadata["candil/technique"], "direct")
 
     def test_forced_effects_change_nothing(self):
-        for scene in (make.cornell(folder.name), make.lit_floor(folder.name, "spot"), make.textured_quad(folder.name)):
+        for scene in (make.cornell(daemon.folder), make.lit_floor(daemon.folder, "spot"), make.textured_quad(daemon.folder)):
             auto = direct(scene)
             forced = direct(scene, arguments=["--effects", "all"])
             scale = numpy.maximum(numpy.abs(auto.radiance), 1e-3)
             self.assertLessEqual(float((numpy.abs(forced.radiance - auto.radiance) / scale).max()), 1e-5)
 
     def test_switched_off_is_dark(self):
-        for scene, effect in ((make.cornell(folder.name), "emitters"), (make.lit_floor(folder.name, "point"), "lights")):
+        for scene, effect in ((make.cornell(daemon.folder), "emitters"), (make.lit_floor(daemon.folder, "point"), "lights")):
             picture = direct(scene, arguments=["--effects", "-" + effect])
             self.assertEqual(float(picture.radiance.max()), 0)
 
     def test_unlit_and_background(self):
-        picture = direct(make.unlit_quad(folder.name), arguments=["--background", ".5,.25,2"])
+        picture = direct(make.unlit_quad(daemon.folder), arguments=["--background", ".5,.25,2"])
         self.assertTrue(numpy.allclose(picture.radiance[0, 0], (.5, .25, 2)))
         self.assertTrue(numpy.allclose(picture.radiance[32, 32], (.25, .5, .75)))
 
     def test_options(self):
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         shadows = direct(scene)
         none = direct(scene, options={"direct.shadows": "none"})
         self.assertTrue(bool((none.radiance >= 0.9999 * shadows.radiance).all()))
         self.assertGreater(float(none.radiance.mean()), 1.02 * float(shadows.radiance.mean()))
-        status, _, text = daemon.candil("render", scene, "-o", folder.name + "/x.png", *DIRECT, "--set", "direct.samples=65",
+        status, _, text = daemon.candil("render", scene, "-o", daemon.folder + "/x.png", *DIRECT, "--set", "direct.samples=65",
                                         check=False)
         self.assertEqual(status, 2)
         self.assertIn("direct.samples", text)

@@ -1,6 +1,5 @@
 """Shadow maps: shadows where rays find them, to a texel or two; nothing on lit surfaces; and when they are made."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -9,18 +8,12 @@ import make
 from render import Daemon
 from writers import Gltf, box, quad
 
+daemon = Daemon()
 SIDE = 512
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def direct(scene, shadows="map", arguments=(), on=None, side=SIDE, **more):
@@ -56,7 +49,7 @@ def plate_over_floor(kind, scale=1.0, tilt=0.0, plate=True):
     else:
         g.light("point", 9.0 * scale ** 2, (0, (3 if kind == "point" else 9) * scale, 0))
     g.camera((0, scale, 4 * scale), (0, 0, 0), 50)
-    return g.save(folder.name, "plate.gltf")
+    return g.save(daemon.folder, "plate.gltf")
 
 
 def from_below(scale=1.0):
@@ -100,13 +93,13 @@ class Shadows(unittest.TestCase):
         g.light("directional", 1.0, (0, 0, 0), (1, -1, 0))
         g.camera((.5, .5, 0), (.5, 0, 0), 90, up=(0, 0, -1))
         # The map is about 3.6 m wide, and the picture 1 m: from x = 0 on.
-        share = direct(g.save(folder.name, "wall.gltf"), size=(256, 256)).radiance[128, :, 0]
+        share = direct(g.save(daemon.folder, "wall.gltf"), size=(256, 256)).radiance[128, :, 0]
         x = (numpy.arange(256) + .5) / 256
         texel = 4.4 / SIDE
         self.assertEqual(float(share[(x > .005 + 2 * texel) & (x < .9)].max()), 0)
 
     def test_alpha_is_cut_out(self):
-        scene = make.alpha_mask(folder.name)
+        scene = make.alpha_mask(daemon.folder)
         lamp = ["--effects=-emitters", "--light", "point:at=.4,.6,2.5,intensity=20"]
         mapped = direct(scene, arguments=lamp, side=2048, size=(96, 96)).radiance.astype(float)
         rays = direct(scene, "rays", arguments=lamp, size=(96, 96)).radiance.astype(float)
@@ -122,7 +115,7 @@ class Shadows(unittest.TestCase):
             a = 2 * math.pi * i / 20
             g.light("spot", .5 + .1 * i, (2 * math.cos(a), 2, 2 * math.sin(a)), (0, 0, 0), cone=(.5, .8))
         g.camera((0, 2, 4), (0, .4, 0), 45)
-        scene = g.save(folder.name, "spots.gltf")
+        scene = g.save(daemon.folder, "spots.gltf")
         mapped, rays = direct(scene), direct(scene, "rays")
         difference = abs(mapped.radiance - rays.radiance)
         self.assertLess(float(difference.mean()), .01 * float(rays.radiance.mean()))
@@ -134,7 +127,7 @@ class Shadows(unittest.TestCase):
         g.place(*quad((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)), g.material("floor", (.5,) * 3))
         g.place(*quad((-.3, 2, -.3), (.3, 2, -.3), (.3, 2, .3), (-.3, 2, .3)), g.material("lamp", (0, 0, 0), (4,) * 3))
         g.camera((0, 1, 4), (0, 0, 0), 45)
-        scene = g.save(folder.name, "lamp_alone.gltf")
+        scene = g.save(daemon.folder, "lamp_alone.gltf")
         picture = direct(scene)
         self.assertEqual(stage(picture), [])
         self.assertTrue(numpy.array_equal(picture.radiance, direct(scene, "rays").radiance))
@@ -160,7 +153,7 @@ class Life(unittest.TestCase):
     def test_memory_is_kept_and_given_back(self):
         with Daemon("--memory-budget", "64") as small:
             scene = plate_over_floor("point")
-            status, _, text = small.candil("render", scene, "-o", folder.name + "/x.exr", "--technique", "direct", "--set",
+            status, _, text = small.candil("render", scene, "-o", daemon.folder + "/x.exr", "--technique", "direct", "--set",
                                            "direct.shadows=map", "--set", "direct.map=4096", check=False)
             self.assertEqual(status, 6, text)
             self.assertIn("direct.map=1024 would fit", text)

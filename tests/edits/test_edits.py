@@ -4,20 +4,16 @@ import unittest
 
 import numpy
 
-import edited
 import make
 import wire
 from edited import Refused, Stage, node, pb, point, vec
 from writers import Gltf, icosphere
 
+stage = Stage()
+
 
 def setUpModule():
-    global stage
-    stage = Stage().__enter__()
-
-
-def tearDownModule():
-    stage.__exit__()
+    unittest.enterModuleContext(stage)
 
 
 def states(replies):

@@ -9,14 +9,11 @@ import wire
 from edited import Refused, Stage, node, pb, point, vec
 from writers import Gltf, icosphere
 
+stage = Stage()
+
 
 def setUpModule():
-    global stage
-    stage = Stage().__enter__()
-
-
-def tearDownModule():
-    stage.__exit__()
+    unittest.enterModuleContext(stage)
 
 
 MOVES = {

@@ -1,6 +1,5 @@
 """Only what the scene calls for: an effect that a scene lacks is left out, and forcing it on changes nothing; one that is
 switched off draws its stated substitute."""
-import tempfile
 import unittest
 
 import numpy
@@ -9,19 +8,13 @@ import make
 from render import Daemon
 from writers import Gltf, icosphere
 
+daemon = Daemon()
 EFFECTS = ("textures", "emitters", "lights", "environment", "bounces", "glossy", "normal-maps", "alpha-mask", "vertex-colors",
            "unlit", "glass", "alpha-blend", "clearcoat", "rough-diffuse", "caustics")
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def states(picture):
@@ -42,16 +35,16 @@ class Forced(unittest.TestCase):
 
     def test_each_effect_is_absent_somewhere_and_inert_there(self):
         absent = set()
-        absent |= set(self.check(make.cornell(folder.name)))
-        absent |= set(self.check(make.lit_floor(folder.name, "point")))
-        absent |= set(self.check(make.textured_quad(folder.name), ["--background", "1,1,1"]))
-        absent |= set(self.check(make.unlit(folder.name)))
+        absent |= set(self.check(make.cornell(daemon.folder)))
+        absent |= set(self.check(make.lit_floor(daemon.folder, "point")))
+        absent |= set(self.check(make.textured_quad(daemon.folder), ["--background", "1,1,1"]))
+        absent |= set(self.check(make.unlit(daemon.folder)))
         self.assertEqual(absent, set(EFFECTS))
 
 
 class Off(unittest.TestCase):
     def test_textures_off_shows_factors(self):
-        scene = make.textured_quad(folder.name)
+        scene = make.textured_quad(daemon.folder)
         on = daemon.render(scene, spp=8, arguments=["--background", "1,1,1"])
         off = daemon.render(scene, spp=8, arguments=["--background", "1,1,1", "--effects", "-textures"])
         self.assertEqual(states(off)["textures"], "switched-off")
@@ -59,7 +52,7 @@ class Off(unittest.TestCase):
         self.assertLess(float(numpy.abs(off.radiance - 1).max()), 0.005)
 
     def test_emitters_off_is_black(self):
-        off = daemon.render(make.cornell(folder.name), spp=4, arguments=["--effects", "-emitters"])
+        off = daemon.render(make.cornell(daemon.folder), spp=4, arguments=["--effects", "-emitters"])
         self.assertEqual(float(off.radiance.max()), 0)
 
     def test_glass_off_is_opaque_with_the_base_colour(self):
@@ -68,7 +61,7 @@ class Off(unittest.TestCase):
             positions, triangles = icosphere(2)
             g.place(positions, triangles, g.material("ball", (.2, .4, .6), roughness=.3, **more))
             g.camera((0, 0, 4), (0, 0, 0), 40)
-            return g.save(folder.name, name)
+            return g.save(daemon.folder, name)
         glass = ball("glass.gltf", clear=1, volume={"thicknessFactor": 1})
         off = daemon.render(glass, spp=8, arguments=["--background", "1,1,1", "--effects", "-glass"])
         self.assertEqual(states(off)["glass"], "switched-off")
@@ -85,7 +78,7 @@ class Off(unittest.TestCase):
             g.place(positions, triangles, g.material("ball", (.2, .4, .6), roughness=.3, specular=1, **more))
             g.camera((0, 0, 4), (0, 0, 0), 40)
             g.light("directional", 3, target=(0, -1, -1), up=(1, 0, 0))
-            return g.save(folder.name, name)
+            return g.save(daemon.folder, name)
         plain = daemon.render(ball("plain.gltf"), spp=8)
         for effect, more in (("clearcoat", dict(coat={"clearcoatFactor": 1})), ("rough-diffuse", dict(matte=1))):
             scene = ball(effect + ".gltf", **more)
@@ -97,19 +90,19 @@ class Off(unittest.TestCase):
             self.assertEqual(states(direct)[effect], "unsupported")
 
     def test_direct_sees_through_no_glass(self):
-        direct = daemon.render(make.cornell_glass(folder.name), spp=1, arguments=["--technique", "direct"])
+        direct = daemon.render(make.cornell_glass(daemon.folder), spp=1, arguments=["--technique", "direct"])
         self.assertEqual([states(direct)[e] for e in ("glass", "alpha-blend", "caustics")], ["unsupported"] * 3)
 
     def test_lights_off_is_black(self):
-        off = daemon.render(make.lit_floor(folder.name, "spot"), spp=4, arguments=["--effects", "-lights"])
+        off = daemon.render(make.lit_floor(daemon.folder, "spot"), spp=4, arguments=["--effects", "-lights"])
         self.assertEqual(float(off.radiance.max()), 0)
 
     def test_environment_off_is_black(self):
-        off = daemon.render(make.unlit(folder.name), spp=4, arguments=["--background", "1,1,1", "--effects", "-environment"])
+        off = daemon.render(make.unlit(daemon.folder), spp=4, arguments=["--background", "1,1,1", "--effects", "-environment"])
         self.assertEqual(float(off.radiance.max()), 0)
 
     def test_bounces_off_is_depth_one(self):
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         off = daemon.render(scene, spp=4, arguments=["--effects", "-bounces"])
         direct = daemon.render(scene, spp=4, options={"pt.depth": 1})
         self.assertTrue(numpy.array_equal(off.radiance, direct.radiance))
@@ -118,7 +111,7 @@ class Off(unittest.TestCase):
 
 class Times(unittest.TestCase):
     def test_costs_are_told_when_asked_for(self):
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         plain = daemon.render(scene, spp=2)
         self.assertFalse(any("cost_us" in e for e in plain.report["effects"]))
         some = daemon.render(scene, spp=2, options={"pt.effect_times": "on"})
@@ -139,19 +132,19 @@ class Times(unittest.TestCase):
 
 class Plan(unittest.TestCase):
     def test_every_effect_has_a_reason(self):
-        picture = daemon.render(make.cornell(folder.name), spp=1)
+        picture = daemon.render(make.cornell(daemon.folder), spp=1)
         self.assertEqual(set(states(picture)), set(EFFECTS))
         for effect in picture.report["effects"]:
             self.assertGreater(len(effect["why"]), 5)
 
     def test_unknown_option_is_refused(self):
-        status, _, text = daemon.candil("render", make.cornell(folder.name), "-o", folder.name + "/x.png", "--set", "pt.colour=3",
+        status, _, text = daemon.candil("render", make.cornell(daemon.folder), "-o", daemon.folder + "/x.png", "--set", "pt.colour=3",
                                         check=False)
         self.assertNotEqual(status, 0)
         self.assertIn("pt.colour", text)
 
     def test_aovs_only_when_asked(self):
-        scene = make.cornell(folder.name)
+        scene = make.cornell(daemon.folder)
         plain = daemon.render(scene, spp=1)
         self.assertEqual(set(plain.channels), set("RGB"))
         self.assertNotIn("aov", [s["name"] for s in plain.report["stages"]])

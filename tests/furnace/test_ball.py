@@ -15,7 +15,6 @@ What a picture may differ by, in radiances of which the sky's mean is 1:
 import functools
 import math
 import os
-import tempfile
 import unittest
 
 import numpy
@@ -25,20 +24,15 @@ import skies
 from render import Daemon
 from writers import Gltf, icosphere
 
+daemon = Daemon()
 SIDE = 48
 
 
 def setUpModule():
-    global daemon, folder, sky
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-    sky = os.path.join(folder.name, "sky.exr")
+    global sky
+    unittest.enterModuleContext(daemon)
+    sky = os.path.join(daemon.folder, "sky.exr")
     images.write(sky, radiance(skies.directions(512, 256)))
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
 
 
 @functools.lru_cache
@@ -151,7 +145,7 @@ class Ball(unittest.TestCase):
             if radius:
                 body = g.material(f"index {index}", roughness=0, ior=index, clear=1, volume={"thicknessFactor": 1})
                 g.node(mesh=g.add("meshes", {"primitives": [dict(shape, material=body)]}), scale=[radius] * 3)
-        return daemon.render(g.save(folder.name, "ball.glb"), size=(SIDE, SIDE), spp=spp, camera=camera,
+        return daemon.render(g.save(daemon.folder, "ball.glb"), size=(SIDE, SIDE), spp=spp, camera=camera,
                              options={"pt.depth": depth}, arguments=["--background", sky]).radiance
 
     def check(self, name, camera, edges, subdivisions=5, ior=1.5, hollow=0.0, depth=8, spp=64):

@@ -1,6 +1,5 @@
 """Light from lamps by way of mirrors and clear glass: what light paths bring, against closed forms and against chance."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -9,16 +8,11 @@ import make
 from render import Daemon, rel
 from writers import Gltf, box, icosphere, quad, transformed
 
+daemon = Daemon()
+
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def stages(picture):
@@ -60,7 +54,7 @@ class Plates(unittest.TestCase):
             g.place(*floor(1.5, .5), glass(g, solid=False))
         a = math.radians(degrees)
         light = "directional:direction=%r,%r,0,intensity=%r" % (math.sin(a), -math.cos(a), math.pi)
-        return daemon.render(g.save(folder.name, "plate.gltf"), size=(16, 16), spp=spp, camera=(0, .45, 0, 0, 0, 0, 0, 0, -1, 120),
+        return daemon.render(g.save(daemon.folder, "plate.gltf"), size=(16, 16), spp=spp, camera=(0, .45, 0, 0, 0, 0, 0, 0, -1, 120),
                              options={"pt.depth": depth}, arguments=["--light", light])
 
     def test_light_comes_through_a_thin_pane(self):
@@ -96,7 +90,7 @@ class Mirrors(unittest.TestCase):
         g = Gltf()
         g.place(*floor(half), g.material("mirror", (.8, .8, .8), metallic=1, roughness=0))
         g.place(*ceiling(1, 2), g.material("ceiling", (.5, .5, .5)))
-        return g.save(folder.name, "mirror.gltf")
+        return g.save(daemon.folder, "mirror.gltf")
 
     def reflected(self, light, *arguments, camera=CAMERA, size=(16, 16), spp=1024):
         both, direct = (daemon.render(self.scene(), size=size, spp=spp, camera=camera, options={"pt.depth": depth},
@@ -137,7 +131,7 @@ class Mirrors(unittest.TestCase):
         g.place(*at(1, ceiling(.5, 2)), g.material("ceiling", (.5, .5, .5)))
         g.place(*at(1, floor(1)), g.material("floor", (.5, .5, .5)))
         g.place(*at(-1.2, ceiling(1.2, 2.2)), g.material("shade", (0, 0, 0)))
-        picture = daemon.render(g.save(folder.name, "bright.gltf"), size=(16, 16), spp=1536, camera=(1, 1, 0, 1, 0, 0, 0, 0, -1, 40),
+        picture = daemon.render(g.save(daemon.folder, "bright.gltf"), size=(16, 16), spp=1536, camera=(1, 1, 0, 1, 0, 0, 0, 0, -1, 40),
                                 options={"pt.depth": 3},
                                 arguments=["--orthographic", "1.6", "--light", "directional:direction=1,-1,0,intensity=10"])
         exitance = .5 * .8 * 10 * math.sqrt(.5)
@@ -182,7 +176,7 @@ class Chance(unittest.TestCase):
                            normals=[[c / .45 for c in p] for p in ball]))
         g.place(*ceiling(.4, 1.98), g.material("lamp", (.78, .78, .78), (8, 8, 8)))
         g.camera((0, 1, 3.9), (0, 1, 0), 39)
-        self.check(g.save(folder.name, "ball.gltf"), 8, 0.05, size=(32, 32), spp=512)
+        self.check(g.save(daemon.folder, "ball.gltf"), 8, 0.05, size=(32, 32), spp=512)
 
     def test_a_lamp_behind_a_pane(self):
         """Of either size against what the camera sees: the shares of both ways differ, their sum does not."""
@@ -191,27 +185,27 @@ class Chance(unittest.TestCase):
             g.place(*floor(1.5), g.material("floor", (.5, .5, .5)))
             g.place(*floor(1.5, .5), glass(g, solid=False))
             g.place(*ceiling(half, 1), g.material("lamp", (0, 0, 0), (1 / half ** 2,) * 3))
-            self.check(g.save(folder.name, "pane.gltf"), 8, 0.06 if half < 1 else 0.03, size=(16, 16), spp=1024,
+            self.check(g.save(daemon.folder, "pane.gltf"), 8, 0.06 if half < 1 else 0.03, size=(16, 16), spp=1024,
                        camera=(0, .45, 0, 0, 0, 0, 0, 0, -1, 90), options={"pt.depth": 3})
 
 
 class Bits(unittest.TestCase):
     def test_same_bits_whatever_the_dispatches(self):
-        scene = make.cornell_glass(folder.name)
+        scene = make.cornell_glass(daemon.folder)
         first = daemon.render(scene, size=(40, 24), spp=6).radiance
         for options in ({}, {"pt.batch": 1}, {"pt.segment": 2}, {"pt.traversal": "single"}):
             self.assertTrue(numpy.array_equal(daemon.render(scene, size=(40, 24), spp=6, options=options).radiance, first), options)
 
     def test_parts_of_a_picture_make_the_whole(self):
-        scene = make.cornell_glass(folder.name)
+        scene = make.cornell_glass(daemon.folder)
         whole = daemon.render(scene, size=(24, 24), spp=8).radiance.astype(numpy.float64)
         parts = [daemon.render(scene, size=(24, 24), spp=4, arguments=["--first-sample", str(n)]).radiance for n in (0, 4)]
         self.assertTrue(numpy.allclose((parts[0].astype(numpy.float64) + parts[1]) / 2, whole, rtol=1e-5, atol=1e-7))
 
     def test_only_where_the_scene_calls_for_it(self):
-        state = {e["name"]: e["state"] for e in daemon.render(make.cornell(folder.name), spp=1).report["effects"]}
+        state = {e["name"]: e["state"] for e in daemon.render(make.cornell(daemon.folder), spp=1).report["effects"]}
         self.assertEqual(state["caustics"], "absent")
-        dark = daemon.render(make.cornell_glass(folder.name), spp=1, arguments=["--effects", "-emitters", "--background", "1,1,1"])
+        dark = daemon.render(make.cornell_glass(daemon.folder), spp=1, arguments=["--effects", "-emitters", "--background", "1,1,1"])
         self.assertEqual({e["name"]: e["state"] for e in dark.report["effects"]}["caustics"], "absent")
         self.assertNotIn("caustics", stages(dark))
 

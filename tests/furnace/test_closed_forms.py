@@ -1,6 +1,5 @@
 """Pictures whose every pixel is known beforehand. Nothing else about the path tracer is believed before these hold."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -9,16 +8,11 @@ import make
 from render import Daemon
 from writers import Gltf, icosphere, quad
 
+daemon = Daemon()
+
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def smooth_sphere():
@@ -27,7 +21,7 @@ def smooth_sphere():
     positions, triangles = icosphere(1)
     g.node(mesh=g.mesh(positions, triangles, g.material("white", (1, 1, 1)), normals=positions))
     g.camera((0, 0, 4), (0, 0, 0), 40)
-    return g.save(folder.name, "smooth.gltf")
+    return g.save(daemon.folder, "smooth.gltf")
 
 
 def worst(picture, expected):
@@ -37,7 +31,7 @@ def worst(picture, expected):
 
 class Furnace(unittest.TestCase):
     def test_convex_body_vanishes_in_a_white_world(self):
-        picture = daemon.render(make.furnace(folder.name), spp=64, arguments=["--background", "1,1,1"])
+        picture = daemon.render(make.furnace(daemon.folder), spp=64, arguments=["--background", "1,1,1"])
         self.assertLess(worst(picture, 1.0), 0.005)
 
     def test_smooth_normals_lose_no_energy(self):
@@ -46,7 +40,7 @@ class Furnace(unittest.TestCase):
         self.assertLess(worst(picture, 1.0), 0.005)
 
     def test_grey_body_reflects_its_albedo(self):
-        picture = daemon.render(make.furnace(folder.name, albedo=0.25, name="grey.gltf"), spp=16,
+        picture = daemon.render(make.furnace(daemon.folder, albedo=0.25, name="grey.gltf"), spp=16,
                                 arguments=["--background", "2,2,2"])
         middle = picture.radiance[28:36, 28:36]
         self.assertLess(float(numpy.abs(middle / 0.5 - 1).max()), 0.005)
@@ -56,7 +50,7 @@ class ClosedSphere(unittest.TestCase):
     """Albedo rho, inward emission 1 - rho: radiance 1, and 1 - rho^(N+1) after N scattering events."""
 
     def check(self, rho, depth, spp, tolerance):
-        scene = make.closed_sphere(folder.name, rho=rho)
+        scene = make.closed_sphere(daemon.folder, rho=rho)
         picture = daemon.render(scene, size=(32, 32), spp=spp, options={"pt.depth": depth})
         expected = 1 - rho ** (depth + 1)
         mean = float(picture.radiance.mean(dtype=numpy.float64))
@@ -94,21 +88,21 @@ class Irradiance(unittest.TestCase):
         a = 0.5 / math.sqrt(1.25)
         expected = 4 * a * math.atan(a)
         self.assertLess(abs(expected - 0.75227), 1e-5)
-        self.check(make.lamp_over_floor(folder.name), expected)
+        self.check(make.lamp_over_floor(daemon.folder), expected)
 
     def test_disc_lamp(self):
-        self.check(make.disc_lamp(folder.name), math.pi / 5)
+        self.check(make.disc_lamp(daemon.folder), math.pi / 5)
 
     def test_point_light(self):
         # Intensity I at height 2, straight above: E = I / 4.
-        self.check(make.lit_floor(folder.name, "point", 3.0), 0.75)
+        self.check(make.lit_floor(daemon.folder, "point", 3.0), 0.75)
 
     def test_spot_light(self):
         # On its axis a spot is a point light.
-        self.check(make.lit_floor(folder.name, "spot", 3.0), 0.75)
+        self.check(make.lit_floor(daemon.folder, "spot", 3.0), 0.75)
 
     def test_directional_light(self):
-        self.check(make.lit_floor(folder.name, "directional", 3.0), 3.0)
+        self.check(make.lit_floor(daemon.folder, "directional", 3.0), 3.0)
 
 
 class Superposition(unittest.TestCase):
@@ -121,7 +115,7 @@ class Superposition(unittest.TestCase):
         g.light("point", 4.0, (2, 2, 2), colour=(0.2, 0.4, 1))
         g.light("directional", 0.5, (0, 5, 0), (1, 0, 0))
         g.camera((0, 1, 6), (0, 0, 0), 40)
-        scene = g.save(folder.name, "both.gltf")
+        scene = g.save(daemon.folder, "both.gltf")
         both, lamp, light = (daemon.render(scene, spp=256, arguments=["--effects", effects]).radiance.astype(numpy.float64)
                              for effects in ("auto", "-lights", "-emitters"))
         for c in range(3):
@@ -132,13 +126,13 @@ class Superposition(unittest.TestCase):
 
 class Exact(unittest.TestCase):
     def test_no_light_is_black(self):
-        picture = daemon.render(make.unlit(folder.name), spp=8)
+        picture = daemon.render(make.unlit(daemon.folder), spp=8)
         self.assertEqual(float(picture.radiance.max()), 0.0)
         self.assertEqual(float(picture.radiance.min()), 0.0)
 
     def test_doubled_emission_doubles_every_pixel(self):
-        once = daemon.render(make.cornell(folder.name, radiance=15.0, name="once.gltf"), spp=8)
-        twice = daemon.render(make.cornell(folder.name, radiance=30.0, name="twice.gltf"), spp=8)
+        once = daemon.render(make.cornell(daemon.folder, radiance=15.0, name="once.gltf"), spp=8)
+        twice = daemon.render(make.cornell(daemon.folder, radiance=30.0, name="twice.gltf"), spp=8)
         self.assertGreater(float(once.radiance.max()), 0.0)
         self.assertTrue(numpy.array_equal(twice.radiance, 2 * once.radiance))
 
@@ -146,13 +140,13 @@ class Exact(unittest.TestCase):
         for scale in (1e-3, 1.0, 1e3):
             for rotated in (0.0, 30.0):
                 with self.subTest(scale=scale, rotated=rotated):
-                    scene = make.sealed_room(folder.name, scale=scale, rotated=rotated,
+                    scene = make.sealed_room(daemon.folder, scale=scale, rotated=rotated,
                                              name=f"sealed_{scale}_{rotated}.gltf")
                     picture = daemon.render(scene, size=(64, 64), spp=64)
                     self.assertEqual(float(picture.radiance.max()), 0.0)
 
     def test_nothing_is_not_finite(self):
-        for scene in (make.cornell(folder.name), make.closed_sphere(folder.name), make.lamp_over_floor(folder.name)):
+        for scene in (make.cornell(daemon.folder), make.closed_sphere(daemon.folder), make.lamp_over_floor(daemon.folder)):
             picture = daemon.render(scene, spp=8)
             self.assertTrue(bool(numpy.isfinite(picture.radiance).all()))
             self.assertEqual(picture.report["non_finite_samples"], 0)

@@ -1,6 +1,5 @@
 """Glass against closed forms: Fresnel's equations, a white world that stays white, what an inside takes away."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -9,18 +8,12 @@ import make
 from render import Daemon
 from writers import Gltf, box, icosphere, quad
 
+daemon = Daemon()
 WHITE = ["--background", "1,1,1"]
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def glass(g, name="glass", ior=1.5, roughness=0.0, tint=(1, 1, 1), solid=True, inside=None, **more):
@@ -52,7 +45,7 @@ def over_black(degrees, spp=256, **material):
     g.place(*quad((-50, -.01, 50), (50, -.01, 50), (50, -.01, -50), (-50, -.01, -50)), g.material("black", (0, 0, 0)))
     a = math.radians(degrees)
     camera = (0, 5 * math.cos(a), 5 * math.sin(a), 0, 0, 0, 0, 1, -.1, 0.002)
-    return float(mean(daemon.render(g.save(folder.name, "over.gltf"), size=(8, 8), spp=spp, camera=camera, arguments=WHITE))[0])
+    return float(mean(daemon.render(g.save(daemon.folder, "over.gltf"), size=(8, 8), spp=spp, camera=camera, arguments=WHITE))[0])
 
 
 def inside(degrees, n, spp=256):
@@ -62,7 +55,7 @@ def inside(degrees, n, spp=256):
     g.place(*quad((-50, -1, 50), (50, -1, 50), (50, -1, -50), (-50, -1, -50)), g.material("black", (0, 0, 0)))
     a = math.radians(degrees)
     camera = (0, -.5 * math.cos(a), -.5 * math.sin(a), 0, 0, 0, 0, 1, .1, 0.002)
-    return float(mean(daemon.render(g.save(folder.name, "inside.gltf"), size=(8, 8), spp=spp, camera=camera, arguments=WHITE))[0])
+    return float(mean(daemon.render(g.save(daemon.folder, "inside.gltf"), size=(8, 8), spp=spp, camera=camera, arguments=WHITE))[0])
 
 
 class Fresnel(unittest.TestCase):
@@ -97,7 +90,7 @@ def slab(g, material, top=0.0, thickness=0.5, side=50.0):
 
 def straight_down(g, spp=512, **more):
     camera = (0, 5, 0, 0, 0, 0, 0, 0, -1, 0.002)
-    return mean(daemon.render(g.save(folder.name, "down.gltf"), size=(8, 8), spp=spp, camera=camera, arguments=WHITE, **more))
+    return mean(daemon.render(g.save(daemon.folder, "down.gltf"), size=(8, 8), spp=spp, camera=camera, arguments=WHITE, **more))
 
 
 class Inside(unittest.TestCase):
@@ -126,7 +119,7 @@ class Inside(unittest.TestCase):
             if ball:
                 positions, triangles = icosphere(2)
                 g.place(positions, triangles, glass(g, ior=1.0, roughness=0.5), translation=[0, 1.5, 0])
-            return daemon.render(g.save(folder.name, "room.gltf"), spp=1, camera=(0, 6, 6, 0, 1, 0, 0, 1, 0, 40)).radiance
+            return daemon.render(g.save(daemon.folder, "room.gltf"), spp=1, camera=(0, 6, 6, 0, 1, 0, 0, 1, 0, 40)).radiance
         with_ball, without = room(True), room(False)
         # But for the edges of the mat, which a rounded direction may miss by a hair.
         self.assertLess(float((numpy.abs(with_ball - without).max(axis=2) > 1e-5).mean()), 0.002)
@@ -142,26 +135,26 @@ class Inside(unittest.TestCase):
             if ior:
                 positions, triangles = icosphere(3)
                 g.node(mesh=g.mesh(positions, triangles, glass(g, "ball", ior=ior), normals=positions), translation=[0, -1.5, 0])
-            return daemon.render(g.save(folder.name, "nested.gltf"), spp=64, options={"pt.depth": 12},
+            return daemon.render(g.save(daemon.folder, "nested.gltf"), spp=64, options={"pt.depth": 12},
                                  camera=(0, 6, 1, 0, -1.5, 0, 0, 1, 0, 30)).radiance
         without, same, air = render(0), render(1.5), render(1.0)
         self.assertLess(float(numpy.abs(same - without).mean()), 0.01)
         self.assertGreater(float(numpy.abs(air - without).mean()), 0.03)
 
     def test_scales_give_the_same_picture(self):
-        pictures = [daemon.render(make.cornell_glass(folder.name, scale), spp=8).radiance for scale in (1, 1e-3, 1e3)]
+        pictures = [daemon.render(make.cornell_glass(daemon.folder, scale), spp=8).radiance for scale in (1, 1e-3, 1e3)]
         for picture in pictures[1:]:
             changed = numpy.abs(picture - pictures[0]).max(axis=2) > 1e-3 * (0.01 + pictures[0].max(axis=2))
             self.assertLess(float(changed.mean()), 0.06)
             self.assertLess(abs(float(picture.mean() / pictures[0].mean()) - 1), 0.01)
 
     def test_paths_go_on_in_the_next_dispatch(self):
-        scene = make.cornell_glass(folder.name)
+        scene = make.cornell_glass(daemon.folder)
         whole, cut = (daemon.render(scene, spp=4, options={"pt.segment": n}).radiance for n in (9, 2))
         self.assertTrue(numpy.array_equal(whole, cut))
 
     def test_both_walks_see_the_same(self):
-        scene = make.cornell_glass(folder.name)
+        scene = make.cornell_glass(daemon.folder)
         single, packet = (daemon.render(scene, spp=4, options={"pt.traversal": t}).radiance for t in ("single", "packet"))
         self.assertTrue(numpy.array_equal(single, packet))
 
@@ -178,7 +171,7 @@ class LampBehindGlass(unittest.TestCase):
                 positions, triangles = icosphere(2, radius=8, inward=True)
                 if lamp:
                     g.place(positions, triangles, g.material("sky", (0, 0, 0), (1, 1, 1)))
-                picture = daemon.render(g.save(folder.name, "sky.gltf"), size=(8, 8), spp=1024, arguments=WHITE,
+                picture = daemon.render(g.save(daemon.folder, "sky.gltf"), size=(8, 8), spp=1024, arguments=WHITE,
                                         camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 0.5), options={"pt.depth": 1})
                 values.append(float(mean(picture)[0]))
             print(f"solid {solid}, roughness {roughness}, index {ior}: {values[0]:.4f} without, {values[1]:.4f} with a lamp")
@@ -190,7 +183,7 @@ class WhiteFurnace(unittest.TestCase):
         g = Gltf()
         positions, triangles = icosphere(4)
         g.node(mesh=g.mesh(positions, triangles, glass(g, **material), normals=positions if normals else None))
-        return mean(daemon.render(g.save(folder.name, "ball.gltf"), size=(16, 16), spp=spp, camera=camera,
+        return mean(daemon.render(g.save(daemon.folder, "ball.gltf"), size=(16, 16), spp=spp, camera=camera,
                                   options={"pt.depth": depth}, arguments=WHITE))
 
     def test_smooth_balls(self):
@@ -211,7 +204,7 @@ class WhiteFurnace(unittest.TestCase):
                 g.place(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), glass(g, roughness=roughness, solid=False))
                 a = math.radians(angle)
                 camera = (0, 5 * math.cos(a), 5 * math.sin(a), 0, 0, 0, 0, 1, -.1, 0.002)
-                value = mean(daemon.render(g.save(folder.name, "thin.gltf"), size=(8, 8), spp=256, camera=camera, arguments=WHITE))
+                value = mean(daemon.render(g.save(daemon.folder, "thin.gltf"), size=(8, 8), spp=256, camera=camera, arguments=WHITE))
                 self.assertLess(float(numpy.abs(value - 1).max()), 0.01, f"roughness {roughness}, {angle} degrees: {value}")
 
     def test_a_camera_inside_sees_more(self):

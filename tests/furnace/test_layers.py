@@ -1,6 +1,5 @@
 """Clear coats and Oren and Nayar's diffuse part, where their light is known in closed form."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -8,16 +7,11 @@ import numpy
 from render import Daemon
 from writers import Gltf, quad
 
+daemon = Daemon()
+
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def plate(sun=None, **material):
@@ -25,7 +19,7 @@ def plate(sun=None, **material):
     g.place(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), g.material("plate", **material))
     if sun is not None:
         g.light("directional", math.pi, target=sun, up=(1, 0, 0))
-    return g.save(folder.name, "plate.gltf")
+    return g.save(daemon.folder, "plate.gltf")
 
 
 def at_angle(scene, degrees, spp=256, background=1, **more):

@@ -1,6 +1,5 @@
 """The microfacet BSDF in a white world, where it may neither lose light nor make any."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -8,25 +7,19 @@ import numpy
 from render import Daemon
 from writers import Gltf, icosphere, quad
 
+daemon = Daemon()
 ROUGHNESSES = (0.0, 0.02, 0.1, 0.25, 0.5, 0.75, 1.0)
 ANGLES = (0, 30, 60, 75, 85, 89, 89.9)
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def plate(**material):
     g = Gltf()
     g.place(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), g.material("plate", **material))
-    return g.save(folder.name, "plate.gltf")
+    return g.save(daemon.folder, "plate.gltf")
 
 
 def at_angle(scene, degrees, spp=512):
@@ -76,7 +69,7 @@ class WhiteFurnace(unittest.TestCase):
             g.node(mesh=g.mesh(positions, triangles, g.material("metal", (1, 1, 1), metallic=1, roughness=roughness, specular=1),
                                normals=positions))
             g.camera((0, 0, 4), (0, 0, 0), 40)
-            picture = daemon.render(g.save(folder.name, "sphere.gltf"), spp=64, arguments=["--background", "1,1,1"])
+            picture = daemon.render(g.save(daemon.folder, "sphere.gltf"), spp=64, arguments=["--background", "1,1,1"])
             self.assertLess(abs(float(picture.radiance.mean(dtype=numpy.float64)) - 1), 0.003)
 
 
@@ -86,7 +79,7 @@ class Mirror(unittest.TestCase):
         g = Gltf()
         g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("mirror", (0.5, 0.25, 1), metallic=1, roughness=0, specular=1))
         g.place(*quad((-1, 3, -1), (1, 3, -1), (1, 3, 1), (-1, 3, 1)), g.material("lamp", (0, 0, 0), (4, 4, 4)))
-        scene = g.save(folder.name, "mirror.gltf")
+        scene = g.save(daemon.folder, "mirror.gltf")
         # Straight down beside the lamp's edge would miss it: at an angle, the mirrored view meets the lamp's middle.
         picture = daemon.render(scene, size=(4, 4), spp=16, camera=(0, 0.5, 0.5, 0, 0, 0.4, 0, 1, 0, 0.5))
         expected = numpy.array([0.5, 0.25, 1.0])
@@ -105,7 +98,7 @@ class LampOnGloss(unittest.TestCase):
             g.place(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), g.material("plate", (1, 1, 1), metallic=1, roughness=roughness, specular=1))
             positions, triangles = icosphere(2, radius=8, inward=True)
             g.place(positions, triangles, g.material("sky", (0, 0, 0), (1, 1, 1)))
-            scene = g.save(folder.name, "sky.gltf")
+            scene = g.save(daemon.folder, "sky.gltf")
             picture = daemon.render(scene, size=(8, 8), spp=1024, camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 0.5), options={"pt.depth": 1})
             value = float(picture.radiance.mean(dtype=numpy.float64))
             self.assertLess(abs(value - 1), 0.01, f"roughness {roughness}")

@@ -1,6 +1,5 @@
 """The ways of sampling that can be chosen to be compared: each gives the same picture in the mean, none the same bits; and what
 a clamp takes away is told."""
-import tempfile
 import unittest
 
 import numpy
@@ -9,20 +8,14 @@ import make
 from images import blurred, luminance, relmse
 from render import Daemon, Failed
 
+daemon = Daemon()
 SIZE = (48, 48)
 WAYS = (("pt.sampler", "independent", 0.02), ("pt.sampler", "blue", 0.02), ("pt.hemisphere", "uniform", 0.02), ("pt.lights", "nee", 0.02),
         ("pt.lights", "none", 0.08), ("pt.roulette", "off", 0.02), ("pt.light_tree", "on", 0.02))
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def mean(picture):
@@ -31,7 +24,7 @@ def mean(picture):
 
 class Ways(unittest.TestCase):
     def test_the_same_light_by_other_samples(self):
-        path = make.cornell(folder.name)
+        path = make.cornell(daemon.folder)
         usual = daemon.render(path, SIZE, 64)
         self.assertEqual(usual.radiance.tobytes(), daemon.render(path, SIZE, 64, options={
             "pt.sampler": "sobol", "pt.hemisphere": "cosine", "pt.lights": "mis", "pt.roulette": "on",
@@ -45,7 +38,7 @@ class Ways(unittest.TestCase):
 
     def test_a_tree_over_the_lamps(self):
         """It changes which lamps are asked, not what they send: the same picture with less noise, lamps met by chance included."""
-        path = make.many_lamps(folder.name, 12)
+        path = make.many_lamps(daemon.folder, 12)
         reference = daemon.render(path, SIZE, 512, options={"pt.light_tree": "off"}, arguments=["--seed", "9"]).radiance
         errors, means = {}, {}
         for tree in ("off", "on", "auto"):
@@ -57,13 +50,13 @@ class Ways(unittest.TestCase):
         self.assertLess(errors["on"], 0.7 * errors["off"])
         # Both see the same lamps by the same samples, and they are the most of the mean.
         self.assertAlmostEqual(means["on"] / means["off"], 1, delta=0.005)
-        few = make.cornell(folder.name)
+        few = make.cornell(daemon.folder)
         self.assertEqual(daemon.render(few, SIZE, 4).radiance.tobytes(),
                          daemon.render(few, SIZE, 4, options={"pt.light_tree": "off"}).radiance.tobytes())
 
     def test_neighbours_errors_cancel(self):
         """By `blue` a pixel is as wrong as by `sobol`, and what a filter leaves of the error is less."""
-        path = make.cornell(folder.name)
+        path = make.cornell(daemon.folder)
         reference = daemon.render(path, SIZE, 512, arguments=["--seed", "9"]).radiance.astype(numpy.float64)
         inner = slice(4, -4)
         errors = {}
@@ -78,7 +71,7 @@ class Ways(unittest.TestCase):
 
     def test_closed_sphere(self):
         # Radiance 1 by the series, cut after eight events at 1 - 2^-9.
-        path = make.closed_sphere(folder.name, rho=0.5)
+        path = make.closed_sphere(daemon.folder, rho=0.5)
         for name, value, _ in WAYS:
             picture = daemon.render(path, (32, 32), 64, options={name: value})
             self.assertLess(abs(mean(picture) / (1 - 0.5 ** 9) - 1), 0.01, (name, value))
@@ -86,13 +79,13 @@ class Ways(unittest.TestCase):
     def test_unknown_words(self):
         for name, value in (("pt.sampler", "halton"), ("pt.lights", "all"), ("pt.clamp", "-1"), ("pt.clamp", "nan")):
             with self.assertRaises(Failed) as failure:
-                daemon.render(make.furnace(folder.name), (8, 8), 1, options={name: value})
+                daemon.render(make.furnace(daemon.folder), (8, 8), 1, options={name: value})
             self.assertEqual(failure.exception.status, 2)
 
 
 class Clamp(unittest.TestCase):
     def test_what_it_takes_is_told(self):
-        path = make.cornell(folder.name)
+        path = make.cornell(daemon.folder)
         for segment in ("9", "2"):
             whole = daemon.render(path, SIZE, 24, options={"pt.segment": segment})
             cut = daemon.render(path, SIZE, 24, options={"pt.segment": segment, "pt.clamp": "1"})
@@ -106,12 +99,12 @@ class Clamp(unittest.TestCase):
             self.assertGreater(figures["clamp.samples"], 0)
 
     def test_the_summary_says_it(self):
-        command = ["render", make.cornell(folder.name), "-o", folder.name + "/clamped.png", "--size", "16x16", "--spp", "4"]
+        command = ["render", make.cornell(daemon.folder), "-o", daemon.folder + "/clamped.png", "--size", "16x16", "--spp", "4"]
         self.assertNotIn("clamped  ", daemon.candil(*command)[1])
         self.assertRegex(daemon.candil(*command, "--set", "pt.clamp=1")[1], r"clamped    [1-9][0-9.]* % of the light")
 
     def test_what_is_dim_stays(self):
-        path = make.cornell(folder.name)
+        path = make.cornell(daemon.folder)
         whole, kept = (daemon.render(path, (16, 16), 8, options=o) for o in ({}, {"pt.clamp": "1e6"}))
         self.assertEqual(whole.radiance.tobytes(), kept.radiance.tobytes())
         self.assertEqual([f["value"] for f in kept.report["figures"]], [0, 0, 0])

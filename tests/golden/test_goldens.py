@@ -9,7 +9,6 @@ render: each is compared at a few samples by its mean, and by relMSE against wha
 import os
 import shutil
 import sys
-import tempfile
 import unittest
 
 import numpy
@@ -61,13 +60,13 @@ GALLERY = {
 }
 
 
-def render(daemon, folder, name, spp):
+def render(daemon, name, spp):
     scene, arguments, _ = CASES[name]
-    return daemon.render(scene(folder), size=SIZE, spp=spp, arguments=arguments)
+    return daemon.render(scene(daemon.folder), size=SIZE, spp=spp, arguments=arguments)
 
 
-def render_gallery(daemon, folder, name, spp, *more):
-    return daemon.render(gallery.SCENES[name](folder), size=GALLERY_SIZE, spp=spp, arguments=[*gallery.arguments(name), *more])
+def render_gallery(daemon, name, spp, *more):
+    return daemon.render(gallery.SCENES[name](daemon.folder), size=GALLERY_SIZE, spp=spp, arguments=[*gallery.arguments(name), *more])
 
 
 def relmse(picture, reference):
@@ -77,11 +76,11 @@ def relmse(picture, reference):
 
 class Goldens(unittest.TestCase):
     def test_all(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+        with Daemon() as daemon:
             for name, (_, _, tolerance) in CASES.items():
                 with self.subTest(scene=name):
                     golden = Picture(os.path.join(FOLDER, name + ".exr"), None)
-                    picture = render(daemon, folder, name, SPP)
+                    picture = render(daemon, name, SPP)
                     error = relmse(picture, golden)
                     mean = float(picture.radiance.mean(dtype=numpy.float64) / golden.radiance.mean(dtype=numpy.float64) - 1)
                     print(f"{name}: relMSE {error:.2e} (at most {tolerance:.0e}), mean {100 * mean:+.3f} %, estimated relMSE "
@@ -90,11 +89,11 @@ class Goldens(unittest.TestCase):
                     self.assertLess(abs(mean), 0.01)
 
     def test_the_gallery(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+        with Daemon() as daemon:
             for name in gallery.SCENES:
                 with self.subTest(scene=name):
                     golden = Picture(os.path.join(FOLDER, "gallery", name + ".exr"), None)
-                    picture = render_gallery(daemon, folder, name, SPP)
+                    picture = render_gallery(daemon, name, SPP)
                     error = relmse(picture, golden)
                     mean = float(picture.radiance.mean(dtype=numpy.float64) / golden.radiance.mean(dtype=numpy.float64) - 1)
                     print(f"{name}: relMSE {error:.2e}, mean {100 * mean:+.3f} %")
@@ -105,9 +104,9 @@ class Goldens(unittest.TestCase):
 
     def test_the_error_is_known(self):
         """What the two half sequences estimate is what the golden says, within a factor of 1.5, averaged over seeds."""
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+        with Daemon() as daemon:
             golden = Picture(os.path.join(FOLDER, "cornell.exr"), None)
-            scene = make.cornell(folder)
+            scene = make.cornell(daemon.folder)
             estimated = actual = 0
             for seed in range(4):
                 picture = daemon.render(scene, size=SIZE, spp=32, arguments=["--seed", str(seed)])
@@ -120,11 +119,11 @@ class Goldens(unittest.TestCase):
 
 def update(names):
     os.makedirs(FOLDER, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+    with Daemon() as daemon:
         for name in names or CASES:
             scene, arguments, _ = CASES[name]
-            path = os.path.join(folder, name + ".exr")
-            daemon.candil("render", scene(folder), "-o", path, "--half", "--size", "%dx%d" % SIZE, "--spp", str(GOLDEN_SPP),
+            path = os.path.join(daemon.folder, name + ".exr")
+            daemon.candil("render", scene(daemon.folder), "-o", path, "--half", "--size", "%dx%d" % SIZE, "--spp", str(GOLDEN_SPP),
                           "--seed", "1000", *arguments)
             shutil.copy(path, FOLDER)
             print("wrote", name)
@@ -133,10 +132,10 @@ def update(names):
 def update_gallery(names):
     target = os.path.join(FOLDER, "gallery")
     os.makedirs(target, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
+    with Daemon() as daemon:
         for name in names or gallery.SCENES:
-            path = os.path.join(folder, name + ".exr")
-            daemon.candil("render", gallery.SCENES[name](folder), "-o", path, "--half", "--size", "%dx%d" % GALLERY_SIZE, "--spp",
+            path = os.path.join(daemon.folder, name + ".exr")
+            daemon.candil("render", gallery.SCENES[name](daemon.folder), "-o", path, "--half", "--size", "%dx%d" % GALLERY_SIZE, "--spp",
                           str(GALLERY_SPP), "--seed", "1000", *gallery.arguments(name))
             shutil.copy(path, target)
             print("wrote", name)

@@ -4,9 +4,8 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 
-from render import BUILD, CANDIL, Daemon
+from render import CANDIL, Daemon
 
 folder = os.path.join(os.environ["CANDIL_SCENES"], "ref-cornell-box")
 with open(os.path.join(folder, "camera.json")) as f:
@@ -20,8 +19,8 @@ def compare(picture, *arguments):
     return json.loads(done.stdout)
 
 
-with tempfile.TemporaryDirectory(prefix="candil-") as out, Daemon() as daemon:
-    picture = os.path.join(out, "picture.exr")
+with Daemon() as daemon:
+    picture = os.path.join(daemon.folder, "picture.exr")
     daemon.candil("render", os.path.join(folder, "cornell-box.gltf"), "-o", picture, "--size", "256x256", "--spp", "256",
                   "--camera", ",".join(map(str, camera)), "--set", "pt.depth=65")
     whole = compare(picture)

@@ -3,7 +3,6 @@ with the same bits, whatever the slices are."""
 import hashlib
 import json
 import os
-import tempfile
 import unittest
 
 import numpy
@@ -12,19 +11,13 @@ import make
 from images import relmse
 from render import Daemon
 
+daemon = Daemon()
 SIZE = (48, 48)
 FIXED = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512}
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def estimate(picture):
@@ -33,8 +26,8 @@ def estimate(picture):
 
 class Estimate(unittest.TestCase):
     def test_it_is_near_the_true_one(self):
-        for path, more in ((make.cornell(folder.name), []), (make.stage(folder.name), []),
-                           (make.ggx_furnace(folder.name, roughness=0.4), ["--background", "1,1,1"])):
+        for path, more in ((make.cornell(daemon.folder), []), (make.stage(daemon.folder), []),
+                           (make.ggx_furnace(daemon.folder, roughness=0.4), ["--background", "1,1,1"])):
             reference = daemon.render(path, SIZE, 512, arguments=[*more, "--seed", "99"]).radiance.astype(numpy.float64)
             for spp in (4, 16, 31):
                 picture = daemon.render(path, SIZE, spp, arguments=more)
@@ -44,13 +37,13 @@ class Estimate(unittest.TestCase):
                 self.assertLess(max(ratio, 1 / ratio), 1.5)
 
     def test_it_falls_as_one_over_the_samples(self):
-        path = make.cornell(folder.name)
+        path = make.cornell(daemon.folder)
         few, many = (estimate(daemon.render(path, SIZE, spp)) for spp in (8, 128))
         print(f"8 samples: {few:.2e}, 128: {many:.2e}, sixteen times less would be {few / 16:.2e}")
         self.assertLess(abs(numpy.log2(few / many) - 4), 1)
 
     def test_one_sample_tells_nothing_and_a_flat_field_has_none(self):
-        path = make.furnace(folder.name)
+        path = make.furnace(daemon.folder)
         report = daemon.render(path, SIZE, 1, arguments=["--background", "1,1,1"]).report
         self.assertIsNone(report["estimated_relmse"])
         flat = ["--background", "1,1,1", "--camera", "0,0,4,0,0,8,0,1,0,40", "--error", "1e-9"]
@@ -60,7 +53,7 @@ class Estimate(unittest.TestCase):
 
 class Target(unittest.TestCase):
     def test_the_same_sample_and_the_same_bits(self):
-        path = make.cornell(folder.name)
+        path = make.cornell(daemon.folder)
         ends = set()
         for milliseconds in (1, 50):
             with Daemon("--slice", str(milliseconds)) as other:
@@ -81,9 +74,9 @@ class Target(unittest.TestCase):
 
 class Deadline(unittest.TestCase):
     def test_exit_status_and_picture(self):
-        path = make.cornell(folder.name)
+        path = make.cornell(daemon.folder)
         daemon.render(path, SIZE, 1)  # whatever is compiled at first use
-        output = os.path.join(folder.name, "late.exr")
+        output = os.path.join(daemon.folder, "late.exr")
         status, out, _ = daemon.candil("render", path, "-o", output, "--size", "48x48", "--time", "400", "--json", check=False)
         report = json.loads(out)
         self.assertEqual((status, report["reason"]), (7, "time"))

@@ -1,7 +1,6 @@
 """Lamps and lights where they are hard: in one plane with a wall, touching what they light, next to nothing in size, fourteen
 decades apart in radiance, at any scale and place, without area or without a number."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -10,18 +9,12 @@ from images import relmse
 from render import Daemon, Failed
 from writers import Gltf, box, quad
 
+daemon = Daemon()
 SCALES = (1e-3, 1e3, 1e6)
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def floor(g, half, y=0.0, albedo=0.5):
@@ -53,7 +46,7 @@ def irradiance(g, at, name, spp=1024, eye=None, albedo=0.5, **more):
     x, y, z = at
     eye = eye or (x, y + 0.5, z)
     camera = (*eye, *at, 0, 0, -1, 0.01) if eye[0] == x and eye[2] == z else (*eye, *at, 0, 1, 0, 0.01)
-    picture = daemon.render(g.save(folder.name, name), size=(8, 8), spp=spp, camera=camera, options={"pt.depth": 1, **more})
+    picture = daemon.render(g.save(daemon.folder, name), size=(8, 8), spp=spp, camera=camera, options={"pt.depth": 1, **more})
     assert picture.report["non_finite_samples"] == 0
     return float(picture.radiance.mean(dtype=numpy.float64)) * math.pi / albedo
 
@@ -98,7 +91,7 @@ class Near(unittest.TestCase):
         g = Gltf()
         floor(g, 1e4, albedo=1.0)
         a = math.radians(0.1)
-        picture = daemon.render(g.save(folder.name, "grazing.gltf"), size=(8, 8), spp=16, arguments=["--background", "1,1,1"],
+        picture = daemon.render(g.save(daemon.folder, "grazing.gltf"), size=(8, 8), spp=16, arguments=["--background", "1,1,1"],
                                 camera=(0, math.sin(a), math.cos(a), 0, 0, 0, 0, 1, 0, 0.01))
         self.assertLess(float(numpy.abs(picture.radiance - 1).max()), 1e-5)
 
@@ -124,14 +117,14 @@ class Anywhere(unittest.TestCase):
     def setUpClass(cls):
         g = Gltf()
         camera = lit_room(g, 1.0)
-        cls.usual = daemon.render(g.save(folder.name, "room.gltf"), size=(48, 48), spp=64, camera=camera).radiance
+        cls.usual = daemon.render(g.save(daemon.folder, "room.gltf"), size=(48, 48), spp=64, camera=camera).radiance
 
     def test_scales(self):
         for s in SCALES:
             with self.subTest(scale=s):
                 g = Gltf()
                 camera = lit_room(g, s)
-                picture = daemon.render(g.save(folder.name, "scaled.gltf"), size=(48, 48), spp=64, camera=camera)
+                picture = daemon.render(g.save(daemon.folder, "scaled.gltf"), size=(48, 48), spp=64, camera=camera)
                 error = relmse(picture.radiance, self.usual)
                 print(f"scale {s:g}: relMSE {error:.1e}")
                 self.assertLess(error, 2e-3)
@@ -140,7 +133,7 @@ class Anywhere(unittest.TestCase):
     def test_far_away_by_a_node(self):
         g = Gltf()
         camera = lit_room(g, 1.0, (1e5, 0.0, -1e5))
-        scene = g.save(folder.name, "far.gltf")
+        scene = g.save(daemon.folder, "far.gltf")
         # Lights and cameras are placed in double precision too: 1e5 m off, a float would be 8 mm coarse.
         picture = daemon.render(scene, size=(48, 48), spp=64, camera=camera)
         error = relmse(picture.radiance, self.usual)
@@ -155,7 +148,7 @@ class Range(unittest.TestCase):
             g = Gltf()
             for x, e in ((-3, 1e-6), (3, 1e8)):
                 g.place(*box((x - 1, -1, -1), (x + 1, 1, 1), inward=True), g.material("walls", (.5,) * 3, (e,) * 3))
-            picture = daemon.render(g.save(folder.name, "rooms.gltf"), size=(16, 16), spp=64, camera=(eye, 0, .5, eye, 0, -1, 0, 1, 0, 60),
+            picture = daemon.render(g.save(daemon.folder, "rooms.gltf"), size=(16, 16), spp=64, camera=(eye, 0, .5, eye, 0, -1, 0, 1, 0, 60),
                                     options={"pt.depth": 4})
             expected = emission * (1 - .5 ** 5) / .5
             self.assertAlmostEqual(float(picture.radiance.mean(dtype=numpy.float64)) / expected, 1, delta=0.01)
@@ -171,7 +164,7 @@ class Range(unittest.TestCase):
             triangles += [[c + len(positions) for c in corner] for corner in t]
             positions += p
         g.place(positions, triangles, sheet)
-        picture = daemon.render(g.save(folder.name, "sheets.gltf"), size=(32, 32), spp=64, camera=(0, 0, 3, 0, 0, 0, 0, 1, 0, 10),
+        picture = daemon.render(g.save(daemon.folder, "sheets.gltf"), size=(32, 32), spp=64, camera=(0, 0, 3, 0, 0, 0, 0, 1, 0, 10),
                                 arguments=["--background", "1,1,1"])
         # 65536 rays: a standard deviation of 0.0019.
         self.assertAlmostEqual(float(picture.radiance.mean(dtype=numpy.float64)), 0.999 ** 1000, delta=0.008)
@@ -185,7 +178,7 @@ class Odd(unittest.TestCase):
             g = Gltf()
             positions, triangles = quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5))
             g.node(mesh=g.mesh(positions, triangles, g.material("floor", (.5,) * 3), normals=[(0.6, .8 * up, 0)] * 4))
-            picture = daemon.render(g.save(folder.name, "away.gltf"), size=(8, 8), spp=256, camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 1),
+            picture = daemon.render(g.save(daemon.folder, "away.gltf"), size=(8, 8), spp=256, camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 1),
                                     arguments=["--background", "1,1,1"])
             values.append(float(picture.radiance.mean(dtype=numpy.float64)))
         for value in values:
@@ -207,14 +200,14 @@ class Odd(unittest.TestCase):
     def test_a_light_that_is_no_number_is_refused(self):
         g = Gltf()
         floor(g, 5)
-        scene = g.save(folder.name, "nan.gltf")
+        scene = g.save(daemon.folder, "nan.gltf")
         for intensity in ("nan", "inf", "-1"):
             with self.assertRaises(Failed, msg=intensity):
                 daemon.render(scene, size=(8, 8), camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 10), arguments=["--light", f"point:at=0,1,0,intensity={intensity}"])
         g.light("point", 1.0, (0, 1, 0))
         g.json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = float("nan")
         with self.assertRaises(Failed) as refused:
-            daemon.render(g.save(folder.name, "nan_light.gltf"), size=(8, 8), camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 10))
+            daemon.render(g.save(daemon.folder, "nan_light.gltf"), size=(8, 8), camera=(0, 2, 3, 0, 0, 0, 0, 1, 0, 10))
         self.assertIn("scene-invalid", refused.exception.text)
 
 

@@ -29,8 +29,8 @@ class Memory(unittest.TestCase):
 
     @unittest.skipIf(os.environ.get("CANDIL_SANITIZE") == "1", "AddressSanitizer keeps what was freed for a while")
     def test_peak_does_not_depend_on_the_number_of_samples(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
-            daemon.candil("load", make.cornell(folder), "--name", "box")
+        with Daemon() as daemon:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
             daemon.render("box", size=(64, 64), spp=8)
             pids = {"daemon": daemon.process.pid, "worker": daemon.stats()["worker_pid"]}
             peaks = []
@@ -46,8 +46,8 @@ class Memory(unittest.TestCase):
             self.assertGreater(large["worker"], few["worker"] + 4096)
 
     def test_what_a_job_takes_is_said_before_it_begins(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
-            daemon.candil("load", make.cornell(folder), "--name", "box")
+        with Daemon() as daemon:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
             few, many, large = (self.accepted(daemon, width=side, height=side, samples=samples).job_bytes
                                 for side, samples in ((64, 1), (64, 1 << 20), (512, 1)))
             self.assertEqual(few, many)
@@ -55,8 +55,8 @@ class Memory(unittest.TestCase):
             self.assertGreater(few, 64 * 64 * 12)
 
     def test_it_is_refused_before_it_begins(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon("--memory-budget", "16") as daemon:
-            daemon.candil("load", make.cornell(folder), "--name", "box")
+        with Daemon("--memory-budget", "16") as daemon:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
             before = daemon.render("box", size=(32, 32), spp=1)
             slices, held = daemon.stats()["slices"], daemon.stats()["device_bytes"]
             forget_peak(daemon.stats()["worker_pid"])

@@ -1,7 +1,6 @@
 """Where floats are short: lamps at the world's zero, very thin and very large triangles, pictures larger than one buffer, and
 more of a scene than a driver lets one loop visit."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -9,16 +8,11 @@ import numpy
 from render import Daemon
 from writers import Gltf, box, quad
 
+daemon = Daemon()
+
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def lamp(g, half, y, radiance, both_sides=False):
@@ -37,7 +31,7 @@ class LampAtZero(unittest.TestCase):
                 g.place(*quad((-s, -height, s), (s, -height, s), (s, -height, -s), (-s, -height, -s)), g.material("floor", (0.5,) * 3))
                 half = 0.5 * height
                 lamp(g, half, 0, 1.0)
-                scene = g.save(folder.name, f"floor_{height}.gltf")
+                scene = g.save(daemon.folder, f"floor_{height}.gltf")
                 camera = (0, -0.6 * height, 3 * height, 0, -height, 0, 0, 1, 0, 0.25)
                 picture = daemon.render(scene, size=(8, 8), spp=256, camera=camera, options={"pt.depth": 1})
                 a = 0.5 / math.sqrt(1.25)
@@ -51,7 +45,7 @@ class LampAtZero(unittest.TestCase):
             g = Gltf()
             g.place(*box((-2, y - 1.5, -2), (2, y + 1, 2), inward=True), g.material("walls", (0.7,) * 3))
             lamp(g, 0.2, y, 5.0)
-            scene = g.save(folder.name, f"room_{y}.gltf")
+            scene = g.save(daemon.folder, f"room_{y}.gltf")
             picture = daemon.render(scene, size=(32, 32), spp=64, camera=(1.8, y + 0.5, 1.8, 0, y - 1, 0, 0, 1, 0, 60))
             means.append(float(picture.radiance.mean(dtype=numpy.float64)))
         print("means by height:", means)
@@ -63,7 +57,7 @@ class LampAtZero(unittest.TestCase):
             x = 10.0 * up
             g.place(*quad((-x, y, 10), (x, y, 10), (x, y, -10), (-x, y, -10)), g.material("plate", (0.5,) * 3))
         lamp(g, 0.5, 0, 1.0, both_sides=True)
-        scene = g.save(folder.name, "two_sides.gltf")
+        scene = g.save(daemon.folder, "two_sides.gltf")
         for up in (1, -1):
             picture = daemon.render(scene, size=(8, 8), spp=256, camera=(0, 0.4 * up, 3, 0, up, 0, 0, 1, 0, 0.25),
                                     options={"pt.depth": 1})
@@ -79,7 +73,7 @@ class Thin(unittest.TestCase):
         texture = g.image(png(64, 1, lambda x, y: (x * 4, x * 4, x * 4)), magFilter=9728)
         g.node(mesh=g.mesh([[-5, 0, 100], [5, 0, 100], [5, 0.001, 100], [-5, 0.001, 100]], [(0, 1, 2), (0, 2, 3)],
                            g.material("ramp", texture=texture), uvs=[(0, 1), (1, 1), (1, 0), (0, 0)]))
-        scene = g.save(folder.name, "plank.gltf")
+        scene = g.save(daemon.folder, "plank.gltf")
         # A strip of the plank, seen from a metre: 0.8 mm high, 1.5 to 3.1 metres along. Texels are 0.156 m wide.
         seen = []
         for x in (-3.0, 0.05, 3.0):
@@ -99,7 +93,7 @@ class Thin(unittest.TestCase):
                 g = Gltf()
                 g.place(*quad((-size, 0, size), (size, 0, size), (size, 0, -size), (-size, 0, -size)), g.material("floor", (0.5,) * 3))
                 g.camera((0, size, 0.5 * size), (0, 0, 0), 30)
-                picture = daemon.render(g.save(folder.name, "large.gltf"), size=(16, 16), spp=16, arguments=["--background", "1,1,1"])
+                picture = daemon.render(g.save(daemon.folder, "large.gltf"), size=(16, 16), spp=16, arguments=["--background", "1,1,1"])
                 self.assertLess(float(numpy.abs(picture.radiance - 0.5).max()), 0.01)
 
     def test_ten_thousands_of_needles_are_drawn_or_refused_by_name(self):
@@ -112,7 +106,7 @@ class Thin(unittest.TestCase):
             triangles.append((3 * i, 3 * i + 1, 3 * i + 2))
         g.place(positions, triangles, g.material("needles", (0.5,) * 3))
         g.camera((0, 0, 20), (0, 0, 0), 20)
-        scene = g.save(folder.name, "needles.gltf")
+        scene = g.save(daemon.folder, "needles.gltf")
         whole = daemon.render(scene, size=(16, 16), spp=2, arguments=["--background", "1,1,1"])
         split = daemon.render(scene, size=(16, 16), spp=2, arguments=["--background", "1,1,1"], options={"pt.segment": 1})
         self.assertTrue(numpy.array_equal(whole.radiance, split.radiance))
@@ -123,7 +117,7 @@ class LargePictures(unittest.TestCase):
         """At 48 bytes a pixel 2,800,000 pixels fill what software devices bind: this one is cut into bands."""
         g = Gltf()
         g.place(*box((-1, -1, -1), (1, 1, 1)), g.material("box", (0.5,) * 3))
-        scene = g.save(folder.name, "box.gltf")
+        scene = g.save(daemon.folder, "box.gltf")
         camera = (3, 2, 4, 0, 0, 0, 0, 1, 0, 40)
         size = (2000, 1701)
         picture = daemon.render(scene, size=size, spp=1, camera=camera, arguments=["--background", "1,1,1", "--aov", "depth,id"])

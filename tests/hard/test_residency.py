@@ -1,8 +1,5 @@
 """More scenes than the memory budget holds: the least recently used leaves the device, and comes back when it is asked for."""
-import tempfile
 import unittest
-
-import numpy
 
 import make
 from render import Daemon, Failed
@@ -22,55 +19,50 @@ def textured(folder, name, shade):
 
 class Residency(unittest.TestCase):
     def test_least_recently_used_makes_room(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
-            scenes = {name: textured(folder, name + ".gltf", shade) for name, shade in (("a", 60), ("b", 120), ("c", 240))}
-            with Daemon("--memory-budget", "40") as daemon:
-                for name, path in scenes.items():
-                    daemon.candil("load", path, "--name", name)
-                seen = {}
-                # Two fit: every third render has to push one out.
-                for name in "abcacbabc":
-                    picture = daemon.render(name, size=(32, 32), spp=2, arguments=["--background", "1,1,1"])
-                    seen.setdefault(name, set()).add(picture.radiance.tobytes())
-                    self.assertLessEqual(daemon.stats()["device_bytes"], 40 << 20)
-                self.assertEqual([len(s) for s in seen.values()], [1, 1, 1])
-                self.assertEqual(daemon.stats()["loader_starts"], 3)
+        with Daemon("--memory-budget", "40") as daemon:
+            for name, shade in (("a", 60), ("b", 120), ("c", 240)):
+                daemon.candil("load", textured(daemon.folder, name + ".gltf", shade), "--name", name)
+            seen = {}
+            # Two fit: every third render has to push one out.
+            for name in "abcacbabc":
+                picture = daemon.render(name, size=(32, 32), spp=2, arguments=["--background", "1,1,1"])
+                seen.setdefault(name, set()).add(picture.radiance.tobytes())
+                self.assertLessEqual(daemon.stats()["device_bytes"], 40 << 20)
+            self.assertEqual([len(s) for s in seen.values()], [1, 1, 1])
+            self.assertEqual(daemon.stats()["loader_starts"], 3)
 
     def test_what_cannot_fit_is_refused_and_the_rest_goes_on(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
-            large = textured(folder, "large.gltf", 9)
-            with Daemon("--memory-budget", "8") as daemon:
-                with self.assertRaises(Failed) as refused:
-                    daemon.render(large, size=(32, 32), spp=1, arguments=["--background", "1,1,1"])
-                self.assertEqual(refused.exception.status, 6)
-                self.assertIn("memory", refused.exception.text)
-                with self.assertRaises(Failed) as refused:
-                    daemon.render(make.cornell(folder), size=(2000, 2000), spp=1)
-                self.assertEqual(refused.exception.status, 6)
-                self.assertGreater(float(daemon.render(make.cornell(folder), size=(32, 32), spp=1).radiance.max()), 0)
+        with Daemon("--memory-budget", "8") as daemon:
+            large = textured(daemon.folder, "large.gltf", 9)
+            with self.assertRaises(Failed) as refused:
+                daemon.render(large, size=(32, 32), spp=1, arguments=["--background", "1,1,1"])
+            self.assertEqual(refused.exception.status, 6)
+            self.assertIn("memory", refused.exception.text)
+            with self.assertRaises(Failed) as refused:
+                daemon.render(make.cornell(daemon.folder), size=(2000, 2000), spp=1)
+            self.assertEqual(refused.exception.status, 6)
+            self.assertGreater(float(daemon.render(make.cornell(daemon.folder), size=(32, 32), spp=1).radiance.max()), 0)
 
     def test_voxels_push_out_what_nobody_renders(self):
         """How many voxels there are turns out in the midst of a job. Then, too, idle scenes make room."""
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
-            with Daemon("--memory-budget", "42") as daemon:
-                daemon.candil("load", textured(folder, "idle.gltf", 60), "--name", "idle")
-                daemon.candil("load", make.cornell(folder), "--name", "room")
-                daemon.render("idle", size=(32, 32), spp=1, arguments=["--background", "1,1,1"])
-                self.assertGreater(daemon.stats()["device_bytes"], 16 << 20)
-                picture = daemon.render("room", size=(32, 32), spp=1, arguments=["--technique", "vct"])
-                self.assertGreater(float(picture.radiance.min()), 0)
-                self.assertLessEqual(daemon.stats()["device_bytes"], 42 << 20)
+        with Daemon("--memory-budget", "42") as daemon:
+            daemon.candil("load", textured(daemon.folder, "idle.gltf", 60), "--name", "idle")
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "room")
+            daemon.render("idle", size=(32, 32), spp=1, arguments=["--background", "1,1,1"])
+            self.assertGreater(daemon.stats()["device_bytes"], 16 << 20)
+            picture = daemon.render("room", size=(32, 32), spp=1, arguments=["--technique", "vct"])
+            self.assertGreater(float(picture.radiance.min()), 0)
+            self.assertLessEqual(daemon.stats()["device_bytes"], 42 << 20)
 
     def test_voxels_that_no_job_uses_make_room_for_a_job_of_their_scene(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder:
-            with Daemon("--memory-budget", "40") as daemon:
-                daemon.candil("load", make.cornell(folder), "--name", "room")
-                daemon.render("room", size=(32, 32), spp=1, arguments=["--technique", "vct"])
-                held = daemon.stats()["device_bytes"]
-                self.assertGreater(held, 10 << 20)
-                # It fits the budget, but not beside the voxels.
-                picture = daemon.render("room", size=(768, 768), spp=1)
-                self.assertGreater(float(picture.radiance.max()), 0)
+        with Daemon("--memory-budget", "40") as daemon:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "room")
+            daemon.render("room", size=(32, 32), spp=1, arguments=["--technique", "vct"])
+            held = daemon.stats()["device_bytes"]
+            self.assertGreater(held, 10 << 20)
+            # It fits the budget, but not beside the voxels.
+            picture = daemon.render("room", size=(768, 768), spp=1)
+            self.assertGreater(float(picture.radiance.max()), 0)
 
 
 if __name__ == "__main__":

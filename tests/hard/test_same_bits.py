@@ -15,12 +15,8 @@ SIZE = (64, 48)
 
 def setUpModule():
     global folder, scene
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    scene = make.cornell(folder.name)
-
-
-def tearDownModule():
-    folder.cleanup()
+    folder = unittest.enterModuleContext(tempfile.TemporaryDirectory(prefix="candil-scenes-"))
+    scene = make.cornell(folder)
 
 
 def bits(daemon, **more):
@@ -103,7 +99,7 @@ class Raster(unittest.TestCase):
     def test_an_empty_scene_stays_empty_beside_others(self):
         g = Gltf()
         g.camera((0, 1, 3.5), (0, 1, 0), 40)
-        empty = g.save(folder.name, "empty.gltf")
+        empty = g.save(folder, "empty.gltf")
         with Daemon() as daemon:
             daemon.candil("load", scene, "--name", "room")
             daemon.candil("load", empty, "--name", "empty")
@@ -122,7 +118,7 @@ class LongLoops(unittest.TestCase):
 
     def test_long_paths_are_whole(self):
         rho, depth = 0.9995, 4096
-        sphere = make.closed_sphere(folder.name, rho=rho, name="long.gltf")
+        sphere = make.closed_sphere(folder, rho=rho, name="long.gltf")
         expected = 1 - rho ** (depth + 1)
         with Daemon() as daemon:
             picture = daemon.render(sphere, size=(16, 16), spp=8, options={"pt.depth": depth})

@@ -2,7 +2,6 @@
 worker. CANDIL_SOAK multiplies the counts; at 10 it is 2,000 requests and 200 cycles."""
 import os
 import subprocess
-import tempfile
 import unittest
 
 import make
@@ -20,7 +19,7 @@ class Soak(unittest.TestCase):
         for k, arguments in enumerate((["--spp", "2"], ["--spp", "4", "--effects", "all"], ["--spp", "1", "--aov", "depth,normal,albedo,id"],
                                        ["--spp", "3", "--set", "pt.depth=20"], ["--spp", "2", "--seed", str(i)])):
             for name in ("kept", "passing"):
-                out = os.path.join(daemon.folder.name, f"soak{k}.exr")
+                out = os.path.join(daemon.folder, f"soak{k}.exr")
                 daemon.candil("render", name, "-o", out, "--size", f"{24 + k}x{17 + i % 7}", "--background", "1,1,1", *arguments)
         # One that is given up: its client is gone in the middle.
         job = subprocess.Popen([CANDIL, "--connect", daemon.socket, "render", "kept", "-o", "-", "--size", "256x256", "--spp", "1024"],
@@ -42,8 +41,8 @@ class Soak(unittest.TestCase):
                 "scenes": stats["scenes"], "buffered": stats["buffered_bytes"]}, {n: wire.rss_kib(p) for n, p in pids.items()}
 
     def test_level(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
-            scenes = {"kept": make.cornell(folder), "textured": make.textured_quad(folder)}
+        with Daemon() as daemon:
+            scenes = {"kept": make.cornell(daemon.folder), "textured": make.textured_quad(daemon.folder)}
             daemon.candil("load", scenes["kept"], "--name", "kept")
             for i in range(5):
                 self.round(daemon, scenes, i)

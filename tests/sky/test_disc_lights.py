@@ -1,6 +1,5 @@
 """Directional lights from a disc: irradiance and penumbra in closed form."""
 import math
-import tempfile
 import unittest
 
 import numpy
@@ -8,18 +7,12 @@ import numpy
 from render import Daemon, Failed
 from writers import Gltf, quad
 
+daemon = Daemon()
 ALBEDO = 0.5
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def sun(angle, direction="0,-1,0", irradiance=2):
@@ -33,7 +26,7 @@ def scene(name, *blades):
     for blade in blades:
         g.place(*blade, g.material("blade", (0,) * 3))
     g.camera((0, 3, 0), (0, 0, 0), 20, up=(0, 0, -1))
-    return g.save(folder.name, name + ".gltf")
+    return g.save(daemon.folder, name + ".gltf")
 
 
 def irradiance(picture):

@@ -2,7 +2,6 @@
 sampling."""
 import math
 import os
-import tempfile
 import unittest
 
 import numpy
@@ -13,24 +12,18 @@ import skies
 from render import Daemon
 from writers import Gltf, box, quad
 
+daemon = Daemon()
 WAYS = ("mis", "nee", "none")
 ALBEDO = 0.5
 FLOOR = (0, 3, 0, 0, 0, 0, 0, 0, -1, 10)
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def written(name, sky):
-    path = os.path.join(folder.name, name + ".exr")
+    path = os.path.join(daemon.folder, name + ".exr")
     images.write(path, sky)
     return path
 
@@ -40,7 +33,7 @@ def floor():
     g = Gltf()
     g.place(*quad((-10, 0, 10), (10, 0, 10), (10, 0, -10), (-10, 0, -10)), g.material("floor", (ALBEDO,) * 3))
     g.camera(FLOOR[:3], FLOOR[3:6], FLOOR[9], up=(0, 0, -1))
-    return g.save(folder.name, "floor.gltf")
+    return g.save(daemon.folder, "floor.gltf")
 
 
 def room():
@@ -53,7 +46,7 @@ def room():
     g.place(*quad((-2, 2, -1), (-2, 1, -1), (-2, 1, 1), (-2, 2, 1)), g.material("lamp", (0,) * 3, (3,) * 3, both_sides=True))
     g.light("point", 4, (1.5, 2, 1))
     g.camera((0, 2, 6), (0, 0.8, 0), 40)
-    return g.save(folder.name, "room.gltf")
+    return g.save(daemon.folder, "room.gltf")
 
 
 def under(sky, *more):
@@ -69,7 +62,7 @@ def irradiance(picture):
 class Furnace(unittest.TestCase):
     def test_an_even_sky_is_an_even_background(self):
         sky = written("even", skies.even(64, 32))
-        path = make.furnace(folder.name)
+        path = make.furnace(daemon.folder)
         by_chance = daemon.render(path, (16, 16), 4, options={"pt.lights": "none"}, arguments=under(sky)).radiance
         numpy.testing.assert_allclose(by_chance, 1, rtol=2e-6)
         for way in ("mis", "nee"):
@@ -79,7 +72,7 @@ class Furnace(unittest.TestCase):
             self.assertLess(picture.std(), 0.2)
 
     def test_one_texel_is_a_sky_too(self):
-        picture = daemon.render(make.furnace(folder.name), (16, 16), 16, arguments=under(written("one", skies.even(1, 1))))
+        picture = daemon.render(make.furnace(daemon.folder), (16, 16), 16, arguments=under(written("one", skies.even(1, 1))))
         self.assertLess(abs(picture.radiance.mean() - 1), 0.01)
 
 
@@ -113,7 +106,7 @@ class Planes(unittest.TestCase):
         g = Gltf()
         g.place(*quad((-5, -5, 0), (5, -5, 0), (5, 5, 0), (-5, 5, 0)), g.material("wall", (ALBEDO,) * 3))
         g.camera((0, 0, 3), (0, 0, 0), 10)
-        wall = g.save(folder.name, "wall.gltf")
+        wall = g.save(daemon.folder, "wall.gltf")
         w = skies.directions(64, 32)
         sky = (1 + w @ numpy.array([0.6, 0.3, 0.7]))[:, :, None] ** 4 * numpy.array([1, 0.5, 0.25])
         for turn in (0, 90, -135):
@@ -149,7 +142,7 @@ class Seen(unittest.TestCase):
         expected = images.box_down(skies.finer(sky, 8), 8)
         away = (0, 0, 50, 0, 0, 0, 0, 1, 0, 40)  # of the furnace's sphere, which hides little
         for turn, roll in ((0, 0), (45, -4)):
-            picture = daemon.render(make.furnace(folder.name), (32, 16), 64, away,
+            picture = daemon.render(make.furnace(daemon.folder), (32, 16), 64, away,
                                     arguments=under(written("random", sky), "--panorama", "--background-turn", str(turn)))
             error = numpy.abs(picture.radiance - numpy.roll(expected, roll, axis=1))
             error[7:9, 15:17] = 0  # the sphere
@@ -159,7 +152,7 @@ class Seen(unittest.TestCase):
     def test_a_mirror_shows_it(self):
         g = Gltf()
         g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("mirror", metallic=1, roughness=0))
-        mirror = g.save(folder.name, "mirror.gltf")
+        mirror = g.save(daemon.folder, "mirror.gltf")
         w = skies.directions(64, 32)
         sky = (1.2 + w @ numpy.array([0.5, 0.5, -0.7]))[:, :, None] ** 6 * numpy.array([1, 0.5, 0.25])
         down, up = ((0, 1, 0.5, 0, 0, 0, 0, 1, 0, 60), (0, 1, 0.5, 0, 2, 0, 0, 1, 0, 60))

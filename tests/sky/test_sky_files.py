@@ -4,7 +4,6 @@ import json
 import math
 import os
 import struct
-import tempfile
 import unittest
 
 import numpy
@@ -15,23 +14,17 @@ import make
 import skies
 from render import Daemon, Failed
 
+daemon = Daemon()
 EXIT_USAGE, EXIT_SCENE = 2, 4
 AWAY = (0, 0, 50, 0, 0, 0, 0, 1, 0, 40)
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def at(name):
-    return os.path.join(folder.name, name)
+    return os.path.join(daemon.folder, name)
 
 
 def saved(name, pixels, kind="float", window=None):
@@ -55,7 +48,7 @@ def kept(name, data):
 def seen(path, *arguments):
     """Its texels, by a panorama of as many pixels; the mean over each of what is bilinear."""
     _, width, height = described(path)
-    picture = daemon.render(make.furnace(folder.name), (width, height), 16, AWAY,
+    picture = daemon.render(make.furnace(daemon.folder), (width, height), 16, AWAY,
                             arguments=["--background", path, "--panorama", *arguments])
     return picture.radiance
 
@@ -147,7 +140,7 @@ class Refused(unittest.TestCase):
         self.refuse(saved("part.exr", numpy.ones((4, 8, 3)), window=(0, 0, 16, 8)), "another window")
 
     def test_a_scene_is_no_picture_and_the_other_way_round(self):
-        furnace, sky = make.furnace(folder.name), saved("sky.exr", skies.even(8, 4))
+        furnace, sky = make.furnace(daemon.folder), saved("sky.exr", skies.even(8, 4))
         daemon.candil("load", furnace, "--name", "furnace")
         daemon.candil("load", sky, "--name", "even")
         for arguments, pattern in ((("furnace", "--background", "furnace"), "is a scene, no picture"),

@@ -1,8 +1,12 @@
 """Pictures for tests: one daemon a test program, rendered through the command line, read back as numpy arrays.
 
-    with Daemon() as daemon:
-        picture = daemon.render("scene.gltf", size=(64, 64), spp=16)     # Picture
-        picture.radiance[y, x]                                           # float32, W/(m2 sr)
+    daemon = Daemon()
+
+    def setUpModule():
+        unittest.enterModuleContext(daemon)
+
+    picture = daemon.render(make.cornell(daemon.folder), size=(64, 64), spp=16)     # Picture
+    picture.radiance[y, x]                                                          # float32, W/(m2 sr)
 """
 import json
 import os
@@ -49,14 +53,18 @@ class Picture:
 
 
 class Daemon:
+    """candild with the build's own loader and worker, from __enter__ to __exit__. `folder`, a path, goes with it: it has the socket
+    and the log, and room for scenes and pictures. Its end fails if a sanitizer or a validation layer had something to say."""
+
     def __init__(self, *arguments, environment=None):
         self.arguments = arguments
         self.environment = dict(os.environ, **(environment or {}))
 
     def __enter__(self):
-        self.folder = tempfile.TemporaryDirectory(prefix="candil-")
-        self.socket = os.path.join(self.folder.name, "socket")
-        self.log = open(os.path.join(self.folder.name, "log"), "w+")
+        self.temporary = tempfile.TemporaryDirectory(prefix="candil-")
+        self.folder = self.temporary.name
+        self.socket = os.path.join(self.folder, "socket")
+        self.log = open(os.path.join(self.folder, "log"), "w+")
         self.process = subprocess.Popen([CANDILD, "--socket", self.socket, *self.arguments], stderr=self.log,
                                         stdin=subprocess.DEVNULL, env=self.environment)
         deadline = time.monotonic() + 60
@@ -73,7 +81,7 @@ class Daemon:
         if kind is not None:
             sys.stderr.write(text)
         self.log.close()
-        self.folder.cleanup()
+        self.temporary.cleanup()
         assert status == 0, f"candild ended with {status}: {text}"
         for word in ("ERROR: AddressSanitizer", "runtime error:", "ERROR: LeakSanitizer", "validation:"):
             assert word not in text, text
@@ -100,7 +108,7 @@ class Daemon:
 
     def render(self, scene, size=(64, 64), spp=16, camera=None, options=None, arguments=()):
         """Render to a float EXR. `camera`: a name or ten numbers. `options`: {"pt.depth": 3}."""
-        path = os.path.join(self.folder.name, f"{time.monotonic_ns()}.exr")
+        path = os.path.join(self.folder, f"{time.monotonic_ns()}.exr")
         command = ["render", scene, "-o", path, "--float", "--json", "--size", f"{size[0]}x{size[1]}", "--spp", str(spp)]
         if camera is not None:
             command += ["--camera", camera if isinstance(camera, str) else ",".join(repr(float(c)) for c in camera)]

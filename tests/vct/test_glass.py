@@ -4,19 +4,15 @@ import unittest
 import numpy
 
 import make
-from common import WHITE, Fixture
+from common import WHITE, VctDaemon
 from writers import Gltf, box, quad
 
 OPEN = {"thicknessFactor": 1}
-fixture = Fixture()
+daemon = VctDaemon()
 
 
 def setUpModule():
-    fixture.open()
-
-
-def tearDownModule():
-    fixture.close()
+    unittest.enterModuleContext(daemon)
 
 
 def wall_behind(glass=None, name="wall_behind.gltf", solid=False, lamp=False):
@@ -34,7 +30,7 @@ def wall_behind(glass=None, name="wall_behind.gltf", solid=False, lamp=False):
     elif glass is not None:
         g.place(*quad((-1.5, -1.5, 1.2), (1.5, -1.5, 1.2), (1.5, 1.5, 1.2), (-1.5, 1.5, 1.2)), g.material("glass", **glass))
     g.camera((0, 0, 5), (0, 0, 0), 30)
-    return g.save(fixture.folder, name)
+    return g.save(daemon.folder, name)
 
 
 def state(picture, effect="glass"):
@@ -43,8 +39,8 @@ def state(picture, effect="glass"):
 
 class Through(unittest.TestCase):
     def both(self, scene, depth, **more):
-        a = fixture.vct(scene, 64, size=(48, 48), spp=4, bounces=1, **more).radiance.astype(numpy.float64)
-        b = fixture.daemon.render(scene, size=(48, 48), spp=128, options={"pt.depth": depth}).radiance.astype(numpy.float64)
+        a = daemon.vct(scene, 64, size=(48, 48), spp=4, bounces=1, **more).radiance.astype(numpy.float64)
+        b = daemon.render(scene, size=(48, 48), spp=128, options={"pt.depth": depth}).radiance.astype(numpy.float64)
         # What is seen through the glass, off its rim.
         return a[8:40, 8:40], b[8:40, 8:40]
 
@@ -81,7 +77,7 @@ class Through(unittest.TestCase):
     def test_body_that_bends_nothing_is_hardly_seen(self):
         scene = wall_behind({"clear": 1, "roughness": 0, "ior": 1.0, "volume": OPEN}, solid=True)
         a, _ = self.both(scene, 3)
-        plain = fixture.vct(wall_behind(), 64, size=(48, 48), spp=4, bounces=1).radiance[8:40, 8:40].astype(numpy.float64)
+        plain = daemon.vct(wall_behind(), 64, size=(48, 48), spp=4, bounces=1).radiance[8:40, 8:40].astype(numpy.float64)
         self.assertLess(abs(a.mean() / plain.mean() - 1), .02)
         self.assertLess(float(numpy.median(abs(a - plain) / (plain + .01))), .05)
 
@@ -89,7 +85,7 @@ class Through(unittest.TestCase):
         g = Gltf()
         g.place(*quad((-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)), g.material("glass", clear=1, roughness=0, ior=1.5))
         g.camera((0, 0, 3), (0, 0, 0), 20)
-        picture = fixture.vct(g.save(fixture.folder, "pane.gltf"), arguments=WHITE)
+        picture = daemon.vct(g.save(daemon.folder, "pane.gltf"), arguments=WHITE)
         # What is reflected and what comes through are all of it.
         self.assertLess(float(abs(picture.radiance - 1).max()), .01)
 
@@ -98,23 +94,23 @@ class Effect(unittest.TestCase):
     def test_off_it_is_opaque(self):
         clear = wall_behind({"clear": 1, "roughness": .5, "albedo": (.5, .6, .7)})
         opaque = wall_behind({"roughness": .5, "albedo": (.5, .6, .7)}, name="opaque.gltf")
-        off = fixture.vct(clear, arguments=["--effects=-glass"])
+        off = daemon.vct(clear, arguments=["--effects=-glass"])
         self.assertEqual(state(off), "switched-off")
-        self.assertTrue(numpy.allclose(off.radiance, fixture.vct(opaque).radiance, rtol=1e-5, atol=1e-6))
-        on = fixture.vct(clear)
+        self.assertTrue(numpy.allclose(off.radiance, daemon.vct(opaque).radiance, rtol=1e-5, atol=1e-6))
+        on = daemon.vct(clear)
         self.assertEqual(state(on), "simulated")
         self.assertGreater(float(abs(on.radiance - off.radiance).max()), .05)
 
     def test_forced_without_glass_it_changes_nothing(self):
-        scene = make.cornell(fixture.folder)
-        auto, forced = (fixture.vct(scene, arguments=a) for a in ((), ["--effects=+glass"]))
+        scene = make.cornell(daemon.folder)
+        auto, forced = (daemon.vct(scene, arguments=a) for a in ((), ["--effects=+glass"]))
         self.assertEqual((state(auto), state(forced)), ("absent", "forced"))
         scale = numpy.maximum(abs(auto.radiance), 1e-3)
         self.assertLessEqual(float((abs(forced.radiance - auto.radiance) / scale).max()), 1e-5)
 
     def test_same_bits_and_no_glass_for_direct(self):
-        scene = make.cornell_glass(fixture.folder)
-        a, b = (fixture.vct(scene, size=(40, 40)).radiance for _ in range(2))
+        scene = make.cornell_glass(daemon.folder)
+        a, b = (daemon.vct(scene, size=(40, 40)).radiance for _ in range(2))
         self.assertTrue(numpy.array_equal(a, b))
 
 

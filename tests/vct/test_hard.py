@@ -5,18 +5,14 @@ import unittest
 import numpy
 
 import make
-from common import WHITE, Fixture
+from common import WHITE, VctDaemon
 from writers import Gltf, box, quad
 
-fixture = Fixture()
+daemon = VctDaemon()
 
 
 def setUpModule():
-    fixture.open()
-
-
-def tearDownModule():
-    fixture.close()
+    unittest.enterModuleContext(daemon)
 
 
 def triangle(name, *corners, lit=True):
@@ -25,7 +21,7 @@ def triangle(name, *corners, lit=True):
     if lit:
         g.light("directional", 1.0, (0, 0, 2), (0, 0, 0), up=(0, 1, 0))
     g.camera((0, 0, 3), (0, 0, 0), 40)
-    return g.save(fixture.folder, name)
+    return g.save(daemon.folder, name)
 
 
 class Scales(unittest.TestCase):
@@ -36,7 +32,7 @@ class Scales(unittest.TestCase):
         lamp = [[scale * c for c in corner] for corner in ((-.3, 1.9, -.3), (.3, 1.9, -.3), (.3, 1.9, .3), (-.3, 1.9, .3))]
         g.place(*quad(*lamp), g.material("lamp", (0, 0, 0), (10,) * 3), translation=list(offset))
         g.camera([scale * c + o for c, o in zip((0.1, 1, 3.9), offset)], [scale * c + o for c, o in zip((0, 1, 0), offset)], 39)
-        return fixture.vct(g.save(fixture.folder, f"scale_{scale}_{offset[0]}.gltf"), size=(48, 48)).radiance
+        return daemon.vct(g.save(daemon.folder, f"scale_{scale}_{offset[0]}.gltf"), size=(48, 48)).radiance
 
     def test_any_scale_and_offset_is_the_same_picture(self):
         """To the rounding of a coordinate: a sample or a triangle's border may fall on the other side of a voxel's."""
@@ -53,7 +49,7 @@ class Scales(unittest.TestCase):
 
 class Shapes(unittest.TestCase):
     def finite(self, scene, **more):
-        radiance = fixture.vct(scene, **more).radiance
+        radiance = daemon.vct(scene, **more).radiance
         self.assertTrue(bool(numpy.isfinite(radiance).all()))
         self.assertGreaterEqual(float(radiance.min()), 0)
         return radiance
@@ -76,27 +72,27 @@ class Shapes(unittest.TestCase):
             flat = [[*c[:axis], 0.25, *c[axis:]] for c in corners]
             g.place(*quad(*flat), g.material("flat", (0.5,) * 3, both_sides=True))
             g.camera((2, 2.1, 2.2), (0, 0, 0), 40)
-            radiance = self.finite(g.save(fixture.folder, f"flat_{axis}.gltf"), arguments=WHITE)
+            radiance = self.finite(g.save(daemon.folder, f"flat_{axis}.gltf"), arguments=WHITE)
             self.assertLess(abs(float(radiance[16, 16].mean()) / 0.5 - 1), 1e-3)
 
     def test_empty_scene(self):
         g = Gltf()
         g.camera((0, 0, 3), (0, 0, 0), 40)
-        status, _, _ = fixture.daemon.candil("load", g.save(fixture.folder, "empty.gltf"), "--name", "empty", check=False)
+        status, _, _ = daemon.candil("load", g.save(daemon.folder, "empty.gltf"), "--name", "empty", check=False)
         if status == 0:
             self.assertEqual(float(self.finite("empty", arguments=WHITE).min()), 1.0)
         else:
             self.assertEqual(status, 4)
 
     def test_nothing_in_view(self):
-        self.assertEqual(float(self.finite(make.cornell(fixture.folder), camera=(0, 1, 9, 0, 1, 20, 0, 1, 0, 40)).max()), 0)
+        self.assertEqual(float(self.finite(make.cornell(daemon.folder), camera=(0, 1, 9, 0, 1, 20, 0, 1, 0, 40)).max()), 0)
 
     def test_camera_within_a_wall(self):
         """In the middle of a block's side, which is in a voxel; and of a solid, all of whose backs are seen."""
         g = Gltf()
         g.place(*box((-2, -2, -2), (2, 2, 2), inward=True), g.material("room", (0.7,) * 3, (0.3,) * 3))
         g.place(*box((-.5, -.5, -.5), (.5, .5, .5)), g.material("block", (0.7,) * 3))
-        scene = g.save(fixture.folder, "wall.gltf")
+        scene = g.save(daemon.folder, "wall.gltf")
         for z in (0.5, 0.4999, 0.0, 2.0, 2.05):
             self.finite(scene, camera=(0.01, 0.02, z, 0.1, 0.3, -1.5, 0, 1, 0, 60))
 

@@ -3,7 +3,6 @@ are. A cube of edge 2 spans resolution - 2.75 voxels from 1.5 on: cells 1 to res
 import json
 import math
 import os
-import tempfile
 import unittest
 
 import numpy
@@ -12,6 +11,8 @@ from images import rgb
 from render import Daemon, Failed
 from writers import Gltf, box
 
+daemon = Daemon()
+SCENE = "cube"
 SIDES = {"-z": (.1, .2, .3), "+z": (.8, .1, .1), "-y": (.1, .8, .1), "+y": (.1, .1, .8), "-x": (.6, .6, .1), "+x": (.1, .6, .6)}
 FRONT = [0, 0, 5, 0, 0, 0, 0, 1, 0, 40]     # looks at +z from outside
 SUN = ["--light", f"directional:direction=0,0,-1,intensity={math.pi}"]
@@ -24,25 +25,17 @@ def cube(name="cube.gltf"):
     for i, (side, albedo) in enumerate(SIDES.items()):
         g.place(points, triangles[2 * i:2 * i + 2], g.material(side, albedo))
     g.camera(FRONT[:3], FRONT[3:6], 40)
-    return g.save(folder.name, name)
+    return g.save(daemon.folder, name)
 
 
 def setUpModule():
-    global daemon, folder, scene
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-    scene = "cube"
-    daemon.candil("load", cube(), "--name", scene)
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
+    daemon.candil("load", cube(), "--name", SCENE)
 
 
 def show(what, size=(32, 32), resolution=32, arguments=(), name=None, **options):
     options = {f"vct.{key}": value for key, value in options.items()}
-    return daemon.render(name or scene, size=size, spp=1, arguments=["--technique", "vct", *arguments],
+    return daemon.render(name or SCENE, size=size, spp=1, arguments=["--technique", "vct", *arguments],
                          options={"vct.show": what, "vct.resolution": resolution, **options})
 
 
@@ -93,12 +86,12 @@ class Figures(unittest.TestCase):
             self.assertLess(abs(after - between - more), 0.01 * more + 16384)
 
     def test_every_picture_of_voxels_tells_and_others_have_none(self):
-        picture = daemon.render(scene, size=(16, 16), spp=1, arguments=["--technique", "vct", *SUN],
+        picture = daemon.render(SCENE, size=(16, 16), spp=1, arguments=["--technique", "vct", *SUN],
                                 options={"vct.resolution": 32, "vct.bounces": 3, "vct.cones": 9})
         found = figures(picture.report)
         self.assertEqual((found["bounces"], found["cones"], found["entries"]), (3, 9, 2 * (30 ** 3 - 29 ** 3)))
         self.assertNotIn("occupied.0", found)
-        self.assertEqual(daemon.render(scene, size=(16, 16), spp=1).report["figures"], [])
+        self.assertEqual(daemon.render(SCENE, size=(16, 16), spp=1).report["figures"], [])
 
 
 class Views(unittest.TestCase):
@@ -125,14 +118,14 @@ class Views(unittest.TestCase):
     def test_each_side_has_its_own_colour(self):
         for eye, up, side in (((0, 0, -5), (0, 1, 0), "-z"), ((5, 0, 0), (0, 1, 0), "+x"), ((-5, 0, 0), (0, 1, 0), "-x"),
                               ((0, 5, 0), (0, 0, -1), "+y"), ((0, -5, 0), (0, 0, 1), "-y")):
-            picture = daemon.render(scene, size=(16, 16), spp=1, camera=[*eye, 0, 0, 0, *up, 40],
+            picture = daemon.render(SCENE, size=(16, 16), spp=1, camera=[*eye, 0, 0, 0, *up, 40],
                                     arguments=["--technique", "vct"],
                                     options={"vct.show": "albedo", "vct.resolution": 32})
             self.assertLess(numpy.abs(self.middle(picture) - SIDES[side]).max(), 1e-3, side)
 
     def test_the_cell_of_the_eye_is_looked_through(self):
         eye = [0, 0, 0.99, 0, 0, -5, 0, 1, 0, 40]
-        picture = daemon.render(scene, size=(16, 16), spp=1, camera=eye, arguments=["--technique", "vct"],
+        picture = daemon.render(SCENE, size=(16, 16), spp=1, camera=eye, arguments=["--technique", "vct"],
                                 options={"vct.show": "albedo", "vct.resolution": 32})
         self.assertLess(numpy.abs(self.middle(picture) - SIDES["-z"]).max(), 1e-3)
 
@@ -214,13 +207,13 @@ class Refused(unittest.TestCase):
 
 class Command(unittest.TestCase):
     def inspect(self, *arguments, check=True):
-        return daemon.candil("inspect", scene, "-o", os.path.join(folder.name, "i"), "--set", "vct.resolution=32",
+        return daemon.candil("inspect", SCENE, "-o", os.path.join(daemon.folder, "i"), "--set", "vct.resolution=32",
                              *SUN, *arguments, check=check)
 
     def test_files_and_figures(self):
         _, out, _ = self.inspect("--size", "70x40", "--format", "exr", "--json")
         answer = json.loads(out)
-        self.assertFalse(os.path.exists(os.path.join(folder.name, "i.json")))
+        self.assertFalse(os.path.exists(os.path.join(daemon.folder, "i.json")))
         self.assertEqual(figures(answer)["entries"], 2 * (30 ** 3 - 29 ** 3))
         self.assertLessEqual({"show", "count"}, stages(answer))
         images = {os.path.basename(i["image"]): i for i in answer["images"]}
@@ -242,7 +235,7 @@ class Command(unittest.TestCase):
         _, out, _ = self.inspect("--size", "32x32")
         for word in ("images", "grid", "occupied", "memory", "time"):
             self.assertIn(word, out)
-        with open(os.path.join(folder.name, "i.json")) as file:
+        with open(os.path.join(daemon.folder, "i.json")) as file:
             answer = json.load(file)
         self.assertEqual(len(answer["images"]), 12)
         for image in answer["images"]:

@@ -6,11 +6,11 @@ import numpy
 
 import make
 import rooms
-from common import Fixture
+from common import VctDaemon
 from render import Daemon
 from writers import Gltf, box, quad
 
-fixture = Fixture()
+daemon = VctDaemon()
 VOXELS, LIGHT, GATHER = "voxelise", "voxel-light", "voxel-gather"
 LAMP_A, LAMP_B = (["--light", f"point:at={at},intensity=3"] for at in ("-.5,1.5,.3", ".5,1.2,.3"))
 MOVED = ["--node", "block:translate=.3,.4,0"]
@@ -23,15 +23,11 @@ def room():
     g.place(*box((-.2, -.2, -.2), (.2, .2, .2)), g.material("block", (.6,) * 3), name="block", translation=[0, .4, 0])
     g.light("point", 5.0, (0, 1.7, 0))
     g.camera((0, 1, 3.9), (0, 1, 0), 39)
-    return g.save(fixture.folder, "room.gltf")
+    return g.save(daemon.folder, "room.gltf")
 
 
 def setUpModule():
-    fixture.open()
-
-
-def tearDownModule():
-    fixture.close()
+    unittest.enterModuleContext(daemon)
 
 
 def made(picture):
@@ -40,17 +36,17 @@ def made(picture):
 
 class Kept(unittest.TestCase):
     def render(self, *arguments, wanted=None, **options):
-        picture = fixture.vct(self.scene, arguments=arguments, **options)
+        picture = daemon.vct(self.scene, arguments=arguments, **options)
         if wanted is not None:
             self.assertEqual(made(picture), set(wanted), arguments)
         return picture
 
     def setUp(self):
-        fixture.daemon.candil("load", room(), "--name", "room")
+        daemon.candil("load", room(), "--name", "room")
         self.scene = "room"
 
     def tearDown(self):
-        fixture.daemon.candil("unload", "room")
+        daemon.candil("unload", "room")
 
     def test_other_lights_leave_the_voxels(self):
         self.render(wanted=[VOXELS, LIGHT, GATHER])
@@ -95,7 +91,7 @@ class Kept(unittest.TestCase):
 class Compiled(unittest.TestCase):
     def test_programs_are_a_stage_of_their_own_and_once(self):
         with Daemon() as daemon:
-            path = rooms.light_box(fixture.folder)
+            path = rooms.light_box(daemon.folder)
             reports = [daemon.render(path, size=(16, 16), spp=1, options={"vct.resolution": 16, "vct.bounces": bounces},
                                      arguments=["--technique", "vct"]).report for bounces in (2, 2, 3, 1)]
             self.assertEqual(["compile" in {s["name"] for s in r["stages"]} for r in reports], [True, False, False, False])

@@ -3,25 +3,21 @@ as a table."""
 import unittest
 
 import rooms
-from common import Fixture, WHITE
+from common import WHITE, VctDaemon
 from writers import Gltf, box
 
-fixture = Fixture()
+daemon = VctDaemon()
 
 
 def setUpModule():
-    fixture.open()
-
-
-def tearDownModule():
-    fixture.close()
+    unittest.enterModuleContext(daemon)
 
 
 class Leaks(unittest.TestCase):
     def check(self, resolution, voxels, turned, mean, high):
         for shift in rooms.LEAK_SHIFTS:
             with self.subTest(voxels=voxels, turned=turned, shift=shift):
-                got = rooms.leak(fixture.daemon, rooms.TwoRooms(fixture.folder, resolution, voxels, shift, turned), resolution, (32, 32))
+                got = rooms.leak(daemon, rooms.TwoRooms(daemon.folder, resolution, voxels, shift, turned), resolution, (32, 32))
                 print(f"{resolution}, wall {voxels} voxels, shift {shift:.2f}, turned {turned}: mean {100 * got[0]:.2f} %, "
                       f"99th percentile {100 * got[1]:.2f} %")
                 self.assertLess(got[0], mean)
@@ -42,8 +38,8 @@ class Leaks(unittest.TestCase):
                                      (2, 30, 1 / 6), (.5, 30, 1 / 6)):
             for shift in rooms.LEAK_SHIFTS[:2]:
                 with self.subTest(voxels=voxels, turned=turned, shift=shift):
-                    scene = rooms.TwoRooms(fixture.folder, 64, voxels, shift, turned)
-                    report = fixture.vct(scene.path, 64, (8, 8), camera="inside").report
+                    scene = rooms.TwoRooms(daemon.folder, 64, voxels, shift, turned)
+                    report = daemon.vct(scene.path, 64, (8, 8), camera="inside").report
                     found = next(f["value"] for f in report["figures"] if f["name"] == "thin")
                     self.assertLess(abs(found - thin), 0.02)
                     warned = [note for note in report["notes"] if "light may leak" in note]
@@ -58,7 +54,7 @@ class Leaks(unittest.TestCase):
         g.place(*box((-.5, -.5, -.5), (-.1, .5, .5)), m)
         g.place(*box((-.1 + .5 * side, -.5, -.5), (.5, .5, .5)), m)
         g.camera((.8, .8, .8), (0, 0, 0), 60)
-        report = fixture.vct(g.save(fixture.folder, "solids.gltf"), size=(8, 8), arguments=WHITE).report
+        report = daemon.vct(g.save(daemon.folder, "solids.gltf"), size=(8, 8), arguments=WHITE).report
         self.assertEqual([f["value"] for f in report["figures"] if f["name"] == "thin"], [0])
         self.assertEqual(report["notes"], [])
 

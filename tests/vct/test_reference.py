@@ -1,5 +1,4 @@
 """What cones are worth: our Cornell box against the path tracer with as many scattering events."""
-import tempfile
 import unittest
 
 import judge
@@ -13,8 +12,8 @@ BOUNCES = 2
 
 class Reference(unittest.TestCase):
     def test_error_is_at_most_half_of_what_a_constant_leaves(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
-            scene = make.cornell(folder)
+        with Daemon() as daemon:
+            scene = make.cornell(daemon.folder)
             reference = daemon.render(scene, size=SIZE, spp=192, options={"pt.depth": BOUNCES + 1}).radiance
             first = daemon.render(scene, size=SIZE, spp=4, arguments=["--technique", "direct", "--aov", "albedo,id"])
             # The lamp is the one thing brighter than 4.
@@ -36,8 +35,8 @@ class Reference(unittest.TestCase):
 
     def test_lamps_of_thousands_of_triangles_keep_their_colours(self):
         """Of so many, voxels see a few points each: were they the same few for all, whole lamps would light too little."""
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
-            scene, size = rooms.light_box(folder), (48, 48)
+        with Daemon() as daemon:
+            scene, size = rooms.light_box(daemon.folder), (48, 48)
             reference = daemon.render(scene, size, spp=64, options={"pt.depth": BOUNCES + 1}).radiance
             mask = reference.max(axis=2) < 0.45
             for emitters, tolerance in (("points", 0.12), ("cones", 0.25)):

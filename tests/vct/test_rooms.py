@@ -2,9 +2,9 @@
 import unittest
 
 import rooms
-from common import Fixture
+from common import VctDaemon
 
-fixture = Fixture()
+daemon = VctDaemon()
 
 # Where walls lie along the voxels' axes the series holds within 3 %. Turned by 30 degrees, lamps by points: an oblique wall
 # shows its back on one axis to who looks along it (vct_inject.comp.glsl), and an error of one bounce is in the next, too.
@@ -15,19 +15,15 @@ CONES = {0: {0.5: 0.03, 0.8: 0.04}, 30: {0.5: 0.12, 0.8: 0.18}}
 
 
 def setUpModule():
-    fixture.open()
-
-
-def tearDownModule():
-    fixture.close()
+    unittest.enterModuleContext(daemon)
 
 
 class UniformRoom(unittest.TestCase):
     """Albedo rho, emission 1 - rho: 1 - rho^(N+1) after N events; `vct.bounces` is one less, for direct light is no bounce."""
 
     def check(self, tolerance, rho, size, turned, bounces, resolution=32, emitters="points"):
-        scene = rooms.uniform_room(fixture.folder, rho, size, turned)
-        picture = fixture.vct(scene, resolution, bounces=bounces, emitters=emitters).radiance / (1 - rho ** (bounces + 2))
+        scene = rooms.uniform_room(daemon.folder, rho, size, turned)
+        picture = daemon.vct(scene, resolution, bounces=bounces, emitters=emitters).radiance / (1 - rho ** (bounces + 2))
         error = float(picture.mean()) - 1
         print(f"room rho {rho}, size {size:g}, turned {turned}, {bounces} bounces, {emitters}, {resolution}: {100 * error:+.2f} %, "
               f"pixels {float(picture.min()):.3f} to {float(picture.max()):.3f}" + (" (3 % are asked for)" if abs(error) > ASKED else ""))
@@ -48,8 +44,8 @@ class UniformRoom(unittest.TestCase):
 
     def test_turned_without_bounces(self):
         """Lamps in closed form: no point lies over its own wall, by however little."""
-        scene = rooms.uniform_room(fixture.folder, 0.5, 2.0, 30)
-        picture = fixture.vct(scene, bounces=0, emitters="points").radiance
+        scene = rooms.uniform_room(daemon.folder, 0.5, 2.0, 30)
+        picture = daemon.vct(scene, bounces=0, emitters="points").radiance
         self.assertLess(float(abs(picture / 0.75 - 1).max()), 0.01)
 
     def test_turned(self):

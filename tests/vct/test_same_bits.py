@@ -6,14 +6,12 @@ import unittest
 import numpy
 
 import make
-from render import Daemon, Failed
+from common import VctDaemon
+from render import Failed
 
-VCT = ["--technique", "vct"]
 
-
-def render(daemon, scene, size=(48, 48), resolution=32, arguments=(), **options):
-    named = {"vct." + name: value for name, value in {"resolution": resolution, **options}.items()}
-    return daemon.render(scene, size=size, spp=1, options=named, arguments=[*VCT, *arguments])
+def render(daemon, scene, size=(48, 48), **more):
+    return daemon.vct(scene, size=size, **more)
 
 
 class SameBits(unittest.TestCase):
@@ -22,12 +20,12 @@ class SameBits(unittest.TestCase):
             scene, other = make.cornell(folder), make.alpha_mask(folder)
             seen, slices = set(), []
             for milliseconds in (1, 50):
-                with Daemon("--slice", str(milliseconds)) as daemon:
+                with VctDaemon("--slice", str(milliseconds)) as daemon:
                     daemon.candil("load", scene, "--name", "box")
                     daemon.candil("load", other, "--name", "other")
                     for between in (None, "box", "other"):
                         if between:
-                            render(daemon, between, (24, 24), 64, bounces=1)
+                            render(daemon, between, (24, 24), resolution=64, bounces=1)
                         picture = render(daemon, "box")
                         seen.add(picture.radiance.tobytes())
                         slices.append(picture.report["slices"])
@@ -37,8 +35,8 @@ class SameBits(unittest.TestCase):
 
 class Memory(unittest.TestCase):
     def test_what_does_not_fit_is_refused_with_what_does(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon("--memory-budget", "64") as daemon:
-            daemon.candil("load", make.cornell(folder), "--name", "box")
+        with VctDaemon("--memory-budget", "64") as daemon:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
             with self.assertRaises(Failed) as refused:
                 render(daemon, "box", resolution=512)
             self.assertEqual(refused.exception.status, 6)
@@ -50,20 +48,20 @@ class Memory(unittest.TestCase):
 
 class Effects(unittest.TestCase):
     def test_forced_effects_change_nothing(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
-            for scene, more in ((make.cornell(folder), []), (make.textured_quad(folder), ["--background", "1,1,1"])):
+        with VctDaemon() as daemon:
+            for scene, more in ((make.cornell(daemon.folder), []), (make.textured_quad(daemon.folder), ["--background", "1,1,1"])):
                 auto, forced = (render(daemon, scene, arguments=[*more, *effects]) for effects in ([], ["--effects", "all"]))
                 self.assertIn("forced", {e["state"] for e in forced.report["effects"]})
                 scale = numpy.maximum(auto.radiance, 1e-3)
                 self.assertLessEqual(float((numpy.abs(forced.radiance - auto.radiance) / scale).max()), 1e-5)
 
     def test_switched_off_they_draw_their_substitute(self):
-        with tempfile.TemporaryDirectory(prefix="candil-scenes-") as folder, Daemon() as daemon:
-            box = make.cornell(folder)
+        with VctDaemon() as daemon:
+            box = make.cornell(daemon.folder)
             off = render(daemon, box, arguments=["--effects", "-bounces"])
             direct = daemon.render(box, size=(48, 48), spp=1, arguments=["--technique", "direct"])
             numpy.testing.assert_array_equal(off.radiance, direct.radiance)
-            for scene, effect in ((box, "emitters"), (make.lit_floor(folder, "spot"), "lights")):
+            for scene, effect in ((box, "emitters"), (make.lit_floor(daemon.folder, "spot"), "lights")):
                 self.assertEqual(float(render(daemon, scene, arguments=["--effects", "-" + effect]).radiance.max()), 0)
 
 

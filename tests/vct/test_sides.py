@@ -1,29 +1,20 @@
 """Voxels that shine, and the shadows that they know of: both sides of a lamp, whatever the pyramid, and no program for a number."""
-import tempfile
 import unittest
 
 import numpy
 
-from render import Daemon
+from common import VctDaemon
 from writers import Gltf, box, quad
 
-OPTIONS = {"vct.resolution": 32}
+daemon = VctDaemon()
 
 
 def setUpModule():
-    global daemon, folder
-    folder = tempfile.TemporaryDirectory(prefix="candil-scenes-")
-    daemon = Daemon().__enter__()
-
-
-def tearDownModule():
-    daemon.__exit__(None, None, None)
-    folder.cleanup()
+    unittest.enterModuleContext(daemon)
 
 
 def vct(scene, arguments=(), **options):
-    return daemon.render(scene, size=(64, 64), spp=1, options={**OPTIONS, **{"vct." + k: v for k, v in options.items()}},
-                         arguments=["--technique", "vct", *arguments])
+    return daemon.vct(scene, size=(64, 64), arguments=arguments, **options)
 
 
 def between_planes(name, both_sides=False, downwards=False):
@@ -37,7 +28,7 @@ def between_planes(name, both_sides=False, downwards=False):
                   g.material("lamp", (0, 0, 0), (5, 5, 5), both_sides=both_sides))
     g.node(mesh=lamp, name="lamp", translation=[0, 1.5, 0])
     g.camera((0, 1.5, 6), (0, 1.5, 0), 50)
-    return g.save(folder.name, name + ".gltf")
+    return g.save(daemon.folder, name + ".gltf")
 
 
 class Lamps(unittest.TestCase):
@@ -69,7 +60,7 @@ class Shadows(unittest.TestCase):
         g.place(*quad((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)), g.material("floor", (.5,) * 3))
         g.place(*box((-.6, 1, -.6), (.6, 1.2, .6)), g.material("block", (.5,) * 3))
         g.camera((0, 0.5, 4), (0, 0, 0), 30)
-        scene = g.save(folder.name, "shadow.gltf")
+        scene = g.save(daemon.folder, "shadow.gltf")
         sun = ["--light", "directional:direction=0,-1,0,intensity=1"]
         seen = [vct(scene, sun, shadows="volume", pyramid=p, bounces=0).radiance.tobytes()
                 for p in ("directional", "isotropic")]
@@ -79,7 +70,7 @@ class Shadows(unittest.TestCase):
         g = Gltf()
         g.place(*quad((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)), g.material("floor", (.5,) * 3))
         g.camera((0, 0.5, 4), (0, 0, 0), 30)
-        scene = g.save(folder.name, "floor.gltf")
+        scene = g.save(daemon.folder, "floor.gltf")
         compiled = []
         for aperture in (5, 20):
             report = vct(scene, ["--light", "point:at=0,1,0,intensity=1"], shadows="cones", shadow_aperture=aperture).report
