@@ -3,6 +3,7 @@ import os
 
 import images
 import wire
+from render import skip
 from wire import pb
 
 
@@ -69,7 +70,11 @@ class Stage:
         """(radiance, channels, messages) of a render that is under way, one a picture for a sweep."""
         replies = self.connection.follow(request)
         if replies[-1].kind == wire.ERROR:
-            raise Refused(replies[-1].body)
+            error = replies[-1].body
+            if error.name == "device":
+                self.__exit__()
+                skip(error.message)
+            raise Refused(error)
         found = [(*self.picture(bytes(data)), replies) for _, data in wire.images(replies)]
         return found if len(found) > 1 else found[0]
 

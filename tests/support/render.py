@@ -35,6 +35,14 @@ class Failed(Exception):
         self.text = text
 
 
+def skip(reason):
+    """End this program as one that needs what is not here. At once: to unittest a SystemExit is a test that failed."""
+    print("skipped:", reason, flush=True)
+    for daemon in list(Daemon.running):
+        daemon.stop()
+    os._exit(SKIPPED)
+
+
 class Picture:
     """An EXR file as arrays: radiance (h, w, 3), and by name each other channel (h, w)."""
 
@@ -55,6 +63,7 @@ class Picture:
 class Daemon:
     """candild with the build's own loader and worker, from __enter__ to __exit__. `folder`, a path, goes with it: it has the socket
     and the log, and room for scenes and pictures. Its end fails if a sanitizer or a validation layer had something to say."""
+    running = []  # all of this program
 
     def __init__(self, *arguments, environment=None):
         self.arguments = arguments
@@ -67,6 +76,7 @@ class Daemon:
         self.log = open(os.path.join(self.folder, "log"), "w+")
         self.process = subprocess.Popen([CANDILD, "--socket", self.socket, *self.arguments], stderr=self.log,
                                         stdin=subprocess.DEVNULL, env=self.environment)
+        Daemon.running.append(self)
         deadline = time.monotonic() + 60
         while not os.path.exists(self.socket):
             if self.process.poll() is not None or time.monotonic() > deadline:
@@ -74,14 +84,20 @@ class Daemon:
             time.sleep(0.01)
         return self
 
-    def __exit__(self, kind, value, trace):
+    def stop(self):
+        """(exit status, log)"""
+        Daemon.running.remove(self)
         self.process.terminate()
         status = self.process.wait(timeout=60)
         text = self.read_log()
-        if kind is not None:
-            sys.stderr.write(text)
         self.log.close()
         self.temporary.cleanup()
+        return status, text
+
+    def __exit__(self, kind, value, trace):
+        status, text = self.stop()
+        if kind is not None:
+            sys.stderr.write(text)
         assert status == 0, f"candild ended with {status}: {text}"
         for word in ("ERROR: AddressSanitizer", "runtime error:", "ERROR: LeakSanitizer", "validation:"):
             assert word not in text, text
@@ -97,8 +113,7 @@ class Daemon:
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=self.environment, timeout=590)
         out, err = done.stdout.decode(), done.stderr.decode()
         if done.returncode == EXIT_DEVICE and "no Vulkan" in err:
-            print("skipped:", err)
-            sys.exit(SKIPPED)
+            skip(err)
         if check and done.returncode != 0:
             raise Failed(done.returncode, err)
         return done.returncode, out, err
