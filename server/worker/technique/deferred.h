@@ -3,9 +3,9 @@
 //
 // A sample is: the visibility pass (every triangle drawn, its ids kept), the technique's passes one after the other, each
 // over all pixels, and their sum added to the picture's. The passes of one sample see one jittered ray a pixel: through the
-// pixel's middle if the picture has one sample. Pictures of more pixels than the device binds are made in bands of rows, each
-// with TILE_SIDE rows more on either side for what passes read of pixels near by, so that where a band ends shows in no bit.
-// A technique's struct technique_job holds a struct deferred and hands its calls on. Device's thread only.
+// pixel's middle if the picture has one sample. Pictures of more pixels than the device binds are made in bands of rows,
+// each with TILE_SIDE rows more on either side for what passes read of pixels near by, so that where a band ends shows in no
+// bit. A technique's struct technique_job holds a struct deferred and hands its calls on. Device's thread only.
 #ifndef CANDIL_WORKER_TECHNIQUE_DEFERRED_H
 #define CANDIL_WORKER_TECHNIQUE_DEFERRED_H
 

@@ -12,17 +12,8 @@
 #include "shaders/gl/shadow_vert.h"
 #include "shaders/shared/deferred.h"
 
-#define KEPT 2u // finished maps that no job uses, of one scene and what edits made of it
 #define FIRST_TRIANGLES 512u // one may cover all of a map
 #define GROWTH 4u // from piece to piece
-
-struct shadow_shelf {
-	struct derived derived;
-	struct shadow_maps *first;
-	uint64_t turn;
-};
-
-static const char kind; // its address names the shelf among the derived
 
 static const struct gl_source whole_source = {.name = "shadow", .vertex = source_shadow_vert};
 static const struct gl_source cut_source = {
@@ -44,8 +35,10 @@ static void finish_drawing(struct shadow_maps *m)
 	m->scene = NULL;
 }
 
-static void destroy(struct shadow_maps *m)
+static void destroy(struct shelved *shelved, bool scene_goes)
 {
+	struct shadow_maps *m = (struct shadow_maps *)shelved;
+	(void)scene_goes;
 	finish_drawing(m);
 	gl_texture_finish(&m->depths, m->device);
 	gl_buffer_finish(&m->views, m->device);
@@ -53,69 +46,18 @@ static void destroy(struct shadow_maps *m)
 	free(m);
 }
 
-static void shelf_destroy(struct derived *derived)
+static bool is_finished(const struct shelved *shelved)
 {
-	struct shadow_shelf *s = (struct shadow_shelf *)derived;
-	while (s->first) {
-		struct shadow_maps *m = s->first;
-		s->first = m->next;
-		destroy(m);
-	}
-	free(s);
+	return shadow_maps_finished((const struct shadow_maps *)shelved);
 }
 
-static void drop(struct shadow_shelf *s, struct shadow_maps *m)
+static uint64_t idle_bytes(const struct shelved *shelved)
 {
-	struct shadow_maps **at = &s->first;
-	while (*at != m)
-		at = &(*at)->next;
-	*at = m->next;
-	destroy(m);
+	const struct shadow_maps *m = (const struct shadow_maps *)shelved;
+	return m->depths.bytes + m->views.bytes + m->lights.bytes;
 }
 
-// The least recently used of those that nobody uses, if there are more than `kept`. False: there are not.
-static bool drop_oldest(struct shadow_shelf *s, uint32_t kept)
-{
-	struct shadow_maps *oldest = NULL;
-	uint32_t idle = 0;
-	for (struct shadow_maps *m = s->first; m; m = m->next) {
-		if (m->users > 0)
-			continue;
-		idle++;
-		oldest = !oldest || m->used < oldest->used ? m : oldest;
-	}
-	if (idle <= kept)
-		return false;
-	drop(s, oldest);
-	return true;
-}
-
-static bool trim(struct derived *derived)
-{
-	return drop_oldest((struct shadow_shelf *)derived, 0);
-}
-
-static uint64_t idle_bytes(const struct derived *derived)
-{
-	uint64_t bytes = 0;
-	for (const struct shadow_maps *m = ((const struct shadow_shelf *)derived)->first; m; m = m->next)
-		bytes += m->users == 0 ? m->depths.bytes + m->views.bytes + m->lights.bytes : 0;
-	return bytes;
-}
-
-static struct shadow_shelf *shelf_of(struct resident_scene *scene)
-{
-	struct resident_scene *base = scene->base ? scene->base : scene;
-	struct shadow_shelf *s = (struct shadow_shelf *)resident_derived(base, &kind);
-	if (s)
-		return s;
-	s = calloc(1, sizeof *s);
-	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim, .bytes = idle_bytes};
-		resident_derive(base, &s->derived);
-	}
-	return s;
-}
+static const struct shelf_kind kind = {.kept = 2, .finished = is_finished, .bytes = idle_bytes, .destroy = destroy};
 
 // ---- what a plan wants --------------------------------------------------------------------------------------------------
 
@@ -316,17 +258,18 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	if (s == STATUS_OK)
 		*out = m;
 	else
-		destroy(m);
+		destroy(&m->shelved, false);
 	return s;
 }
 
 // Those on the shelf. What is being drawn reads its scene, and is for that scene's jobs alone.
-static struct shadow_maps *find(const struct shadow_shelf *s, const struct shadow_key *key,
-				const struct resident_scene *scene)
+static struct shadow_maps *find(const struct shelf *s, const struct shadow_key *key, const struct resident_scene *scene)
 {
-	for (struct shadow_maps *m = s->first; m; m = m->next)
+	for (struct shelved *at = s->first; at; at = at->next) {
+		struct shadow_maps *m = (struct shadow_maps *)at;
 		if (!memcmp(&m->key, key, sizeof *key) && (!m->scene || m->scene == scene))
 			return m;
+	}
 	return NULL;
 }
 
@@ -334,35 +277,27 @@ enum status shadow_maps_acquire(struct resident_scene *scene, struct gl_device *
 				uint64_t *compile_us, struct shadow_maps **maps, struct error *err)
 {
 	const struct shadow_key key = key_of(plan, scene);
-	struct shadow_shelf *shelf = shelf_of(scene);
+	struct shelf *shelf = shelf_of(scene, &kind);
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	struct shadow_maps *m = find(shelf, &key, scene);
 	if (!m) {
 		enum status s = create(scene, device, plan, &key, compile_us, &m, err);
-		while (s == STATUS_MEMORY && drop_oldest(shelf, 0))
+		while (s == STATUS_MEMORY && shelf_drop_idle(shelf, 0))
 			s = create(scene, device, plan, &key, compile_us, &m, err);
 		if (s != STATUS_OK)
 			return s;
-		m->shelf = shelf;
-		m->next = shelf->first;
-		shelf->first = m;
+		shelf_put(shelf, &m->shelved);
 	}
-	m->users++;
-	m->used = ++shelf->turn;
+	shelf_hold(&m->shelved);
 	*maps = m;
 	return STATUS_OK;
 }
 
 void shadow_maps_release(struct shadow_maps *m)
 {
-	if (!m)
-		return;
-	struct shadow_shelf *s = m->shelf;
-	if (--m->users == 0 && !shadow_maps_finished(m))
-		drop(s, m);
-	while (drop_oldest(s, KEPT))
-		;
+	if (m)
+		shelf_release(&m->shelved);
 }
 
 // ---- drawing ------------------------------------------------------------------------------------------------------------

@@ -12,9 +12,7 @@
 #include "server/worker/gl/texture.h"
 #include "server/worker/gl/timer.h"
 #include "server/worker/plan.h"
-#include "server/worker/resident.h"
-
-struct shadow_shelf; // shadow_maps.c
+#include "server/worker/technique/shelf.h"
 
 // All that the maps depend on. Compared by bytes.
 struct shadow_key {
@@ -25,12 +23,9 @@ struct shadow_key {
 };
 
 struct shadow_maps {
-	struct shadow_maps *next;
-	struct shadow_shelf *shelf; // whose they are
+	struct shelved shelved;
 	struct gl_device *device;
 	struct shadow_key key;
-	uint32_t users; // jobs that hold them
-	uint64_t used; // when they were last acquired, in turns
 	uint32_t count; // maps: layers of the texture
 	struct gl_texture depths;
 	struct gl_buffer views, lights; // UNIFORM_SHADOW_MAPS, BIND_SHADOW_LIGHTS
@@ -67,7 +62,7 @@ static inline bool shadow_maps_finished(const struct shadow_maps *maps)
 // Bind what direct/shadow_map.glsl reads.
 void shadow_maps_bind(const struct shadow_maps *maps);
 
-// NULL is allowed. Finished ones stay with the scene.
+// NULL is allowed. The latest two that are finished stay with the scene.
 void shadow_maps_release(struct shadow_maps *maps);
 
 // Device memory of a plan's maps, in bytes; 0 where it wants none.

@@ -9,19 +9,9 @@
 #include "server/worker/technique/scene_job.h"
 #include "server/worker/technique/vct_build.h"
 
-#define KEPT 2u // finished volumes that no job uses, of one scene and its variants
-
-// The volumes of a scene and its variants.
-struct vct_shelf {
-	struct derived derived;
-	struct vct_volume *first;
-	uint64_t turn;
-};
-
-static const char kind; // its address names the shelf among the derived
-
-static void destroy(struct vct_volume *v)
+static void destroy(struct shelved *shelved, bool scene_goes)
 {
+	struct vct_volume *v = (struct vct_volume *)shelved;
 	gl_buffer_finish(&v->params_block, v->device);
 	gl_buffer_finish(&v->cells, v->device);
 	gl_buffer_finish(&v->direct, v->device);
@@ -29,55 +19,16 @@ static void destroy(struct vct_volume *v)
 	gl_buffer_finish(&v->job, v->device);
 	gl_texture_finish(&v->pyramid, v->device);
 	gl_texture_finish(&v->shares, v->device);
-	voxels_release(v->voxels);
-	shadow_maps_release(v->maps);
+	if (!scene_goes) {
+		voxels_release(v->voxels);
+		shadow_maps_release(v->maps);
+	}
 	free(v);
 }
 
-// Derived things go one after the other in no order that we know: voxels that are gone need no release.
-static void shelf_destroy(struct derived *derived)
+static bool is_finished(const struct shelved *shelved)
 {
-	struct vct_shelf *s = (struct vct_shelf *)derived;
-	while (s->first) {
-		struct vct_volume *v = s->first;
-		s->first = v->next;
-		v->voxels = NULL;
-		v->maps = NULL;
-		destroy(v);
-	}
-	free(s);
-}
-
-static void drop(struct vct_shelf *s, struct vct_volume *v)
-{
-	struct vct_volume **at = &s->first;
-	while (*at != v)
-		at = &(*at)->next;
-	*at = v->next;
-	destroy(v);
-}
-
-// All that nobody uses, but the latest `kept`. False: there was none.
-static bool drop_idle(struct vct_shelf *s, uint32_t kept)
-{
-	for (bool any = false;; any = true) {
-		struct vct_volume *oldest = NULL;
-		uint32_t idle = 0;
-		for (struct vct_volume *v = s->first; v; v = v->next) {
-			if (v->users > 0)
-				continue;
-			idle++;
-			oldest = !oldest || v->used < oldest->used ? v : oldest;
-		}
-		if (idle <= kept)
-			return any;
-		drop(s, oldest);
-	}
-}
-
-static bool trim(struct derived *derived)
-{
-	return drop_idle((struct vct_shelf *)derived, 0);
+	return vct_volume_finished((const struct vct_volume *)shelved);
 }
 
 static uint64_t volume_bytes(const struct vct_volume *v)
@@ -86,40 +37,30 @@ static uint64_t volume_bytes(const struct vct_volume *v)
 	       v->shares.bytes;
 }
 
+static bool shares_voxels(const struct shelved *shelved, const struct vct_volume *with)
+{
+	return shelved->users == 0 && ((const struct vct_volume *)shelved)->voxels == with->voxels;
+}
+
 // Of an idle volume, its voxels as well if none but idle ones hold them: they are the last's of those.
-static uint64_t voxel_share(const struct vct_shelf *s, const struct vct_volume *of)
+static uint64_t voxel_share(const struct vct_volume *of)
 {
 	uint32_t holders = 0;
 	bool last = true;
-	for (const struct vct_volume *v = s->first; v; v = v->next)
-		holders += v->users == 0 && v->voxels == of->voxels;
-	for (const struct vct_volume *v = of->next; v; v = v->next)
-		last = last && !(v->users == 0 && v->voxels == of->voxels);
-	return last && holders == of->voxels->users ? voxels_bytes(of->voxels) + of->voxels->cells.bytes : 0;
+	for (const struct shelved *at = of->shelved.shelf->first; at; at = at->next)
+		holders += shares_voxels(at, of);
+	for (const struct shelved *at = of->shelved.next; at; at = at->next)
+		last = last && !shares_voxels(at, of);
+	return last && holders == of->voxels->shelved.users ? voxels_bytes(of->voxels) + of->voxels->cells.bytes : 0;
 }
 
-static uint64_t idle_bytes(const struct derived *derived)
+static uint64_t idle_bytes(const struct shelved *shelved)
 {
-	const struct vct_shelf *s = (const struct vct_shelf *)derived;
-	uint64_t bytes = 0;
-	for (const struct vct_volume *v = s->first; v; v = v->next)
-		bytes += v->users == 0 ? volume_bytes(v) + voxel_share(s, v) : 0;
-	return bytes;
+	const struct vct_volume *v = (const struct vct_volume *)shelved;
+	return volume_bytes(v) + voxel_share(v);
 }
 
-static struct vct_shelf *shelf_of(struct resident_scene *of)
-{
-	struct resident_scene *scene = of->base ? of->base : of;
-	struct vct_shelf *s = (struct vct_shelf *)resident_derived(scene, &kind);
-	if (s)
-		return s;
-	s = calloc(1, sizeof *s);
-	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim, .bytes = idle_bytes};
-		resident_derive(scene, &s->derived);
-	}
-	return s;
-}
+static const struct shelf_kind kind = {.kept = 2, .finished = is_finished, .bytes = idle_bytes, .destroy = destroy};
 
 static float brightest(const struct resident_scene *scene)
 {
@@ -216,25 +157,26 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	if (s == STATUS_OK)
 		*out = v;
 	else
-		destroy(v);
+		destroy(&v->shelved, false);
 	return s;
 }
 
 // What is being made is shared by the jobs of one variant alone: it reads that one's buffers.
-static struct vct_volume *find(const struct vct_shelf *s, const struct resident_scene *scene,
-			       const struct vct_options *options)
+static struct vct_volume *find(const struct shelf *s, const struct resident_scene *scene, const struct vct_options *options)
 {
-	for (struct vct_volume *v = s->first; v; v = v->next)
+	for (struct shelved *at = s->first; at; at = at->next) {
+		struct vct_volume *v = (struct vct_volume *)at;
 		if (!memcmp(&v->options, options, sizeof *options) && !memcmp(&v->keys, &scene->keys, sizeof v->keys) &&
 		    (vct_volume_finished(v) || v->scene == scene))
 			return v;
+	}
 	return NULL;
 }
 
 enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
 			       const struct vct_options *options, struct vct_volume **volume, struct error *err)
 {
-	struct vct_shelf *shelf = shelf_of(scene);
+	struct shelf *shelf = shelf_of(scene, &kind);
 	enum status s = STATUS_OK;
 	const struct sky_map *sky = NULL;
 	if (!shelf)
@@ -245,31 +187,25 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 		return s;
 	struct vct_volume *v = find(shelf, scene, options);
 	if (!v) {
-		drop_idle(shelf, KEPT - 1);
+		while (shelf_drop_idle(shelf, kind.kept - 1))
+			;
 		do
 			s = create(scene, device, plan, options, &v, err);
-		while (s == STATUS_MEMORY && drop_idle(shelf, 0));
+		while (s == STATUS_MEMORY && shelf_drop_idle(shelf, 0));
 		if (s != STATUS_OK)
 			return s;
-		v->shelf = shelf;
-		v->next = shelf->first;
-		shelf->first = v;
+		shelf_put(shelf, &v->shelved);
 	}
 	v->sky = sky;
-	v->users++;
-	v->used = ++shelf->turn;
+	shelf_hold(&v->shelved);
 	*volume = v;
 	return STATUS_OK;
 }
 
 void vct_volume_release(struct vct_volume *v)
 {
-	if (!v)
-		return;
-	struct vct_shelf *s = v->shelf;
-	if (--v->users == 0 && !vct_volume_finished(v))
-		drop(s, v);
-	drop_idle(s, KEPT);
+	if (v)
+		shelf_release(&v->shelved);
 }
 
 enum status vct_volume_step(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)

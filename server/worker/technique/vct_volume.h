@@ -36,15 +36,10 @@ struct vct_options {
 	uint64_t sky; // id of the scene that is the picture around it; 0: none
 };
 
-struct vct_shelf; // vct_volume.c
-
 struct vct_volume {
-	struct vct_volume *next;
-	struct vct_shelf *shelf; // whose it is
+	struct shelved shelved;
 	struct scene_keys keys; // of the scene that it was made of
 	struct vct_options options;
-	uint32_t users; // jobs that hold it
-	uint64_t used; // when it was last acquired, in turns
 	struct gl_device *device;
 	const struct sky_map *sky; // of options.sky, while a job has it; NULL: none
 	struct resident_scene *scene; // while it is made: others with the same keys share it afterwards

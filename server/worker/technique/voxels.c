@@ -9,19 +9,10 @@
 #include "server/base/log.h"
 #include "server/worker/technique/voxel_build.h"
 
-#define KEPT 4u // finished voxels that no job uses, of one scene and its variants
-
-// All voxels of a scene and its variants.
-struct voxel_shelf {
-	struct derived derived;
-	struct voxels *first;
-	uint64_t turn;
-};
-
-static const char kind; // its address names the shelf among the derived
-
-static void destroy(struct voxels *v)
+static void destroy(struct shelved *shelved, bool scene_goes)
 {
+	struct voxels *v = (struct voxels *)shelved;
+	(void)scene_goes;
 	voxel_build_destroy(v->build, v->device);
 	voxel_ranges_finish(&v->ranges);
 	gl_buffer_finish(&v->grid_block, v->device);
@@ -32,69 +23,18 @@ static void destroy(struct voxels *v)
 	free(v);
 }
 
-static void shelf_destroy(struct derived *derived)
+static bool is_finished(const struct shelved *shelved)
 {
-	struct voxel_shelf *s = (struct voxel_shelf *)derived;
-	while (s->first) {
-		struct voxels *v = s->first;
-		s->first = v->next;
-		destroy(v);
-	}
-	free(s);
+	return voxels_finished((const struct voxels *)shelved);
 }
 
-static void drop(struct voxel_shelf *s, struct voxels *v)
+static uint64_t idle_bytes(const struct shelved *shelved)
 {
-	struct voxels **at = &s->first;
-	while (*at != v)
-		at = &(*at)->next;
-	*at = v->next;
-	destroy(v);
+	const struct voxels *v = (const struct voxels *)shelved;
+	return voxels_bytes(v) + v->cells.bytes;
 }
 
-// The least recently used of those that nobody uses, if there are more than `kept`. False: there are not.
-static bool drop_oldest(struct voxel_shelf *s, uint32_t kept)
-{
-	struct voxels *oldest = NULL;
-	uint32_t idle = 0;
-	for (struct voxels *v = s->first; v; v = v->next) {
-		if (v->users > 0)
-			continue;
-		idle++;
-		oldest = !oldest || v->used < oldest->used ? v : oldest;
-	}
-	if (idle <= kept)
-		return false;
-	drop(s, oldest);
-	return true;
-}
-
-static bool trim(struct derived *derived)
-{
-	return drop_oldest((struct voxel_shelf *)derived, 0);
-}
-
-static uint64_t idle_bytes(const struct derived *derived)
-{
-	uint64_t bytes = 0;
-	for (const struct voxels *v = ((const struct voxel_shelf *)derived)->first; v; v = v->next)
-		bytes += v->users == 0 ? voxels_bytes(v) + v->cells.bytes : 0;
-	return bytes;
-}
-
-static struct voxel_shelf *shelf_of(struct resident_scene *of)
-{
-	struct resident_scene *scene = of->base ? of->base : of;
-	struct voxel_shelf *s = (struct voxel_shelf *)resident_derived(scene, &kind);
-	if (s)
-		return s;
-	s = calloc(1, sizeof *s);
-	if (s) {
-		s->derived = (struct derived){.kind = &kind, .destroy = shelf_destroy, .trim = trim, .bytes = idle_bytes};
-		resident_derive(scene, &s->derived);
-	}
-	return s;
-}
+static const struct shelf_kind kind = {.kept = 4, .finished = is_finished, .bytes = idle_bytes, .destroy = destroy};
 
 static uint32_t effects_that_color(const struct plan *plan)
 {
@@ -125,32 +65,20 @@ static bool same_grid(const struct voxel_grid *a, const struct voxel_grid *b)
 
 // Those on the shelf like `like`. What is being made is shared by the jobs of one variant alone: it reads that one's
 // buffers.
-static struct voxels *find(const struct voxel_shelf *s, const struct voxels *like, const struct resident_scene *scene)
+static struct voxels *find(const struct shelf *s, const struct voxels *like, const struct resident_scene *scene)
 {
-	for (struct voxels *v = s->first; v; v = v->next)
+	for (struct shelved *at = s->first; at; at = at->next) {
+		struct voxels *v = (struct voxels *)at;
 		if (v->options.resolution == like->options.resolution && v->options.cube == like->options.cube &&
 		    v->effects == like->effects && v->fixed == like->fixed && v->geometry == like->geometry &&
 		    v->materials == like->materials && same_grid(&v->grid, &like->grid) &&
 		    (!v->fixed || voxel_ranges_equal(&v->ranges, &like->ranges)) && (!v->build || v->build->scene == scene))
 			return v;
+	}
 	return NULL;
 }
 
-static void put(struct voxel_shelf *s, struct voxels *v)
-{
-	v->shelf = s;
-	v->next = s->first;
-	s->first = v;
-}
-
-static struct voxels *hold(struct voxels *v)
-{
-	v->users++;
-	v->used = ++v->shelf->turn;
-	return v;
-}
-
-static enum status acquire_like(struct voxel_shelf *shelf, const struct voxels *like, struct resident_scene *scene,
+static enum status acquire_like(struct shelf *shelf, const struct voxels *like, struct resident_scene *scene,
 				const struct plan *plan, struct voxels **out, struct error *err);
 
 // The sums of what an edited scene left in place, if there are enough of it that it is worth while; else none.
@@ -161,7 +89,7 @@ static enum status acquire_fixed(const struct voxels *whole, struct resident_sce
 	*out = NULL;
 	if (!scene->base || whole->fixed || scene->edited.move_count == 0)
 		return STATUS_OK;
-	struct voxel_shelf *shelf = shelf_of(scene);
+	struct shelf *shelf = shelf_of(scene, &kind);
 	enum status r = shelf ? voxel_ranges_init(&like.ranges, scene, VOXELS_UNMOVED, err)
 			      : error_set(err, STATUS_MEMORY, "out of memory");
 	like.fixed = true;
@@ -193,11 +121,11 @@ static enum status create(const struct voxels *like, struct resident_scene *scen
 	if (r == STATUS_OK)
 		*out = v;
 	else
-		destroy(v);
+		destroy(&v->shelved, false);
 	return r;
 }
 
-static enum status acquire_like(struct voxel_shelf *shelf, const struct voxels *like, struct resident_scene *scene,
+static enum status acquire_like(struct shelf *shelf, const struct voxels *like, struct resident_scene *scene,
 				const struct plan *plan, struct voxels **out, struct error *err)
 {
 	struct voxels *v = find(shelf, like, scene);
@@ -206,20 +134,21 @@ static enum status acquire_like(struct voxel_shelf *shelf, const struct voxels *
 		r = create(like, scene, plan, true, &v, err);
 		// Where memory is short the merging is what can be done without, then what is kept for later.
 		while (r == STATUS_MEMORY && (r = create(like, scene, plan, false, &v, err)) == STATUS_MEMORY &&
-		       drop_oldest(shelf, 0))
+		       shelf_drop_idle(shelf, 0))
 			;
 		if (r != STATUS_OK)
 			return r;
-		put(shelf, v);
+		shelf_put(shelf, &v->shelved);
 	}
-	*out = hold(v);
+	shelf_hold(&v->shelved);
+	*out = v;
 	return STATUS_OK;
 }
 
 enum status voxels_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
 			   const struct voxel_options *options, struct voxels **voxels, struct error *err)
 {
-	struct voxel_shelf *s = shelf_of(scene);
+	struct shelf *s = shelf_of(scene, &kind);
 	const struct voxels like = {.device = device,
 				    .options = *options,
 				    .effects = effects_that_color(plan),
@@ -231,13 +160,8 @@ enum status voxels_acquire(struct resident_scene *scene, struct gl_device *devic
 
 void voxels_release(struct voxels *v)
 {
-	if (!v)
-		return;
-	struct voxel_shelf *s = v->shelf;
-	if (--v->users == 0 && v->build)
-		drop(s, v);
-	while (drop_oldest(s, KEPT))
-		;
+	if (v)
+		shelf_release(&v->shelved);
 }
 
 // Compiling is told as such, by the host's clock; all else by the device's.

@@ -17,22 +17,18 @@
 #include "server/worker/gl/buffer.h"
 #include "server/worker/gl/timer.h"
 #include "server/worker/plan.h"
-#include "server/worker/resident.h"
+#include "server/worker/technique/shelf.h"
 #include "server/worker/technique/voxel_grid.h"
 #include "server/worker/technique/voxel_ranges.h"
 
 struct voxel_build; // technique/voxel_build.h
-struct voxel_shelf; // voxels.c
 
 struct voxels {
-	struct voxels *next;
-	struct voxel_shelf *shelf; // whose it is
+	struct shelved shelved;
 	struct gl_device *device;
 	struct voxel_options options;
 	uint32_t effects; // of the plan, those that materials' colours depend on
 	uint64_t geometry, materials; // keys of the scene that it was made of; geometry is 0 with `fixed`
-	uint32_t users; // jobs that hold it
-	uint64_t used; // when it was last acquired, in turns
 
 	// Sums of what an edit left in place, for the build of edited scenes alone.
 	bool fixed;
@@ -66,7 +62,7 @@ static inline bool voxels_finished(const struct voxels *voxels)
 // 0…1.
 double voxels_fraction(const struct voxels *voxels);
 
-// The job is done with them: they stay with the scene for the next, if they are finished. NULL is allowed.
+// The job is done with them: the latest four that are finished stay with the scene for the next. NULL is allowed.
 void voxels_release(struct voxels *voxels);
 
 // Bind what is finished: the grid's uniform block and the storage blocks of shaders/voxel/lookup.glsl.
