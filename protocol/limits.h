@@ -74,6 +74,7 @@
 #define LIMIT_IOR_LEAST 0.1 // index of refraction of what lets light through
 #define LIMIT_IOR_MOST 10.0
 #define LIMIT_ABSORPTION 1e9 // of what is inside, 1/m
+#define LIMIT_PRIORITY 255u // of a clear body among those that it overlaps
 #define LIMIT_TEXTURES 4096u
 #define LIMIT_TEXTURE_SIDE 16384u
 #define LIMIT_TEXELS (256u * 1024u * 1024u) // all textures together

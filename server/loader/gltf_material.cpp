@@ -109,6 +109,19 @@ bool fill_transmission(struct import *import, const tinygltf::Material &m, struc
 	return fit;
 }
 
+// Our own: which body is there where several overlap.
+bool fill_priority(struct import *import, const tinygltf::Material &m, struct material *out)
+{
+	const double given = gltf_number(m.extras, "candil_priority", 0);
+	float priority;
+	const bool fit = import_fit(&priority, given, LIMIT_PRIORITY) && std::floor(given) == given;
+	if (out->transmission > 0 && !(out->flags & MATERIAL_THIN))
+		out->flags |= (uint32_t)priority << MATERIAL_PRIORITY_SHIFT;
+	else if (priority > 0)
+		import_ignore(import, "candil_priority of what is no clear body");
+	return fit;
+}
+
 enum status find_transmission_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out,
 				      struct error *err)
 {
@@ -180,6 +193,7 @@ enum status add_material(gltf_reader *reader, const tinygltf::Material &m, struc
 	bool fit = fill_factors(m, &out);
 	fit &= fill_specular(m, &out);
 	fit &= fill_transmission(reader->import, m, &out);
+	fit &= fill_priority(reader->import, m, &out);
 	fit &= fill_alpha(m, &out);
 	fit &= gltf_fill_layers(reader, m, &out);
 	if (!fit)
@@ -193,7 +207,7 @@ enum status add_material(gltf_reader *reader, const tinygltf::Material &m, struc
 			unlit.albedo[c] = out.albedo[c];
 		unlit.alpha_cutoff = out.alpha_cutoff;
 		unlit.alpha = out.alpha;
-		unlit.flags = (out.flags & ~MATERIAL_THIN) | MATERIAL_UNLIT;
+		unlit.flags = (out.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) | MATERIAL_UNLIT;
 		out = unlit;
 	} else if (m.doubleSided && (out.emission[0] > 0 || out.emission[1] > 0 || out.emission[2] > 0)) {
 		out.flags |= MATERIAL_EMITS_BOTH_SIDES;

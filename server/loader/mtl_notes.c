@@ -162,7 +162,8 @@ static bool note_physical(struct mtl_note *note, const struct line *line)
 		    {"Pm", &note->metallic, &note->has_metallic},
 		    {"Pc", &note->coat, NULL},
 		    {"Pcr", &note->coat_roughness, NULL},
-		    {"Pdr", &note->diffuse_roughness, NULL}};
+		    {"Pdr", &note->diffuse_roughness, NULL},
+		    {"Pp", &note->priority, NULL}};
 	for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
 		if (strcasecmp(line->keyword, keys[i].keyword) == 0) {
 			*keys[i].value = line->number_count > 0 ? line->numbers[0] : 0;

@@ -24,6 +24,7 @@ struct mtl_note {
 	double roughness, metallic; // Pr, Pm
 	double coat, coat_roughness; // Pc, Pcr
 	double diffuse_roughness; // Pdr, our own: other programs pass over it
+	double priority; // Pp, our own too
 	double bump; // -bm of its bump or normal map; 1 if none given
 };
 

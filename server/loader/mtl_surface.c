@@ -24,6 +24,9 @@ static bool set_glass(const struct mtl_note *note, struct material *m)
 	bool fit = import_fit(&m->ior, ior, LIMIT_IOR_MOST) && ior >= LIMIT_IOR_LEAST;
 	m->ior = fmaxf(m->ior, (float)LIMIT_IOR_LEAST);
 	m->transmission = 1;
+	float priority;
+	fit &= import_fit(&priority, note->priority, LIMIT_PRIORITY);
+	m->flags |= (uint32_t)priority << MATERIAL_PRIORITY_SHIFT;
 	fit &= import_fit(&m->roughness, note->has_roughness ? note->roughness : 0, 1.0);
 	m->specular_weight = 1;
 	const float f0 = (m->ior - 1) / (m->ior + 1) * ((m->ior - 1) / (m->ior + 1));
@@ -95,6 +98,8 @@ static void tell_ignored(struct import *im, const struct mtl_note *note, bool gl
 		import_ignore(im, "Ni");
 	if (!glass && note->has_filter && (f[0] != 1 || f[1] != 1 || f[2] != 1))
 		import_ignore(im, "Tf");
+	if (!glass && note->priority > 0)
+		import_ignore(im, "Pp");
 	if (glass && note->dissolve != 1)
 		import_ignore(im, "d");
 	if (glass && note->coat > 0)

@@ -30,7 +30,7 @@ float mtl_roughness(double exponent);
 // Physically based exporters' statements go before illum, but for glass: with Pr or Pm the surface is glTF's, a metal of
 // colour Kd by Pm (0 without), of roughness Pr (Ns's without, else 1), and what is no metal reflects as the index Ni does
 // (1.5 without). Pc and Pcr are a clear coat, how much of it there is and its roughness. Pdr, our own, is the roughness of
-// the diffuse part (Oren and Nayar). All are 0 to 1.
+// the diffuse part (Oren and Nayar). All are 0 to 1. Pp, our own, is a glass body's priority among those that it overlaps.
 bool mtl_set_surface(struct import *import, const struct mtl_note *note, struct material *material);
 
 // Whether texels are a normal map rather than heights: their mean points out of the surface, (0.5, 0.5, 1).

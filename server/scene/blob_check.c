@@ -276,8 +276,8 @@ static enum status check_materials(const struct blob_header *h, struct error *er
 	const struct material *materials = blob_section(h, BLOB_MATERIALS);
 	const struct blob_name *names = blob_section(h, BLOB_MATERIAL_NAMES);
 	const uint32_t textures = blob_count(h, BLOB_TEXTURES);
-	const uint32_t flags =
-	    MATERIAL_EMITS_BOTH_SIDES | MATERIAL_ALPHA_MASK | MATERIAL_UNLIT | MATERIAL_ALPHA_BLEND | MATERIAL_THIN;
+	const uint32_t flags = MATERIAL_EMITS_BOTH_SIDES | MATERIAL_ALPHA_MASK | MATERIAL_UNLIT | MATERIAL_ALPHA_BLEND |
+			       MATERIAL_THIN | LIMIT_PRIORITY << MATERIAL_PRIORITY_SHIFT;
 
 	for (uint32_t i = 0; i < blob_count(h, BLOB_MATERIALS); i++) {
 		const struct material *m = &materials[i];

@@ -1,7 +1,10 @@
 // The clear bodies that a path is inside of, the one entered last on top, where its light now travels. What is entered counts
-// until it is left, in whatever order: where two bodies overlap, the one entered last is there and the other's boundary
-// within it is none. A path may be in four; of more, the one entered first is forgotten. One that starts inside of a body
-// learns it where it comes out at the body's back.
+// until it is left, in whatever order: where two bodies overlap, the one of the higher priority is there, of two alike the one
+// entered last (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images"). The stack is kept in that order. A
+// boundary within a body of a higher priority is none: it is met, counts as an event, and leaves light as it is.
+//
+// A path may be in four bodies; of more, the one lowest in the stack is forgotten. One that starts inside of a body learns it where
+// it comes out at the body's back.
 #ifndef PATH_MEDIA_GLSL
 #define PATH_MEDIA_GLSL
 
@@ -19,9 +22,31 @@ bool media_hold(uvec2 media, uint body)
 	       media_slot(media, 3u) == body;
 }
 
+uint media_priority(uint body)
+{
+	return materials[max(body, 1u) - 1u].flags >> MATERIAL_PRIORITY_SHIFT;
+}
+
+uvec2 media_packed(uint slots[4])
+{
+	return uvec2(slots[0] | slots[1] << 16, slots[2] | slots[3] << 16);
+}
+
+// With `body` on top, or beneath those of a higher priority.
 uvec2 media_with(uvec2 media, uint body)
 {
-	return uvec2(media.x << 16 | body, media.y << 16 | media.x >> 16);
+	if (!PRIORITIES)
+		return uvec2(media.x << 16 | body, media.y << 16 | media.x >> 16);
+	uint priority = media_priority(body);
+	uint slots[4];
+	bool placed = false;
+	for (uint i = 0u; i < 4u; i++) {
+		uint here = media_slot(media, i);
+		placed = placed || here == 0u || media_priority(here) <= priority;
+		slots[i] = placed ? body : here;
+		body = placed ? here : body;
+	}
+	return media_packed(slots);
 }
 
 // Without the topmost slot that holds `body`.
@@ -34,7 +59,7 @@ uvec2 media_without(uvec2 media, uint body)
 		slots[i] = media_slot(media, gone ? i + 1u : i);
 		slots[i] = gone && i == 3u ? 0u : slots[i];
 	}
-	return uvec2(slots[0] | slots[1] << 16, slots[2] | slots[3] << 16);
+	return media_packed(slots);
 }
 
 float media_index(uvec2 media)
@@ -43,10 +68,19 @@ float media_index(uvec2 media)
 	return body == 0u ? 1.0 : materials[body - 1u].ior;
 }
 
-// The bodies that the path was in before it met s: those it knows, or the one whose back it sees.
-uvec2 media_before(uvec2 media, surface s)
+// The bodies that the path was in before it met s: those it knows, and the one whose back it sees. Makes nothing of a boundary
+// that is none.
+uvec2 media_before(uvec2 media, inout surface s)
 {
-	return s.body != 0u && !s.front && !media_hold(media, s.body) ? media_with(media, s.body) : media;
+	if (s.body != 0u && !s.front && !media_hold(media, s.body))
+		media = media_with(media, s.body);
+	uint top = media_slot(media, 0u);
+	if (PRIORITIES && s.body != 0u && top != 0u && media_priority(top) > media_priority(s.body)) {
+		s.transmission = 1.0;
+		s.base = vec3(1.0);
+		s.shading = s.geometric;
+	}
+	return media;
 }
 
 // Those on the far side of a body's boundary.

@@ -12,6 +12,7 @@ layout(constant_id = SPEC_ROULETTE) const bool WAY_ROULETTE = true;
 layout(constant_id = SPEC_LIGHT_TREE) const bool WAY_LIGHT_TREE = false;
 layout(constant_id = SPEC_CLAMP) const bool WAY_CLAMP = false;
 layout(constant_id = SPEC_DISCS) const bool WAY_DISCS = false;
+layout(constant_id = SPEC_PRIORITIES) const bool PRIORITIES = false;
 
 #define SAMPLES_INDEPENDENT (WAY_SAMPLER == SAMPLER_INDEPENDENT)
 #define HEMISPHERE_UNIFORM WAY_UNIFORM

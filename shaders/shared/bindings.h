@@ -85,7 +85,8 @@
 #define SPEC_SKY 25 // what is around the scene is a picture, and a light
 #define SPEC_DISCS 26 // some directional light shines from a disc
 #define SPEC_LIGHT_TREE 27 // emissive triangles are chosen by the tree over them, else by their power alone
-#define SPEC_COUNT 28
+#define SPEC_PRIORITIES 28 // some clear body has a priority above 0
+#define SPEC_COUNT 29
 
 // How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
 // first alone; by the second alone.

@@ -68,6 +68,7 @@ LAYOUT_ASSERT(leaf_triangle, 48)
 #define MATERIAL_UNLIT 4u // shows its base colour as radiance, neither lit nor casting light
 #define MATERIAL_ALPHA_BLEND 8u // there with the probability that its alpha says
 #define MATERIAL_THIN 16u // of what lets light through: a sheet without an inside, that does not bend it
+#define MATERIAL_PRIORITY_SHIFT 8u // above: a clear body's, 0…LIMIT_PRIORITY; where bodies overlap, the highest is there
 
 #define GGX_ALPHA_LEAST 1e-4 // microfacets' α below it is a perfect mirror
 

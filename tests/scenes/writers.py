@@ -63,12 +63,13 @@ class Gltf:
                                       "componentType": 5125, "count": len(values), "type": "SCALAR"})
 
     def material(self, name, albedo=(1, 1, 1), emission=(0, 0, 0), both_sides=False, texture=None, metallic=0, roughness=1,
-                 specular=0, ior=None, alpha=1, cutoff=None, blend=False, unlit=False, clear=0, volume=None, coat=None, matte=0):
+                 specular=0, ior=None, alpha=1, cutoff=None, blend=False, unlit=False, clear=0, volume=None, coat=None, matte=0,
+                 priority=0):
         """Emission is a radiance; above 1 it goes through KHR_materials_emissive_strength. `specular` is the factor of
         KHR_materials_specular: at 0, as here, and without metal the surface is a pure Lambert one, which closed forms need;
         1 is glTF's own default. `cutoff` makes it an alpha mask, `blend` blends it. `clear` is its transmission, and
         `volume` what KHR_materials_volume says of its inside; without, it is thin. `coat` is what KHR_materials_clearcoat says, `matte`
-        the roughness of the diffuse part (KHR_materials_diffuse_roughness). A texture is an index or a whole textureInfo."""
+        the roughness of the diffuse part (KHR_materials_diffuse_roughness), `priority` our own candil_priority. A texture is an index or a whole textureInfo."""
         pbr = {"baseColorFactor": [*albedo, alpha], "metallicFactor": metallic, "roughnessFactor": roughness}
         if texture is not None:
             pbr["baseColorTexture"] = texture if isinstance(texture, dict) else {"index": texture}
@@ -91,6 +92,8 @@ class Gltf:
             self.extend(material, "KHR_materials_clearcoat", coat)
         if matte:
             self.extend(material, "KHR_materials_diffuse_roughness", {"diffuseRoughnessFactor": matte})
+        if priority:
+            material["extras"] = {"candil_priority": priority}
         strength = max(emission)
         if strength > 1:
             material["emissiveFactor"] = [e / strength for e in emission]
@@ -262,6 +265,23 @@ def box(low, high, inward=False):
     faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
     return p, [(a, c, b) for a, b, c in triangles] if inward else triangles
+
+
+def pit_box(low, high, pit_low, pit_high):
+    """A box with a pit, which is open where both end above: pit_low[1] is its floor, and pit_high[1] counts for nothing."""
+    (x0, y0, z0), (x1, y1, z1) = low, high
+    (u0, v0, w0), (u1, _, w1) = pit_low, pit_high
+    outside, outside_faces = box(low, high)
+    inside, inside_faces = box((u0, v0, w0), (u1, y1, w1), inward=True)
+    # Without their lids, between which a ring goes.
+    outside_faces, inside_faces = ([t for t in faces if not all(p[i][1] == y1 for i in t)]
+                                   for p, faces in ((outside, outside_faces), (inside, inside_faces)))
+    outer, inner = ([[a, y1, c], [b, y1, c], [b, y1, d], [a, y1, d]] for a, b, c, d in ((x0, x1, z1, z0), (u0, u1, w1, w0)))
+    ring = [t for i in range(4) for t in ((i, (i + 1) % 4, 4 + (i + 1) % 4), (i, 4 + (i + 1) % 4, 4 + i))]
+    points, faces = outside + inside + outer + inner, list(outside_faces)
+    faces += [tuple(i + len(outside) for i in t) for t in inside_faces]
+    faces += [tuple(i + len(outside) + len(inside) for i in t) for t in ring]
+    return points, faces
 
 
 def icosphere(subdivisions, radius=1.0, inward=False):

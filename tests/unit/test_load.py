@@ -440,6 +440,21 @@ class Load(unittest.TestCase):
                                 ["diffuseRoughnessTexture"])
         self.assertEqual((m[MATTE], len(info["warnings"])), (1, 1))
 
+    def test_priorities(self):
+        solid = {"thicknessFactor": 1}
+        for given, flags, warnings in ((3, 3, 0), (255, 255, 0), (2.0, 2, 0), (1.5, 1, 1), (-1, 0, 1), (1e300, 255, 1), ("1", 0, 0),
+                                       ([1], 0, 0)):
+            info, m = self.material(clear=1, volume=solid, priority=given)
+            self.assertEqual((m[FLAGS], len(info["warnings"])), (flags << 8, warnings), given)
+        told = ["candil_priority of what is no clear body"]
+        self.assertEqual(self.material(ignored=told, clear=1, priority=1)[1][FLAGS], 16)
+        self.assertEqual(self.material(ignored=told, priority=1)[1][FLAGS], 0)
+        self.assertEqual(self.material(clear=1, volume=solid, priority=1, unlit=True)[1][FLAGS], 4)
+
+        def edit(g, m):
+            m["extras"] = [1, "candil_priority"]
+        self.assertEqual(self.material(edit, clear=1, volume=solid)[1][FLAGS], 0)
+
     def test_a_thickness_map_is_told(self):
         def edit(g, m):
             g.extend(m, "KHR_materials_transmission", {"transmissionFactor": 1})

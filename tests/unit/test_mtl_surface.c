@@ -114,6 +114,26 @@ static void glass(void **state)
 	assert_string_equal(info.ignored[1], "Tf");
 }
 
+static void priorities(void **state)
+{
+	static char text[] =
+	    "newmtl glass\nillum 7\nNi 1.5\nPp 3\nnewmtl high\nillum 7\nNi 1.5\nPp 1e9\nnewmtl matt\nPp 3\n";
+	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
+	static const char *const names[] = {"glass", "high", "matt"};
+	static const uint32_t flags[] = {3u << MATERIAL_PRIORITY_SHIFT, LIMIT_PRIORITY << MATERIAL_PRIORITY_SHIFT, 0};
+	struct mtl_notes notes = {0};
+	(void)state;
+	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
+	for (int i = 0; i < 3; i++) {
+		struct material m = import_plain_material(0.5f);
+		assert_true(mtl_set_surface(&import, mtl_notes_find(&notes, names[i]), &m) == (i != 1));
+		assert_int_equal(m.flags, flags[i]);
+	}
+	mtl_notes_finish(&notes);
+	assert_int_equal(info.ignored_count, 1);
+	assert_string_equal(info.ignored[0], "Pp");
+}
+
 static void physical_keys(void **state)
 {
 	static char text[] = "newmtl metal\nKs 0.5 0.5 0.5\nNs 30\nillum 1\nPm 1\nPr 0.25\nNi 3\n"
@@ -227,6 +247,7 @@ int main(void)
 	    cmocka_unit_test(exponents),
 	    cmocka_unit_test_setup(illumination_models, fresh),
 	    cmocka_unit_test_setup(glass, fresh),
+	    cmocka_unit_test_setup(priorities, fresh),
 	    cmocka_unit_test_setup(physical_keys, fresh),
 	    cmocka_unit_test_setup(dissolve, fresh),
 	    cmocka_unit_test_setup(statements, fresh),

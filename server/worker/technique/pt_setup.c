@@ -268,6 +268,15 @@ static bool has_discs(const struct resident_scene *scene)
 	return false;
 }
 
+static bool has_priorities(const struct resident_scene *scene)
+{
+	const struct material *materials = scene_section(scene, BLOB_MATERIALS);
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_MATERIALS); i++)
+		if (materials[i].flags >> MATERIAL_PRIORITY_SHIFT)
+			return true;
+	return false;
+}
+
 enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *shader, uint32_t effects,
 				 struct pipeline **pipeline, struct error *err)
 {
@@ -289,6 +298,7 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 	constants[SPEC_SKY] = j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
 	constants[SPEC_DISCS] = effects >> candil_Effect_EFFECT_LIGHTS & 1u && has_discs(j->scene);
 	constants[SPEC_LIGHT_TREE] = j->tree && effects >> candil_Effect_EFFECT_EMITTERS & 1u;
+	constants[SPEC_PRIORITIES] = effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene);
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
 }
 
