@@ -146,6 +146,20 @@ candil_client *cli_connect(const struct cli *cli, enum exit_code *code)
 	return NULL;
 }
 
+enum exit_code cli_ask(struct cli *cli, const struct command *self, int argc, char **argv, int count,
+		       enum exit_code (*ask)(const struct cli *cli, candil_client *client, const char *argument))
+{
+	enum exit_code code = EXIT_DONE;
+	if (!cli_parse_simple(cli, self, argc, argv, count, &code))
+		return code;
+	candil_client *client = cli_connect(cli, &code);
+	if (!client)
+		return code;
+	code = ask(cli, client, count > 0 ? argv[optind] : NULL);
+	candil_disconnect(client);
+	return code;
+}
+
 bool cli_parse_u64(const char *text, uint64_t *out)
 {
 	char *end;

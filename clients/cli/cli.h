@@ -57,6 +57,11 @@ bool cli_common_option(struct cli *cli, const struct command *self, int option, 
 // Parse a command line of common options and exactly `count` other arguments. As above.
 bool cli_parse_simple(struct cli *cli, const struct command *self, int argc, char **argv, int count, enum exit_code *code);
 
+// A whole command that is one question to the daemon: parse as cli_parse_simple does (count 0 or 1), connect, `ask`, which
+// says its answer or failure on standard output, and disconnect. `argument` is that of the command line, NULL without one.
+enum exit_code cli_ask(struct cli *cli, const struct command *self, int argc, char **argv, int count,
+		       enum exit_code (*ask)(const struct cli *cli, candil_client *client, const char *argument));
+
 // "candil: …" on stderr and EXIT_USAGE.
 enum exit_code cli_usage(const struct command *self, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

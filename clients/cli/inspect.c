@@ -7,44 +7,25 @@
 
 #include "clients/cli/inspect_pictures.h"
 #include "clients/cli/interrupt.h"
+#include "clients/cli/job.h"
 #include "clients/cli/output.h"
-#include "clients/cli/progress.h"
-#include "clients/cli/render_options.h"
 #include "clients/cli/report.h"
-#include "clients/cli/target.h"
 #include "clients/cli/view.h"
 
 #define OWN_OPTIONS 4u // that a picture adds to --set's: vct.show, .level, .axis, .slice
 #define MIB (1.0 / 1048576.0)
 
 struct inspect {
-	const struct cli *cli;
-	struct render_options options;
-	struct target target;
-	struct progress progress;
+	struct job job;
 	struct inspect_list list;
 	uint32_t done; // pictures that are written
 	struct candil_accepted accepted; // of the first
 	bool framed; // the scene has no camera
 };
 
-static enum exit_code fail(struct inspect *inspect, const struct candil_error *error)
-{
-	progress_clear(&inspect->progress);
-	return cli_fail(inspect->cli, error, stdout);
-}
-
-static enum exit_code fail_output(struct inspect *inspect, const char *name)
-{
-	char what[256];
-	snprintf(what, sizeof(what), "cannot write %.200s", name);
-	progress_clear(&inspect->progress);
-	return cli_fail_errno(inspect->cli, what, stdout);
-}
-
 static const char *extension(const struct inspect *inspect)
 {
-	return inspect->options.request.format == CANDIL_FORMAT_PNG ? "png" : "exr";
+	return inspect->job.options.request.format == CANDIL_FORMAT_PNG ? "png" : "exr";
 }
 
 // ---- the pictures ----------------------------------------------------------------------------------------------------
@@ -52,28 +33,26 @@ static const char *extension(const struct inspect *inspect)
 static bool write_image(const struct inspect *inspect, struct inspect_picture *p, const struct candil_image *image)
 {
 	char name[PATH_MAX];
-	struct output output;
-	if (!inspect_name(p, inspect->options.output, extension(inspect), name, sizeof(name))) {
+	if (!inspect_name(p, inspect->job.options.output, extension(inspect), name, sizeof(name))) {
 		errno = ENAMETOOLONG;
 		return false;
 	}
-	bool good = output_open(&output, name) && output_write(&output, image->data, image->bytes);
-	int failure = errno;
-	output_close(&output);
-	errno = failure;
 	p->bytes = image->bytes;
-	return good;
+	return output_save(name, image->data, image->bytes);
 }
 
-static bool take_event(struct inspect *inspect, struct inspect_picture *p, const struct candil_event *event)
+// One event of the picture that is under way. false: it cannot be written (errno).
+static bool take_event(void *user, const struct candil_event *event)
 {
+	struct inspect *inspect = user;
+	struct inspect_picture *p = &inspect->list.pictures[inspect->done];
 	switch (event->kind) {
 	case CANDIL_EVENT_ACCEPTED:
 		if (inspect->done == 0)
 			inspect->accepted = event->u.accepted;
 		return true;
 	case CANDIL_EVENT_PROGRESS:
-		progress_images(&inspect->progress, (inspect->done + event->u.progress.fraction) / inspect->list.count,
+		progress_images(&inspect->job.progress, (inspect->done + event->u.progress.fraction) / inspect->list.count,
 				inspect->done, inspect->list.count);
 		return true;
 	case CANDIL_EVENT_IMAGE:
@@ -86,46 +65,24 @@ static bool take_event(struct inspect *inspect, struct inspect_picture *p, const
 	}
 }
 
-// Submit a request and see it through, as render does.
-static enum exit_code see_through(struct inspect *inspect, struct inspect_picture *p,
-				  const struct candil_render_request *request)
+static enum exit_code see_through(struct inspect *inspect, const struct candil_render_request *request)
 {
-	candil_client *client = inspect->target.client;
 	struct candil_error error;
-	struct candil_event event = {0};
-	int failure = 0; // of the output: errno
 	uint32_t id;
-	candil_status status = candil_submit_render(client, request, &id, &error);
-	while (status == CANDIL_STATUS_OK && !event.ends_request) {
-		if (!interrupt_wait(client, &event, &status, &error)) {
-			if (status == CANDIL_STATUS_OK)
-				status = candil_cancel(client, id, &error);
-			continue;
-		}
-		if (event.id != id)
-			continue;
-		if (event.kind == CANDIL_EVENT_ERROR && !failure)
-			return fail(inspect, &event.u.error);
-		if (!failure && !take_event(inspect, p, &event)) {
-			failure = errno ? errno : EIO;
-			if (!event.ends_request)
-				status = candil_cancel(client, id, &error);
-		}
-	}
-	if (failure) {
-		errno = failure;
-		return fail_output(inspect, inspect->options.output);
-	}
-	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(inspect, &error);
+	if (candil_submit_render(inspect->job.target.client, request, &id, &error) != CANDIL_STATUS_OK)
+		return job_fail(&inspect->job, &error);
+	return job_follow(&inspect->job, id, take_event, inspect);
 }
 
-static enum exit_code make_picture(struct inspect *inspect, struct inspect_picture *p)
+// The next of the list.
+static enum exit_code make_picture(struct inspect *inspect)
 {
-	struct candil_render_request request = inspect->options.request;
-	struct candil_option options[sizeof(inspect->options.settings) / sizeof(*inspect->options.settings)];
+	const struct inspect_picture *p = &inspect->list.pictures[inspect->done];
+	struct candil_render_request request = inspect->job.options.request;
+	struct candil_option options[sizeof(inspect->job.options.settings) / sizeof(*inspect->job.options.settings)];
 	char level[16], axis[] = "x", slice[16];
 	size_t count = request.option_count;
-	memcpy(options, inspect->options.settings, count * sizeof(*options));
+	memcpy(options, inspect->job.options.settings, count * sizeof(*options));
 	snprintf(level, sizeof(level), "%" PRIu32, p->level);
 	snprintf(slice, sizeof(slice), "%" PRIu32, p->slice);
 	axis[0] = "xyz"[p->axis];
@@ -139,25 +96,22 @@ static enum exit_code make_picture(struct inspect *inspect, struct inspect_pictu
 	request.option_count = count;
 	request.width = p->width;
 	request.height = p->height;
-	enum exit_code code = see_through(inspect, p, &request);
+	enum exit_code code = see_through(inspect, &request);
 	inspect->done += code == EXIT_DONE;
 	return code;
 }
 
 static enum exit_code make_others(struct inspect *inspect)
 {
-	struct candil_error error = {.code = CANDIL_STATUS_UNSUPPORTED,
-				     .text = "the daemon tells nothing of its voxels: it is older than this candil"};
+	const struct candil_error error = {.code = CANDIL_STATUS_UNSUPPORTED,
+					   .text = "the daemon tells nothing of its voxels: it is older than this candil"};
 	enum exit_code code = EXIT_DONE;
-	if (!inspect_others(&inspect->list, &inspect->options.request, &inspect->target.info))
-		return fail(inspect, &error);
+	if (!inspect_others(&inspect->list, &inspect->job.options.request, &inspect->job.target.info))
+		return job_fail(&inspect->job, &error);
 	while (code == EXIT_DONE && inspect->done < inspect->list.count) {
-		if (interrupt_seen()) {
-			error =
-			    (struct candil_error){.code = CANDIL_STATUS_CANCELLED, .text = "cancelled between two requests"};
-			return fail(inspect, &error);
-		}
-		code = make_picture(inspect, &inspect->list.pictures[inspect->done]);
+		if (interrupt_seen())
+			return job_fail_between(&inspect->job);
+		code = make_picture(inspect);
 	}
 	return code;
 }
@@ -167,7 +121,7 @@ static enum exit_code make_others(struct inspect *inspect)
 static json_t *picture_json(const struct inspect *inspect, const struct inspect_picture *p)
 {
 	char name[PATH_MAX] = "";
-	inspect_name(p, inspect->options.output, extension(inspect), name, sizeof(name));
+	inspect_name(p, inspect->job.options.output, extension(inspect), name, sizeof(name));
 	json_t *o = json_pack("{s:o,s:s,s:s,s:o}", "image", cli_json_text(name), "kind", p->kind, "show", p->show, "level",
 			      cli_json_u64(p->level));
 	if (p->slice != INSPECT_NO_SLICE) {
@@ -188,10 +142,10 @@ static json_t *answer_json(const struct inspect *inspect)
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < inspect->list.count; i++)
 		json_array_append_new(images, picture_json(inspect, &inspect->list.pictures[i]));
-	return json_pack("{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->options.scene),
-			 "scene_hash", cli_json_text(inspect->target.info.hash), "technique",
+	return json_pack("{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->job.options.scene),
+			 "scene_hash", cli_json_text(inspect->job.target.info.hash), "technique",
 			 candil_technique_name(inspect->accepted.technique), "device", cli_json_text(first->device),
-			 "format", candil_format_name(inspect->options.request.format), "figures",
+			 "format", candil_format_name(inspect->job.options.request.format), "figures",
 			 report_figures_json(first), "stages", report_stages_json(first), "elapsed_us",
 			 cli_json_u64(first->elapsed_us), "images", images);
 }
@@ -200,28 +154,26 @@ static json_t *answer_json(const struct inspect *inspect)
 static enum exit_code write_json(struct inspect *inspect)
 {
 	char name[PATH_MAX];
-	struct output output;
 	json_t *object = answer_json(inspect);
 	char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
 	json_decref(object);
-	if (!text || snprintf(name, sizeof(name), "%s.json", inspect->options.output) >= (int)sizeof(name)) {
+	if (!text || snprintf(name, sizeof(name), "%s.json", inspect->job.options.output) >= (int)sizeof(name)) {
 		errno = text ? ENAMETOOLONG : ENOMEM;
 		free(text);
-		return fail_output(inspect, inspect->options.output);
+		return job_fail_output(&inspect->job, inspect->job.options.output);
 	}
-	bool good = output_open(&output, name) && output_write(&output, text, strlen(text));
-	int failure = errno;
-	output_close(&output);
+	const bool good = output_save(name, text, strlen(text));
+	const int failure = errno;
 	free(text);
 	errno = failure;
-	return good ? EXIT_DONE : fail_output(inspect, name);
+	return good ? EXIT_DONE : job_fail_output(&inspect->job, name);
 }
 
 static void print_answer(const struct inspect *inspect)
 {
 	const struct candil_done *done = &inspect->list.pictures[0].done;
-	printf("images     %" PRIu32 ", %s-….%s; figures in %s.json\n", inspect->list.count, inspect->options.output,
-	       extension(inspect), inspect->options.output);
+	printf("images     %" PRIu32 ", %s-….%s; figures in %s.json\n", inspect->list.count, inspect->job.options.output,
+	       extension(inspect), inspect->job.options.output);
 	printf("grid       %g x %g x %g voxels of %.6g m, %.0f entries\n", inspect_figure(done, "grid.x"),
 	       inspect_figure(done, "grid.y"), inspect_figure(done, "grid.z"), inspect_figure(done, "voxel"),
 	       inspect_figure(done, "entries"));
@@ -240,11 +192,11 @@ static void print_answer(const struct inspect *inspect)
 
 static enum exit_code answer(struct inspect *inspect)
 {
-	progress_clear(&inspect->progress);
-	if (inspect->cli->json)
+	progress_clear(&inspect->job.progress);
+	if (inspect->job.cli->json)
 		return cli_print_json(answer_json(inspect), stdout, EXIT_DONE);
 	enum exit_code code = write_json(inspect);
-	if (code != EXIT_DONE || inspect->options.quiet)
+	if (code != EXIT_DONE || inspect->job.options.quiet)
 		return code;
 	print_answer(inspect);
 	return cli_flush(stdout, EXIT_DONE);
@@ -255,13 +207,13 @@ static enum exit_code answer(struct inspect *inspect)
 // What of a parsed command line inspect cannot take; NULL: nothing.
 static const char *settle(const struct inspect *inspect)
 {
-	const struct candil_render_request *r = &inspect->options.request;
+	const struct candil_render_request *r = &inspect->job.options.request;
 	static const char *const own[] = {"vct.show", "vct.level", "vct.axis", "vct.slice"};
-	if (strcmp(inspect->options.output, "-") == 0)
+	if (strcmp(inspect->job.options.output, "-") == 0)
 		return "-o PREFIX is what the files' names begin with: there are several";
 	if (r->technique != CANDIL_TECHNIQUE_VCT)
 		return "--technique vct alone has voxels to inspect";
-	if (r->option_count + OWN_OPTIONS > sizeof(inspect->options.settings) / sizeof(*inspect->options.settings))
+	if (r->option_count + OWN_OPTIONS > sizeof(inspect->job.options.settings) / sizeof(*inspect->job.options.settings))
 		return "--set can be given 12 times at most";
 	for (size_t i = 0; i < r->option_count; i++)
 		for (size_t k = 0; k < sizeof(own) / sizeof(*own); k++)
@@ -275,38 +227,28 @@ static const char *settle(const struct inspect *inspect)
 static enum exit_code probe_output(struct inspect *inspect)
 {
 	char name[PATH_MAX];
-	struct output output = {.fd = -1};
-	bool good =
-	    inspect_name(&inspect->list.pictures[0], inspect->options.output, extension(inspect), name, sizeof(name));
 	errno = ENAMETOOLONG;
-	good = good && output_open(&output, name);
-	int failure = errno;
-	output_close(&output);
-	errno = failure;
-	return good ? EXIT_DONE : fail_output(inspect, inspect->options.output);
+	const bool good =
+	    inspect_name(&inspect->list.pictures[0], inspect->job.options.output, extension(inspect), name, sizeof(name)) &&
+	    output_probe(name);
+	return good ? EXIT_DONE : job_fail_output(&inspect->job, inspect->job.options.output);
 }
 
 static enum exit_code do_inspect(struct inspect *inspect)
 {
-	struct candil_render_request *r = &inspect->options.request;
-	struct candil_error error;
+	struct candil_render_request *r = &inspect->job.options.request;
 	inspect_first(&inspect->list, r);
 	enum exit_code code = probe_output(inspect);
 	if (code != EXIT_DONE)
 		return code;
-	progress_say(&inspect->progress, "loading the scene");
-	candil_status status =
-	    target_open(&inspect->target, inspect->cli->address, inspect->options.scene, &inspect->options.load, &error);
-	if (status == CANDIL_STATUS_OK)
-		status = target_surroundings(&inspect->target, r, &error);
-	if (status != CANDIL_STATUS_OK)
-		return fail(inspect, &error);
-	r->scene = inspect->target.scene;
-	inspect->framed = !r->has_camera && !r->camera_name && inspect->target.info.camera_count == 0;
+	code = job_open(&inspect->job);
+	if (code != EXIT_DONE)
+		return code;
+	inspect->framed = !r->has_camera && !r->camera_name && inspect->job.target.info.camera_count == 0;
 	if (inspect->framed)
-		view_frame_bounds(&inspect->target.info, r);
-	progress_say(&inspect->progress, "making voxels");
-	code = make_picture(inspect, &inspect->list.pictures[0]);
+		view_frame_bounds(&inspect->job.target.info, r);
+	progress_say(&inspect->job.progress, "making voxels");
+	code = make_picture(inspect);
 	if (code == EXIT_DONE)
 		code = make_others(inspect);
 	return code == EXIT_DONE ? answer(inspect) : code;
@@ -318,17 +260,16 @@ static enum exit_code run_inspect(struct cli *cli, const struct command *self, i
 	static struct inspect inspect;
 	enum exit_code code = EXIT_DONE;
 	memset(&inspect, 0, sizeof(inspect));
-	inspect.cli = cli;
-	if (!inspect_options_parse(cli, self, argc, argv, &inspect.options, &code))
+	inspect.job.cli = cli;
+	if (!inspect_options_parse(cli, self, argc, argv, &inspect.job.options, &code))
 		return code;
 	const char *wrong = settle(&inspect);
 	if (wrong)
 		return cli_usage(self, "%s", wrong);
-	progress_init(&inspect.progress, inspect.options.quiet);
-	interrupt_begin();
+	inspect.job.stream = stdout;
+	job_begin(&inspect.job);
 	code = do_inspect(&inspect);
-	target_close(&inspect.target);
-	interrupt_end();
+	job_end(&inspect.job);
 	return code;
 }
 

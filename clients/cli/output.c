@@ -113,3 +113,24 @@ void output_close(struct output *output)
 	free(output->path);
 	*output = (struct output){.fd = -1};
 }
+
+// output_close, whose errno is nobody's business.
+static bool closed(struct output *output, bool good)
+{
+	const int failure = errno;
+	output_close(output);
+	errno = failure;
+	return good;
+}
+
+bool output_save(const char *path, const void *data, size_t bytes)
+{
+	struct output output;
+	return closed(&output, output_open(&output, path) && output_write(&output, data, bytes));
+}
+
+bool output_probe(const char *path)
+{
+	struct output output;
+	return closed(&output, output_open(&output, path));
+}

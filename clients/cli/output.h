@@ -20,6 +20,10 @@ bool output_open(struct output *output, const char *path);
 // Write an image. May be called again, with a better one, if can_replace. false: errno says why; the image before stays.
 bool output_write(struct output *output, const void *data, size_t bytes);
 
+// Both at once, for an output that gets one image; and whether that would do, before there is one: output_open and no more.
+bool output_save(const char *path, const void *data, size_t bytes);
+bool output_probe(const char *path);
+
 // Remove what is left over, free. Also after a failed output_open.
 void output_close(struct output *output);
 

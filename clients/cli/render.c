@@ -2,65 +2,45 @@
 #include <errno.h>
 #include <string.h>
 
-#include "clients/cli/interrupt.h"
+#include "clients/cli/job.h"
 #include "clients/cli/output.h"
-#include "clients/cli/progress.h"
-#include "clients/cli/render_options.h"
 #include "clients/cli/report.h"
-#include "clients/cli/target.h"
 #include "clients/cli/view.h"
 
 struct render {
-	const struct cli *cli;
-	FILE *stream; // for the report: standard error if the image goes to standard output
-	struct render_options options;
+	struct job job;
 	struct output output;
-	struct target target;
-	struct progress progress;
 	struct report report;
 	struct candil_image final; // data: ours
 };
 
-static enum exit_code fail(struct render *render, const struct candil_error *error)
-{
-	progress_clear(&render->progress);
-	return cli_fail(render->cli, error, render->stream);
-}
-
-static enum exit_code fail_output(struct render *render)
-{
-	char what[256];
-	snprintf(what, sizeof(what), "cannot write %s", render->options.output);
-	progress_clear(&render->progress);
-	return cli_fail_errno(render->cli, what, render->stream);
-}
-
 // Settle which camera it is, and its name in the report.
 static void choose_camera(struct render *render)
 {
-	struct candil_render_request *request = &render->options.request;
+	struct candil_render_request *request = &render->job.options.request;
 	if (request->has_camera || request->camera_name) {
 		render->report.camera = request->has_camera ? "given" : "scene";
 		return;
 	}
-	render->report.camera = render->target.info.camera_count > 0 ? "scene" : "framed";
-	if (render->target.info.camera_count == 0)
-		view_frame_bounds(&render->target.info, request);
+	render->report.camera = render->job.target.info.camera_count > 0 ? "scene" : "framed";
+	if (render->job.target.info.camera_count == 0)
+		view_frame_bounds(&render->job.target.info, request);
 }
 
 // One event of the render. false: the output cannot be written (errno).
-static bool take_event(struct render *render, const struct candil_event *event)
+static bool take_event(void *user, const struct candil_event *event)
 {
+	struct render *render = user;
 	switch (event->kind) {
 	case CANDIL_EVENT_ACCEPTED:
 		render->report.accepted = event->u.accepted;
 		return true;
 	case CANDIL_EVENT_PROGRESS:
-		progress_draw(&render->progress, &event->u.progress);
+		progress_draw(&render->job.progress, &event->u.progress);
 		return true;
 	case CANDIL_EVENT_IMAGE:
 		if (event->u.image.final) {
-			candil_keep_image(render->target.client, &event->u.image);
+			candil_keep_image(render->job.target.client, &event->u.image);
 			render->final = event->u.image;
 			return true;
 		}
@@ -75,72 +55,41 @@ static bool take_event(struct render *render, const struct candil_event *event)
 	}
 }
 
-// Submit and see it through. The first interrupt asks the daemon to cancel; its answer is waited for.
 static enum exit_code see_through(struct render *render)
 {
-	candil_client *client = render->target.client;
 	struct candil_error error;
-	struct candil_event event = {0};
-	int failure = 0; // of the output: errno
 	uint32_t id;
-	candil_status status = candil_submit_render(client, &render->options.request, &id, &error);
-	while (status == CANDIL_STATUS_OK && !event.ends_request) {
-		if (!interrupt_wait(client, &event, &status, &error)) {
-			if (status == CANDIL_STATUS_OK)
-				status = candil_cancel(client, id, &error);
-			continue;
-		}
-		if (event.id != id)
-			continue;
-		if (event.kind == CANDIL_EVENT_ERROR && !failure)
-			return fail(render, &event.u.error);
-		if (!failure && !take_event(render, &event)) {
-			// Its end must be heard all the same: until then the connection takes no other call, and the scene
-			// that was loaded for this one must be unloaded.
-			failure = errno ? errno : EIO;
-			if (!event.ends_request)
-				status = candil_cancel(client, id, &error);
-		}
-	}
-	if (failure) {
-		errno = failure;
-		return fail_output(render);
-	}
-	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(render, &error);
+	if (candil_submit_render(render->job.target.client, &render->job.options.request, &id, &error) != CANDIL_STATUS_OK)
+		return job_fail(&render->job, &error);
+	return job_follow(&render->job, id, take_event, render);
 }
 
 static enum exit_code say_report(struct render *render)
 {
 	const enum exit_code code = strcmp(render->report.done.reason, "time") == 0 ? EXIT_DEADLINE : EXIT_DONE;
-	progress_clear(&render->progress);
-	render->report.options = &render->options;
-	render->report.scene = &render->target.info;
+	progress_clear(&render->job.progress);
+	render->report.options = &render->job.options;
+	render->report.scene = &render->job.target.info;
 	render->report.images = render->output.count;
-	if (render->cli->json)
-		return cli_print_json(report_json(&render->report), render->stream, code);
-	if (render->options.quiet)
+	if (render->job.cli->json)
+		return cli_print_json(report_json(&render->report), render->job.stream, code);
+	if (render->job.options.quiet)
 		return code;
-	report_print(&render->report, render->stream);
-	return cli_flush(render->stream, code);
+	report_print(&render->report, render->job.stream);
+	return cli_flush(render->job.stream, code);
 }
 
 static enum exit_code render_image(struct render *render)
 {
-	struct candil_error error;
 	// Before anything is computed: an output that cannot be written must not cost a render.
-	if (!output_open(&render->output, render->options.output))
-		return fail_output(render);
-	progress_say(&render->progress, "loading the scene");
-	candil_status status =
-	    target_open(&render->target, render->cli->address, render->options.scene, &render->options.load, &error);
-	if (status == CANDIL_STATUS_OK)
-		status = target_surroundings(&render->target, &render->options.request, &error);
-	if (status != CANDIL_STATUS_OK)
-		return fail(render, &error);
-	render->options.request.scene = render->target.scene;
+	if (!output_open(&render->output, render->job.options.output))
+		return job_fail_output(&render->job, render->job.options.output);
+	enum exit_code code = job_open(&render->job);
+	if (code != EXIT_DONE)
+		return code;
 	choose_camera(render);
-	progress_say(&render->progress, "rendering");
-	enum exit_code code = see_through(render);
+	progress_say(&render->job.progress, "rendering");
+	code = see_through(render);
 	return code == EXIT_DONE ? say_report(render) : code;
 }
 
@@ -151,15 +100,13 @@ static enum exit_code run_render(struct cli *cli, const struct command *self, in
 	enum exit_code code = EXIT_DONE;
 	memset(&render, 0, sizeof(render));
 	render.output.fd = -1;
-	render.cli = cli;
-	if (!render_options_parse(cli, self, argc, argv, &render.options, &code))
+	render.job.cli = cli;
+	if (!render_options_parse(cli, self, argc, argv, &render.job.options, &code))
 		return code;
-	render.stream = strcmp(render.options.output, "-") == 0 ? stderr : stdout;
-	progress_init(&render.progress, render.options.quiet);
-	interrupt_begin();
+	render.job.stream = strcmp(render.job.options.output, "-") == 0 ? stderr : stdout;
+	job_begin(&render.job);
 	code = render_image(&render);
-	target_close(&render.target);
-	interrupt_end();
+	job_end(&render.job);
 	output_close(&render.output);
 	candil_free(render.final.data);
 	return code;
@@ -203,7 +150,8 @@ const struct command render_command = {
 	    "  --background-scale S  W/(m² sr) of its unit; default 1\n"
 	    "  --effects LIST        auto, all or none, then +NAME or -NAME for textures, emitters, lights, environment,\n"
 	    "                        bounces, glossy, normal-maps, alpha-mask, vertex-colors, unlit, glass,\n"
-	    "                        alpha-blend, clearcoat, rough-diffuse, caustics: \"auto,-textures\", \"none,+emitters\"; default "
+	    "                        alpha-blend, clearcoat, rough-diffuse, caustics: \"auto,-textures\", "
+	    "\"none,+emitters\"; default "
 	    "auto,\n"
 	    "                        what the scene has\n"
 	    "  --aov LIST            depth, normal, albedo, id: extra channels of an EXR\n"

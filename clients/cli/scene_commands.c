@@ -89,22 +89,19 @@ const struct command load_command = {
     .run = run_load,
 };
 
+static enum exit_code ask_unload(const struct cli *cli, candil_client *client, const char *name)
+{
+	struct candil_error error;
+	if (candil_unload(client, name, &error) != CANDIL_STATUS_OK)
+		return cli_fail(cli, &error, stdout);
+	if (cli->json)
+		return cli_print_json(json_pack("{s:o}", "unloaded", cli_json_text(name)), stdout, EXIT_DONE);
+	return EXIT_DONE;
+}
+
 static enum exit_code run_unload(struct cli *cli, const struct command *self, int argc, char **argv)
 {
-	enum exit_code code = EXIT_DONE;
-	if (!cli_parse_simple(cli, self, argc, argv, 1, &code))
-		return code;
-	candil_client *client = cli_connect(cli, &code);
-	if (!client)
-		return code;
-	struct candil_error error;
-	const char *name = argv[optind];
-	if (candil_unload(client, name, &error) != CANDIL_STATUS_OK)
-		code = cli_fail(cli, &error, stdout);
-	else if (cli->json)
-		code = cli_print_json(json_pack("{s:o}", "unloaded", cli_json_text(name)), stdout, code);
-	candil_disconnect(client);
-	return code;
+	return cli_ask(cli, self, argc, argv, 1, ask_unload);
 }
 
 const struct command unload_command = {
@@ -128,36 +125,36 @@ static json_t *list_json(const struct candil_scene_list *list)
 	return json_pack("{s:o}", "scenes", array);
 }
 
-static enum exit_code run_scenes(struct cli *cli, const struct command *self, int argc, char **argv)
+static void print_list(const struct candil_scene_list *list)
 {
-	enum exit_code code = EXIT_DONE;
-	if (!cli_parse_simple(cli, self, argc, argv, 0, &code))
-		return code;
-	candil_client *client = cli_connect(cli, &code);
-	if (!client)
-		return code;
+	if (list->count == 0)
+		puts("no scenes");
+	for (uint32_t i = 0; i < list->count; i++) {
+		const struct candil_scene_entry *s = &list->scenes[i];
+		if (s->loading)
+			printf("%-24s loading\n", s->name);
+		else
+			printf("%-24s %10" PRIu32 " triangle%s %8.1f MiB %3" PRIu32 " job%s\n", s->name, s->triangles,
+			       cli_s(s->triangles), (double)s->blob_bytes / 1048576.0, s->jobs, cli_s(s->jobs));
+	}
+}
+
+static enum exit_code ask_scenes(const struct cli *cli, candil_client *client, const char *argument)
+{
 	struct candil_error error;
 	struct candil_scene_list list;
-	if (candil_scenes(client, &list, &error) != CANDIL_STATUS_OK) {
-		code = cli_fail(cli, &error, stdout);
-	} else if (cli->json) {
-		code = cli_print_json(list_json(&list), stdout, code);
-	} else {
-		if (list.count == 0)
-			puts("no scenes");
-		for (uint32_t i = 0; i < list.count; i++) {
-			const struct candil_scene_entry *s = &list.scenes[i];
-			if (s->loading)
-				printf("%-24s loading\n", s->name);
-			else
-				printf("%-24s %10" PRIu32 " triangle%s %8.1f MiB %3" PRIu32 " job%s\n", s->name,
-				       s->triangles, cli_s(s->triangles), (double)s->blob_bytes / 1048576.0, s->jobs,
-				       cli_s(s->jobs));
-		}
-		code = cli_flush(stdout, code);
-	}
-	candil_disconnect(client);
-	return code;
+	(void)argument;
+	if (candil_scenes(client, &list, &error) != CANDIL_STATUS_OK)
+		return cli_fail(cli, &error, stdout);
+	if (cli->json)
+		return cli_print_json(list_json(&list), stdout, EXIT_DONE);
+	print_list(&list);
+	return cli_flush(stdout, EXIT_DONE);
+}
+
+static enum exit_code run_scenes(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	return cli_ask(cli, self, argc, argv, 0, ask_scenes);
 }
 
 const struct command scenes_command = {

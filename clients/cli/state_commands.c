@@ -5,34 +5,32 @@
 
 #define ANSWER_MS 10000u
 
-static enum exit_code run_ping(struct cli *cli, const struct command *self, int argc, char **argv)
+static json_t *ping_json(const struct candil_server *server, uint64_t us)
 {
-	enum exit_code code = EXIT_DONE;
-	if (!cli_parse_simple(cli, self, argc, argv, 0, &code))
-		return code;
-	candil_client *client = cli_connect(cli, &code);
-	if (!client)
-		return code;
+	return json_pack("{s:o,s:o,s:i,s:o,s:o,s:o,s:i}", "round_trip_us", cli_json_u64(us), "server",
+			 cli_json_text(server->name), "version", (int)server->version, "max_message_bytes",
+			 cli_json_u64(server->max_message_bytes), "max_pixels", cli_json_u64(server->max_pixels),
+			 "max_samples_times_pixels", cli_json_u64(server->max_samples_times_pixels),
+			 "max_jobs_per_connection", (int)server->max_jobs_per_connection);
+}
+
+static enum exit_code ask_ping(const struct cli *cli, candil_client *client, const char *argument)
+{
 	struct candil_error error;
 	uint64_t us;
+	(void)argument;
 	candil_set_timeout(client, ANSWER_MS);
-	if (candil_ping(client, &us, &error) != CANDIL_STATUS_OK) {
-		code = cli_fail(cli, &error, stdout);
-	} else if (cli->json) {
-		const struct candil_server *server = candil_server(client);
-		code = cli_print_json(json_pack("{s:o,s:o,s:i,s:o,s:o,s:o,s:i}", "round_trip_us", cli_json_u64(us), "server",
-						cli_json_text(server->name), "version", (int)server->version,
-						"max_message_bytes", cli_json_u64(server->max_message_bytes), "max_pixels",
-						cli_json_u64(server->max_pixels), "max_samples_times_pixels",
-						cli_json_u64(server->max_samples_times_pixels), "max_jobs_per_connection",
-						(int)server->max_jobs_per_connection),
-				      stdout, code);
-	} else {
-		printf("%s answers in %" PRIu64 " µs\n", candil_server(client)->name, us);
-		code = cli_flush(stdout, code);
-	}
-	candil_disconnect(client);
-	return code;
+	if (candil_ping(client, &us, &error) != CANDIL_STATUS_OK)
+		return cli_fail(cli, &error, stdout);
+	if (cli->json)
+		return cli_print_json(ping_json(candil_server(client), us), stdout, EXIT_DONE);
+	printf("%s answers in %" PRIu64 " µs\n", candil_server(client)->name, us);
+	return cli_flush(stdout, EXIT_DONE);
+}
+
+static enum exit_code run_ping(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	return cli_ask(cli, self, argc, argv, 0, ask_ping);
 }
 
 const struct command ping_command = {
@@ -92,27 +90,23 @@ static json_t *stats_json(const struct candil_stats *s)
 	return object;
 }
 
-static enum exit_code run_stats(struct cli *cli, const struct command *self, int argc, char **argv)
+static enum exit_code ask_stats(const struct cli *cli, candil_client *client, const char *argument)
 {
-	enum exit_code code = EXIT_DONE;
-	if (!cli_parse_simple(cli, self, argc, argv, 0, &code))
-		return code;
-	candil_client *client = cli_connect(cli, &code);
-	if (!client)
-		return code;
 	struct candil_error error;
 	struct candil_stats stats;
+	(void)argument;
 	candil_set_timeout(client, ANSWER_MS);
-	if (candil_stats(client, &stats, &error) != CANDIL_STATUS_OK) {
-		code = cli_fail(cli, &error, stdout);
-	} else if (cli->json) {
-		code = cli_print_json(stats_json(&stats), stdout, code);
-	} else {
-		print_stats(&stats);
-		code = cli_flush(stdout, code);
-	}
-	candil_disconnect(client);
-	return code;
+	if (candil_stats(client, &stats, &error) != CANDIL_STATUS_OK)
+		return cli_fail(cli, &error, stdout);
+	if (cli->json)
+		return cli_print_json(stats_json(&stats), stdout, EXIT_DONE);
+	print_stats(&stats);
+	return cli_flush(stdout, EXIT_DONE);
+}
+
+static enum exit_code run_stats(struct cli *cli, const struct command *self, int argc, char **argv)
+{
+	return cli_ask(cli, self, argc, argv, 0, ask_stats);
 }
 
 const struct command stats_command = {

@@ -7,12 +7,10 @@
 #include <string.h>
 
 #include "clients/cli/interrupt.h"
+#include "clients/cli/job.h"
 #include "clients/cli/output.h"
-#include "clients/cli/progress.h"
-#include "clients/cli/render_options.h"
 #include "clients/cli/sweep_cameras.h"
 #include "clients/cli/sweep_keys.h"
-#include "clients/cli/target.h"
 #include "clients/cli/verify.h"
 #include "clients/cli/view.h"
 
@@ -24,11 +22,8 @@ struct picture {
 };
 
 struct sweep {
-	const struct cli *cli;
-	struct render_options options;
+	struct job job;
 	struct sweep_texts texts;
-	struct target target;
-	struct progress progress;
 	struct candil_camera *cameras; // all; with --orbit and --animation not before the scene is known
 	uint32_t count; // 0: of an animation by --fps, before the scene is known
 	double elevation, radius;
@@ -38,25 +33,12 @@ struct sweep {
 	struct picture *pictures; // of this shard
 	uint32_t picture_count, written, skipped;
 	struct picture *batch[CANDIL_SWEEP_CAMERAS]; // of the request that is under way
-	uint32_t batch_count, retries;
+	uint32_t batch_count, written_before; // `written` when it was submitted
+	uint32_t retries;
 	bool late; // an image ended at its deadline
 	uint64_t rays, elapsed_us;
 	char device[128];
 };
-
-static enum exit_code fail(struct sweep *sweep, const struct candil_error *error)
-{
-	progress_clear(&sweep->progress);
-	return cli_fail(sweep->cli, error, stdout);
-}
-
-static enum exit_code fail_output(struct sweep *sweep, const char *name)
-{
-	char what[256];
-	snprintf(what, sizeof(what), "cannot write %s", name);
-	progress_clear(&sweep->progress);
-	return cli_fail_errno(sweep->cli, what, stdout);
-}
 
 // ---- before the scene ------------------------------------------------------------------------------------------------
 
@@ -67,7 +49,7 @@ static const char *settle_source(struct sweep *sweep)
 	const int sources = (t->orbit != NULL) + (t->cameras != NULL) + (t->keys != NULL);
 	if (sources > 1 || (sources == 0 && !sweep->animation))
 		return "one of --orbit, --cameras and --keys is needed, or --animation alone or with one of them";
-	const struct candil_render_request *r = &sweep->options.request;
+	const struct candil_render_request *r = &sweep->job.options.request;
 	if (sources > 0 && (r->has_camera || r->camera_name))
 		return "--camera is for --animation alone: the cameras are said";
 	if (t->frames && sources > 0 && !t->keys)
@@ -82,12 +64,12 @@ static const char *settle_texts(struct sweep *sweep)
 {
 	const struct sweep_texts *t = &sweep->texts;
 	sweep->shard = sweep->shards = 1;
-	sweep->animation = sweep->options.edits.edits.animation;
+	sweep->animation = sweep->job.options.edits.edits.animation;
 	sweep->fps = SWEEP_FPS_DEFAULT;
 	const char *wrong = settle_source(sweep);
 	if (wrong)
 		return wrong;
-	if (!strstr(sweep->options.output, "{index}"))
+	if (!strstr(sweep->job.options.output, "{index}"))
 		return "the output's name must have {index} in it: each image is a file of its own";
 	if (t->orbit && !sweep_orbit_parse(t->orbit, &sweep->count, &sweep->elevation, &sweep->radius))
 		return "--orbit is N[,DEGREES[,METRES]]: 1 to 1000000 cameras, within 89 degrees, above 0 metres";
@@ -103,14 +85,14 @@ static const char *settle_texts(struct sweep *sweep)
 // Name this shard's images and see which of them are there.
 static bool list_pictures(struct sweep *sweep)
 {
-	const struct candil_render_request *r = &sweep->options.request;
+	const struct candil_render_request *r = &sweep->job.options.request;
 	sweep->pictures = calloc((size_t)sweep->count / sweep->shards + 1, sizeof(*sweep->pictures));
 	if (!sweep->pictures)
 		return false;
 	for (uint64_t i = sweep->shard - 1; i < sweep->count; i += sweep->shards) {
 		struct picture *p = &sweep->pictures[sweep->picture_count++];
 		p->index = (uint32_t)i;
-		p->name = sweep_name(sweep->options.output, p->index, sweep->count);
+		p->name = sweep_name(sweep->job.options.output, p->index, sweep->count);
 		if (!p->name)
 			return false;
 		p->there = !sweep->texts.force && verify_image(p->name, r->format == CANDIL_FORMAT_PNG, r->width, r->height);
@@ -122,52 +104,34 @@ static bool list_pictures(struct sweep *sweep)
 // Before anything is computed: whether the first image that is due could be written.
 static enum exit_code probe_output(struct sweep *sweep)
 {
-	for (uint32_t i = 0; i < sweep->picture_count; i++) {
-		struct output output;
-		if (sweep->pictures[i].there)
-			continue;
-		bool good = output_open(&output, sweep->pictures[i].name);
-		int failure = errno;
-		output_close(&output);
-		errno = failure;
-		return good ? EXIT_DONE : fail_output(sweep, sweep->pictures[i].name);
-	}
-	return EXIT_DONE;
+	uint32_t i = 0;
+	while (i < sweep->picture_count && sweep->pictures[i].there)
+		i++;
+	if (i == sweep->picture_count)
+		return EXIT_DONE;
+	const char *name = sweep->pictures[i].name;
+	return output_probe(name) ? EXIT_DONE : job_fail_output(&sweep->job, name);
 }
 
 // ---- rendering -------------------------------------------------------------------------------------------------------
 
-static enum exit_code open_scene(struct sweep *sweep)
-{
-	struct candil_error error;
-	if (sweep->target.client)
-		return EXIT_DONE;
-	progress_say(&sweep->progress, "loading the scene");
-	candil_status status =
-	    target_open(&sweep->target, sweep->cli->address, sweep->options.scene, &sweep->options.load, &error);
-	if (status == CANDIL_STATUS_OK)
-		status = target_surroundings(&sweep->target, &sweep->options.request, &error);
-	sweep->options.request.scene = sweep->target.scene;
-	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(sweep, &error);
-}
-
 static enum exit_code length_of(struct sweep *sweep, double *seconds)
 {
 	struct candil_error error = {.code = CANDIL_STATUS_BAD_ARGUMENT};
-	enum exit_code code = open_scene(sweep);
-	if (code != EXIT_DONE || sweep_animation_length(&sweep->target.info, sweep->animation, seconds))
+	enum exit_code code = job_open(&sweep->job);
+	if (code != EXIT_DONE || sweep_animation_length(&sweep->job.target.info, sweep->animation, seconds))
 		return code;
 	snprintf(error.text, sizeof(error.text), "the scene has no animation '%.100s': candil describe lists them",
 		 sweep->animation);
-	return fail(sweep, &error);
+	return job_fail(&sweep->job, &error);
 }
 
 // The one camera of an animation's frames: as render chooses it.
 static struct candil_camera one_camera(struct sweep *sweep)
 {
-	struct candil_render_request *r = &sweep->options.request;
-	if (!r->has_camera && !r->camera_name && sweep->target.info.camera_count == 0)
-		view_frame_bounds(&sweep->target.info, r);
+	struct candil_render_request *r = &sweep->job.options.request;
+	if (!r->has_camera && !r->camera_name && sweep->job.target.info.camera_count == 0)
+		view_frame_bounds(&sweep->job.target.info, r);
 	struct candil_camera camera = {.name = r->camera_name};
 	if (r->has_camera)
 		camera =
@@ -187,14 +151,14 @@ static enum exit_code make_cameras(struct sweep *sweep)
 		sweep->cameras = calloc(sweep->count, sizeof(*sweep->cameras));
 	if (!sweep->cameras) {
 		errno = ENOMEM;
-		return cli_fail_errno(sweep->cli, "the cameras", stdout);
+		return cli_fail_errno(sweep->job.cli, "the cameras", stdout);
 	}
 	const bool by_fps = sweep->animation && !sweep->texts.frames && !sweep->texts.orbit && !known;
 	const struct candil_camera one = sweep->animation && !sweep->texts.orbit ? one_camera(sweep) : sweep->cameras[0];
 	for (uint32_t i = 0; i < sweep->count; i++) {
 		struct candil_camera *c = &sweep->cameras[i];
 		if (sweep->texts.orbit)
-			view_orbit(&sweep->target.info, &sweep->options.request, i, sweep->count, sweep->elevation,
+			view_orbit(&sweep->job.target.info, &sweep->job.options.request, i, sweep->count, sweep->elevation,
 				   sweep->radius, c);
 		else if (!known)
 			*c = one;
@@ -207,18 +171,15 @@ static void draw_progress(struct sweep *sweep, double fraction)
 {
 	double due = (double)(sweep->picture_count - sweep->skipped);
 	double before = (double)sweep->written;
-	progress_images(&sweep->progress, due > 0 ? (before + fraction) / due : 1.0, sweep->skipped + sweep->written,
+	progress_images(&sweep->job.progress, due > 0 ? (before + fraction) / due : 1.0, sweep->skipped + sweep->written,
 			sweep->picture_count);
 }
 
 static bool write_image(struct sweep *sweep, const struct candil_image *image)
 {
 	struct picture *p = sweep->batch[image->index];
-	struct output output;
-	bool good = output_open(&output, p->name) && output_write(&output, image->data, image->bytes);
-	int failure = errno;
-	output_close(&output);
-	errno = failure;
+	sweep->job.output = p->name;
+	const bool good = output_save(p->name, image->data, image->bytes);
 	p->there = p->there || good;
 	p->written = good;
 	sweep->written += good;
@@ -226,12 +187,13 @@ static bool write_image(struct sweep *sweep, const struct candil_image *image)
 }
 
 // One event of a request. false: an image cannot be written (errno).
-static bool take_event(struct sweep *sweep, const struct candil_event *event, uint32_t written_before)
+static bool take_event(void *user, const struct candil_event *event)
 {
+	struct sweep *sweep = user;
 	switch (event->kind) {
 	case CANDIL_EVENT_PROGRESS: {
 		// Of the images in this request; those that are written count already.
-		double done = event->u.progress.fraction * sweep->batch_count - (sweep->written - written_before);
+		double done = event->u.progress.fraction * sweep->batch_count - (sweep->written - sweep->written_before);
 		draw_progress(sweep, done > 0 ? done : 0);
 		return true;
 	}
@@ -255,9 +217,9 @@ static bool take_event(struct sweep *sweep, const struct candil_event *event, ui
 // Take the next pictures that are due, as many as one request bears. false: none is left.
 static bool next_batch(struct sweep *sweep, uint32_t *at, struct candil_camera *cameras)
 {
-	const struct candil_render_request *r = &sweep->options.request;
+	const struct candil_render_request *r = &sweep->job.options.request;
 	uint64_t one = (uint64_t)r->width * r->height * r->samples;
-	uint64_t most = one > 0 ? candil_server(sweep->target.client)->max_samples_times_pixels / one : 1;
+	uint64_t most = one > 0 ? candil_server(sweep->job.target.client)->max_samples_times_pixels / one : 1;
 	if (most > CANDIL_SWEEP_CAMERAS)
 		most = CANDIL_SWEEP_CAMERAS;
 	if (most == 0)
@@ -273,58 +235,29 @@ static bool next_batch(struct sweep *sweep, uint32_t *at, struct candil_camera *
 	return sweep->batch_count > 0;
 }
 
-// Submit a request and see it through, as render does.
 static enum exit_code see_through(struct sweep *sweep, const struct candil_camera *cameras)
 {
-	candil_client *client = sweep->target.client;
 	struct candil_error error;
-	struct candil_event event = {0};
-	const uint32_t before = sweep->written;
-	int failure = 0; // of an output: errno
-	uint32_t id, bad = 0;
-	candil_status status =
-	    candil_submit_sweep(client, &sweep->options.request, cameras, sweep->batch_count, &id, &error);
-	while (status == CANDIL_STATUS_OK && !event.ends_request) {
-		if (!interrupt_wait(client, &event, &status, &error)) {
-			if (status == CANDIL_STATUS_OK)
-				status = candil_cancel(client, id, &error);
-			continue;
-		}
-		if (event.id != id)
-			continue;
-		if (event.kind == CANDIL_EVENT_ERROR && !failure)
-			return fail(sweep, &event.u.error);
-		if (!failure && !take_event(sweep, &event, before)) {
-			failure = errno ? errno : EIO;
-			bad = event.u.image.index;
-			if (!event.ends_request)
-				status = candil_cancel(client, id, &error);
-		}
-	}
-	if (failure) {
-		errno = failure;
-		return fail_output(sweep, sweep->batch[bad]->name);
-	}
-	return status == CANDIL_STATUS_OK ? EXIT_DONE : fail(sweep, &error);
+	uint32_t id;
+	sweep->written_before = sweep->written;
+	if (candil_submit_sweep(sweep->job.target.client, &sweep->job.options.request, cameras, sweep->batch_count, &id,
+				&error) != CANDIL_STATUS_OK)
+		return job_fail(&sweep->job, &error);
+	return job_follow(&sweep->job, id, take_event, sweep);
 }
 
 static enum exit_code render_pictures(struct sweep *sweep)
 {
 	static struct candil_camera cameras[CANDIL_SWEEP_CAMERAS];
-	struct candil_error error;
 	uint32_t at = 0;
-	enum exit_code code = EXIT_DONE;
-	code = open_scene(sweep);
+	enum exit_code code = job_open(&sweep->job);
 	if (code == EXIT_DONE)
 		code = make_cameras(sweep);
 	draw_progress(sweep, 0);
 	while (code == EXIT_DONE && next_batch(sweep, &at, cameras)) {
 		code = see_through(sweep, cameras);
-		if (code == EXIT_DONE && interrupt_seen() && at < sweep->picture_count) {
-			error =
-			    (struct candil_error){.code = CANDIL_STATUS_CANCELLED, .text = "cancelled between two requests"};
-			code = fail(sweep, &error);
-		}
+		if (code == EXIT_DONE && interrupt_seen() && at < sweep->picture_count)
+			code = job_fail_between(&sweep->job);
 	}
 	return code;
 }
@@ -353,15 +286,15 @@ static json_t *picture_json(const struct sweep *sweep, const struct picture *p)
 
 static json_t *summary_json(const struct sweep *sweep)
 {
-	const struct candil_render_request *r = &sweep->options.request;
+	const struct candil_render_request *r = &sweep->job.options.request;
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < sweep->picture_count; i++)
 		json_array_append_new(images, picture_json(sweep, &sweep->pictures[i]));
 	return json_pack("{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output",
-			 cli_json_text(sweep->options.output), "scene", cli_json_text(sweep->options.scene), "format",
-			 candil_format_name(r->format), "width", cli_json_u64(r->width), "height", cli_json_u64(r->height),
-			 "samples", cli_json_u64(r->samples), "cameras", cli_json_u64(sweep->count), "shard",
-			 cli_json_u64(sweep->shard), "shards", cli_json_u64(sweep->shards), "written",
+			 cli_json_text(sweep->job.options.output), "scene", cli_json_text(sweep->job.options.scene),
+			 "format", candil_format_name(r->format), "width", cli_json_u64(r->width), "height",
+			 cli_json_u64(r->height), "samples", cli_json_u64(r->samples), "cameras", cli_json_u64(sweep->count),
+			 "shard", cli_json_u64(sweep->shard), "shards", cli_json_u64(sweep->shards), "written",
 			 cli_json_u64(sweep->written), "skipped", cli_json_u64(sweep->skipped), "elapsed_us",
 			 cli_json_u64(sweep->elapsed_us), "rays", cli_json_u64(sweep->rays), "retries",
 			 cli_json_u64(sweep->retries), "images", images);
@@ -370,10 +303,10 @@ static json_t *summary_json(const struct sweep *sweep)
 static enum exit_code say_summary(struct sweep *sweep)
 {
 	const enum exit_code code = sweep->late ? EXIT_DEADLINE : EXIT_DONE;
-	progress_clear(&sweep->progress);
-	if (sweep->cli->json)
+	progress_clear(&sweep->job.progress);
+	if (sweep->job.cli->json)
 		return cli_print_json(summary_json(sweep), stdout, code);
-	if (sweep->options.quiet)
+	if (sweep->job.options.quiet)
 		return code;
 	printf("images     %u of %u cameras: %u written, %u there already\n", sweep->picture_count, sweep->count,
 	       sweep->written, sweep->skipped);
@@ -397,12 +330,12 @@ static enum exit_code read_cameras(struct sweep *sweep)
 	struct candil_camera *cameras;
 	uint32_t count;
 	if (path && !sweep_cameras_read(path, &cameras, &count, &error))
-		return fail(sweep, &error);
+		return job_fail(&sweep->job, &error);
 	if (sweep->texts.keys) {
 		sweep->cameras = sweep_keys_spread(cameras, count, sweep->count);
 		free(cameras);
 		errno = ENOMEM;
-		return sweep->cameras ? EXIT_DONE : cli_fail_errno(sweep->cli, "the frames", stdout);
+		return sweep->cameras ? EXIT_DONE : cli_fail_errno(sweep->job.cli, "the frames", stdout);
 	}
 	if (path) {
 		sweep->cameras = cameras;
@@ -417,7 +350,7 @@ static enum exit_code read_cameras(struct sweep *sweep)
 	sweep->count = sweep_frames_of(seconds, sweep->fps);
 	snprintf(error.text, sizeof(error.text), "the animation has more than %u frames: set --frames or a smaller --fps",
 		 SWEEP_CAMERAS_MAX);
-	return sweep->count > 0 ? EXIT_DONE : fail(sweep, &error);
+	return sweep->count > 0 ? EXIT_DONE : job_fail(&sweep->job, &error);
 }
 
 static enum exit_code do_sweep(struct sweep *sweep)
@@ -427,7 +360,7 @@ static enum exit_code do_sweep(struct sweep *sweep)
 		return code;
 	if (!list_pictures(sweep)) {
 		errno = ENOMEM;
-		return cli_fail_errno(sweep->cli, "the list of images", stdout);
+		return cli_fail_errno(sweep->job.cli, "the list of images", stdout);
 	}
 	code = probe_output(sweep);
 	// With nothing left to do, neither a daemon nor the scene is asked for.
@@ -442,17 +375,16 @@ static enum exit_code run_sweep(struct cli *cli, const struct command *self, int
 	static struct sweep sweep;
 	enum exit_code code = EXIT_DONE;
 	memset(&sweep, 0, sizeof(sweep));
-	sweep.cli = cli;
-	if (!sweep_options_parse(cli, self, argc, argv, &sweep.options, &sweep.texts, &code))
+	sweep.job.cli = cli;
+	if (!sweep_options_parse(cli, self, argc, argv, &sweep.job.options, &sweep.texts, &code))
 		return code;
 	const char *wrong = settle_texts(&sweep);
 	if (wrong)
 		return cli_usage(self, "%s", wrong);
-	progress_init(&sweep.progress, sweep.options.quiet);
-	interrupt_begin();
+	sweep.job.stream = stdout;
+	job_begin(&sweep.job);
 	code = do_sweep(&sweep);
-	target_close(&sweep.target);
-	interrupt_end();
+	job_end(&sweep.job);
 	for (uint32_t i = 0; i < sweep.picture_count; i++)
 		free(sweep.pictures[i].name);
 	free(sweep.pictures);

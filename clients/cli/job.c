@@ -1,0 +1,86 @@
+#include "clients/cli/job.h"
+
+#include <errno.h>
+
+#include "clients/cli/interrupt.h"
+
+void job_begin(struct job *job)
+{
+	job->output = job->options.output;
+	progress_init(&job->progress, job->options.quiet);
+	interrupt_begin();
+}
+
+void job_end(struct job *job)
+{
+	target_close(&job->target);
+	interrupt_end();
+}
+
+enum exit_code job_fail(struct job *job, const struct candil_error *error)
+{
+	progress_clear(&job->progress);
+	return cli_fail(job->cli, error, job->stream);
+}
+
+enum exit_code job_fail_output(struct job *job, const char *name)
+{
+	char what[256];
+	const int failure = errno;
+	snprintf(what, sizeof(what), "cannot write %s", name);
+	progress_clear(&job->progress);
+	errno = failure;
+	return cli_fail_errno(job->cli, what, job->stream);
+}
+
+enum exit_code job_fail_between(struct job *job)
+{
+	const struct candil_error error = {.code = CANDIL_STATUS_CANCELLED, .text = "cancelled between two requests"};
+	return job_fail(job, &error);
+}
+
+enum exit_code job_open(struct job *job)
+{
+	struct candil_error error;
+	if (job->target.client)
+		return EXIT_DONE;
+	progress_say(&job->progress, "loading the scene");
+	candil_status status = target_open(&job->target, job->cli->address, job->options.scene, &job->options.load, &error);
+	if (status == CANDIL_STATUS_OK)
+		status = target_surroundings(&job->target, &job->options.request, &error);
+	job->options.request.scene = job->target.scene;
+	return status == CANDIL_STATUS_OK ? EXIT_DONE : job_fail(job, &error);
+}
+
+enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event),
+			  void *user)
+{
+	candil_client *client = job->target.client;
+	candil_status status = CANDIL_STATUS_OK;
+	struct candil_error error;
+	struct candil_event event = {0};
+	int failure = 0; // of the output: errno
+	while (status == CANDIL_STATUS_OK && !event.ends_request) {
+		if (!interrupt_wait(client, &event, &status, &error)) {
+			if (status == CANDIL_STATUS_OK)
+				status = candil_cancel(client, id, &error);
+			continue;
+		}
+		if (event.id != id)
+			continue;
+		if (event.kind == CANDIL_EVENT_ERROR && !failure)
+			return job_fail(job, &event.u.error);
+		if (!failure && !take(user, &event)) {
+			// Its end must be heard all the same: until then the connection takes no other call, and the scene
+			// that was loaded for this one must be unloaded.
+			failure = errno ? errno : EIO;
+			if (!event.ends_request)
+				status = candil_cancel(client, id, &error);
+		}
+	}
+	if (failure) {
+		errno = failure;
+		return job_fail_output(job, job->output);
+	}
+	return status == CANDIL_STATUS_OK ? EXIT_DONE : job_fail(job, &error);
+}
