@@ -1,4 +1,4 @@
-// Between the generated messages and the plain structures of candil.h.
+// Between the generated messages and the plain structures of candil_types.h.
 #include <math.h>
 #include <pb_decode.h>
 #include <string.h>
@@ -164,7 +164,7 @@ static candil_status write_sweep_camera(const struct candil_camera *from, candil
 candil_status message_write_sweep(const struct candil_render_request *request, const struct candil_camera *cameras,
 				  size_t count, candil_Sweep *sweep, struct candil_error *error)
 {
-	_Static_assert(COUNT(sweep->cameras) == CANDIL_SWEEP_CAMERAS, "candil.h and candil.options differ");
+	_Static_assert(COUNT(sweep->cameras) == CANDIL_SWEEP_CAMERAS, "candil_types.h and candil.options differ");
 	if (count < 1 || count > CANDIL_SWEEP_CAMERAS)
 		return client_fail(error, CANDIL_STATUS_LIMIT, "a sweep takes 1 to %u cameras", CANDIL_SWEEP_CAMERAS);
 	sweep->has_render = true;
@@ -242,7 +242,7 @@ static void read_scene_lists(const candil_SceneInfo *from, struct candil_scene_i
 {
 	_Static_assert(COUNT(to->cameras) == COUNT(from->cameras) && COUNT(to->warnings) == COUNT(from->warnings) &&
 			   COUNT(to->ignored) == COUNT(from->ignored) && COUNT(to->facts) == COUNT(from->facts),
-		       "candil.h and candil.options differ");
+		       "candil_types.h and candil.options differ");
 	to->camera_count = from->camera_count;
 	to->camera_list_count = from->cameras_count;
 	for (size_t i = 0; i < from->cameras_count; i++)
@@ -263,7 +263,7 @@ static void read_scene_names(const candil_SceneInfo *from, struct candil_scene_i
 {
 	_Static_assert(COUNT(to->nodes) == COUNT(from->nodes) && COUNT(to->material_names) == COUNT(from->material_names) &&
 			   COUNT(to->animations) == COUNT(from->animations),
-		       "candil.h and candil.options differ");
+		       "candil_types.h and candil.options differ");
 	to->node_count = from->node_count;
 	to->node_list_count = from->nodes_count;
 	for (size_t i = 0; i < from->nodes_count; i++)
@@ -309,7 +309,7 @@ static void read_scene(const candil_SceneInfo *from, struct candil_scene_info *t
 
 static void read_list(const candil_SceneList *from, struct candil_scene_list *to)
 {
-	_Static_assert(COUNT(to->scenes) == COUNT(from->scenes), "candil.h and candil.options differ");
+	_Static_assert(COUNT(to->scenes) == COUNT(from->scenes), "candil_types.h and candil.options differ");
 	to->count = from->scenes_count;
 	for (size_t i = 0; i < from->scenes_count; i++) {
 		TEXT(to->scenes[i].name, from->scenes[i].name);
@@ -322,7 +322,7 @@ static void read_list(const candil_SceneList *from, struct candil_scene_list *to
 
 static void read_accepted(const candil_Accepted *from, struct candil_accepted *to)
 {
-	_Static_assert(COUNT(to->plan) == COUNT(from->plan), "candil.h and candil.options differ");
+	_Static_assert(COUNT(to->plan) == COUNT(from->plan), "candil_types.h and candil.options differ");
 	to->technique = (enum candil_technique)from->technique;
 	to->plan_count = from->plan_count;
 	for (size_t i = 0; i < from->plan_count; i++) {
@@ -337,7 +337,7 @@ static void read_accepted(const candil_Accepted *from, struct candil_accepted *t
 	to->job_bytes = from->job_bytes;
 	to->samples = from->samples;
 	to->depth = from->depth;
-	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil.h and candil.options differ");
+	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil_types.h and candil.options differ");
 	to->note_count = from->notes_count;
 	for (size_t i = 0; i < from->notes_count; i++)
 		TEXT(to->notes[i], from->notes[i]);
@@ -356,7 +356,7 @@ static void read_progress(const candil_Progress *from, struct candil_progress *t
 
 static void read_figures(const candil_Done *from, struct candil_done *to)
 {
-	_Static_assert(COUNT(to->figures) == COUNT(from->figures), "candil.h and candil.options differ");
+	_Static_assert(COUNT(to->figures) == COUNT(from->figures), "candil_types.h and candil.options differ");
 	to->figure_count = 0;
 	for (size_t i = 0; i < from->figures_count; i++) {
 		struct candil_figure *figure = &to->figures[to->figure_count];
@@ -371,7 +371,7 @@ static void read_figures(const candil_Done *from, struct candil_done *to)
 
 static void read_done(const candil_Done *from, struct candil_done *to)
 {
-	_Static_assert(COUNT(to->stages) == COUNT(from->stages), "candil.h and candil.options differ");
+	_Static_assert(COUNT(to->stages) == COUNT(from->stages), "candil_types.h and candil.options differ");
 	to->samples = from->samples;
 	to->stage_count = from->stages_count;
 	for (size_t i = 0; i < from->stages_count; i++) {
@@ -386,7 +386,7 @@ static void read_done(const candil_Done *from, struct candil_done *to)
 	to->retries = from->retries;
 	TEXT(to->device, from->device);
 	TEXT(to->reason, from->reason);
-	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil.h and candil.options differ");
+	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil_types.h and candil.options differ");
 	to->note_count = from->notes_count;
 	for (size_t i = 0; i < from->notes_count; i++)
 		TEXT(to->notes[i], from->notes[i]);
