@@ -1,4 +1,6 @@
-"""PROTOCOL.md names every message, field, number, code and limit; its example is what goes over the wire."""
+"""PROTOCOL.md names every message, field, number, code and limit, every stage and figure of an account; the README every effect
+and option, and no other; the example is what goes over the wire."""
+import glob
 import os
 import re
 import unittest
@@ -7,15 +9,16 @@ import wire
 from fakes import FakeCase
 from wire import pb
 
-FOLDER = os.path.join(os.environ["CANDIL_SOURCE"], "protocol")
+SOURCE = os.environ["CANDIL_SOURCE"]
 
 
-def read(name):
-    with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
+def read(*path):
+    with open(os.path.join(SOURCE, *path), encoding="utf-8") as file:
         return file.read()
 
 
-MANUAL = read("PROTOCOL.md")
+MANUAL = read("protocol", "PROTOCOL.md")
+README = read("README.md")
 
 
 def rows():
@@ -26,22 +29,22 @@ def rows():
 
 class Manual(unittest.TestCase):
     def test_every_message_type_and_its_number(self):
-        types = re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("header.h"), re.MULTILINE)
+        types = re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("protocol", "header.h"), re.MULTILINE)
         self.assertGreater(len(types), 20)
         table = {row[0]: row[1] for row in rows() if re.fullmatch(r"0x\w\w", row[1])}
         self.assertEqual(table, dict(types))
 
     def test_wire_py_agrees(self):
-        for name, number in re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("header.h"), re.MULTILINE):
+        for name, number in re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("protocol", "header.h"), re.MULTILINE):
             self.assertEqual(getattr(wire, name), int(number, 16), name)
 
     def test_every_status(self):
-        statuses = re.findall(r'X\((\w+), (\d+), "([\w-]+)"\)', read("status.h"))
+        statuses = re.findall(r'X\((\w+), (\d+), "([\w-]+)"\)', read("protocol", "status.h"))
         self.assertGreater(len(statuses), 30)
         self.assertEqual([tuple(row[:3]) for row in rows() if len(row) == 4 and row[1].isdigit()], statuses)
 
     def test_every_limit_and_its_value(self):
-        limits = re.findall(r"^#define (LIMIT_\w+)\s+(\(.*?\)|\S+)", read("limits.h"), re.MULTILINE)
+        limits = re.findall(r"^#define (LIMIT_\w+)\s+(\(.*?\)|\S+)", read("protocol", "limits.h"), re.MULTILINE)
         self.assertGreater(len(limits), 40)
         table = {row[0]: row[1].replace(",", "") for row in rows() if row[0].startswith("LIMIT_")}
         for name, value in limits:
@@ -64,6 +67,34 @@ class Manual(unittest.TestCase):
         for enum in pb.DESCRIPTOR.enum_types_by_name.values():
             for value in enum.values:
                 self.assertIn(value.name, words)
+
+    def test_every_stage_and_figure(self):
+        server = "".join(read(path) for path in glob.glob(os.path.join(SOURCE, "server", "*", "**", "*.c"), recursive=True))
+        stages = set(re.findall(r'(?:add_stage|timer_begin|timer_add|run_items)\((?:[^",;]+, )+"([a-z-]+)"', server))
+        stages |= set(re.findall(r'\.stage = "([a-z-]+)"', server))
+        figures = set(re.findall(r'add_figure\(\w+, "([a-z.]+)"', server))
+        self.assertLessEqual({"trace", "voxelise", "visibility", "encode"}, stages)
+        self.assertLessEqual({"clamp.share", "entries"}, figures)
+        for name in stages | figures:
+            self.assertIn(f"`{name}`", MANUAL)
+
+
+class Readme(unittest.TestCase):
+    def test_every_option_with_its_words_and_no_other(self):
+        source = read("server", "worker", "plan_options.c")
+        options = re.findall(r'^    {"(\w+\.\w+)", [^,]+, [^,]+, (\w+),', source, re.MULTILINE)
+        self.assertGreater(len(options), 30)
+        self.assertEqual(set(re.findall(r"(?<![\w-])(?:pt|direct|vct)\.[a-z_]+", README)), {name for name, _ in options})
+        for name, words in options:
+            listed = re.search(rf"\*const {words}\[\] = {{(.*), NULL}};", source)
+            for word in re.findall(r'"([^"]+)"', listed.group(1)) if listed else ():
+                self.assertRegex(README, rf"\b{word}\b", name)
+
+    def test_every_effect(self):
+        names = [value.name for value in pb.DESCRIPTOR.enum_types_by_name["Effect"].values]
+        for text in (README, read("clients", "cli", "render.c")):
+            for name in names:
+                self.assertIn(name.removeprefix("EFFECT_").lower().replace("_", "-"), text)
 
 
 class Example(FakeCase):
