@@ -33,11 +33,7 @@ static inline void small_box(float min[3], float max[3], float x0, float x1)
 	}
 }
 
-// Four triangles side by side along x, three nodes, two materials (glossy and masked with all maps, and a lamp), a texture
-// by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex. A root node
-// has the first two triangles and the camera, its child the others and the point light; an animation turns the root in two
-// linear keys and moves the child in one cubic. Surroundings of two by one texels.
-static inline void small_make(struct small_blob *b)
+static inline void small_sections(struct small_blob *b)
 {
 	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2, 12, 12, 12, 2, 1, 2, 24, 2, 2};
 	struct blob_header *h = small_header(b);
@@ -52,7 +48,10 @@ static inline void small_make(struct small_blob *b)
 	}
 	h->total_bytes = end;
 	h->bvh_depth = 2;
+}
 
+static inline void small_triangles(struct small_blob *b)
+{
 	struct vertex *v = small_section(b, BLOB_VERTICES);
 	struct triangle *t = small_section(b, BLOB_TRIANGLES);
 	struct leaf_triangle *l = small_section(b, BLOB_LEAF_TRIANGLES);
@@ -69,6 +68,10 @@ static inline void small_make(struct small_blob *b)
 		memcpy(l[i].v1, v[i * 3 + 1].position, sizeof l[i].v1);
 		memcpy(l[i].v2, v[i * 3 + 2].position, sizeof l[i].v2);
 	}
+}
+
+static inline void small_tree(struct small_blob *b)
+{
 	struct bvh_node *n = small_section(b, BLOB_NODES);
 	small_box(n[0].min0, n[0].max0, 0, 1.5f);
 	small_box(n[0].min1, n[0].max1, 2, 3.5f);
@@ -82,6 +85,10 @@ static inline void small_make(struct small_blob *b)
 		n[1 + i].child1 = i * 2 + 1;
 		n[1 + i].count0 = n[1 + i].count1 = 1;
 	}
+}
+
+static inline void small_materials(struct small_blob *b)
+{
 	struct material *m = small_section(b, BLOB_MATERIALS);
 	m[0] = (struct material){.albedo = {.5f, .5f, .5f},
 				 .emission_texture = NONE,
@@ -105,6 +112,10 @@ static inline void small_make(struct small_blob *b)
 				 .coat_roughness_texture = NONE,
 				 .coat_normal_texture = NONE,
 				 .power_density = 3.14f};
+}
+
+static inline void small_attributes(struct small_blob *b)
+{
 	struct vertex_color *colors = small_section(b, BLOB_COLORS);
 	struct vertex_tangent *tangents = small_section(b, BLOB_TANGENTS);
 	for (uint32_t i = 0; i < 12; i++) {
@@ -113,6 +124,10 @@ static inline void small_make(struct small_blob *b)
 	}
 	struct texture_info *texture = small_section(b, BLOB_TEXTURES);
 	texture[0] = (struct texture_info){0, 3, 2, TEXTURE_SRGB | TEXTURE_UV1, {1, 0, 0}, {0, 1, 0}};
+}
+
+static inline void small_lamps(struct small_blob *b)
+{
 	struct emitter *e = small_section(b, BLOB_EMITTERS);
 	e[0] = (struct emitter){2, 1, 0, .5f};
 	e[1] = (struct emitter){3, 1, 1, .5f};
@@ -125,6 +140,10 @@ static inline void small_make(struct small_blob *b)
 					       .keep = 1,
 					       .alias = i,
 					       .pmf = .33f};
+}
+
+static inline void small_nodes(struct small_blob *b)
+{
 	struct blob_camera *c = small_section(b, BLOB_CAMERAS);
 	c[0] = (struct blob_camera){.name = "camera", .forward = {0, 0, -1}, .up = {0, 1, 0}, .vfov_degrees = 40};
 	struct scene_node *nodes = small_section(b, BLOB_SCENE_NODES);
@@ -141,6 +160,10 @@ static inline void small_make(struct small_blob *b)
 		nodes[i].world = nodes[i].local;
 	}
 	nodes[1].world.c[3][0] = 2;
+}
+
+static inline void small_animation(struct small_blob *b)
+{
 	struct scene_animation *animation = small_section(b, BLOB_ANIMATIONS);
 	animation[0] = (struct scene_animation){.name = "turn", .duration_s = 2, .channel_count = 2};
 	struct scene_channel *channels = small_section(b, BLOB_CHANNELS);
@@ -148,14 +171,36 @@ static inline void small_make(struct small_blob *b)
 	channels[1] = (struct scene_channel){1, CHANNEL_TRANSLATION, CURVE_CUBIC, 1, 10};
 	static const float curves[] = {0, 2, 0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 0, 1, 2, 3, 0, 0, 0};
 	memcpy(small_section(b, BLOB_CURVES), curves, sizeof curves);
+}
+
+static inline void small_surroundings(struct small_blob *b)
+{
 	struct environment_texel *texels = small_section(b, BLOB_ENVIRONMENT);
 	struct environment_row *rows = small_section(b, BLOB_ENVIRONMENT_ROWS);
 	for (uint32_t i = 0; i < 2; i++) {
 		texels[i] = (struct environment_texel){{1, 2, 3}, .08f};
 		rows[i] = (struct environment_row){1, i};
 	}
-	h->environment_width = 2;
-	h->environment_height = 1;
+	small_header(b)->environment_width = 2;
+	small_header(b)->environment_height = 1;
+}
+
+// Four triangles side by side along x, three nodes, two materials (glossy and masked with all maps, and a lamp), a texture
+// by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex. A root node
+// has the first two triangles and the camera, its child the others and the point light; an animation turns the root in two
+// linear keys and moves the child in one cubic. Surroundings of two by one texels.
+static inline void small_make(struct small_blob *b)
+{
+	struct blob_header *h = small_header(b);
+	small_sections(b);
+	small_triangles(b);
+	small_tree(b);
+	small_materials(b);
+	small_attributes(b);
+	small_lamps(b);
+	small_nodes(b);
+	small_animation(b);
+	small_surroundings(b);
 	h->bounds_max[0] = 3.5f;
 	h->bounds_max[1] = 1;
 	h->facts = facts_collect(h);
