@@ -1,10 +1,7 @@
 // How wrong the picture is so far: each tile's part of the estimated relMSE, from the two independent halves of its samples.
 //
 // With a and b the means of the halves, ((a − b) / 2)² is an unbiased estimate of the variance of (a + b) / 2. relMSE divides
-// by r² + 0.01, r being the true value, which nobody knows. A noisy pixel's own mean in its place calls what is much too
-// bright hardly wrong, for it is then divided by its own error: 0.13 of the true relMSE for eight samples of a room with
-// caustics. The mean of a block of 4 × 4 pixels, hardly that pixel's any more and still no other surface's, comes within a
-// fifth or so.
+// by r² + 0.01, r being the true value, which nobody knows: denominator() says what stands for it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -73,6 +70,18 @@ vec3 film_mean(uint pixel, uint first, float unit)
 	return sum * unit;
 }
 
+// What stands for r² of a pixel: the square of its own mean where that is known to a quarter. A noisy pixel's own mean would
+// call what is much too bright hardly wrong, for it is then divided by its own error: 0.13 of the true relMSE for eight
+// samples of a room with caustics. In its place is the mean of a block of 4 × 4 pixels, hardly that pixel's any more and
+// still no other surface's; or the lesser of the halves if that is more, as where the pixel is brighter than what is beside it.
+vec3 denominator(vec3 a, vec3 b, vec3 around)
+{
+	vec3 mean = 0.5 * (a + b);
+	vec3 known = mean * mean;
+	vec3 least = max(min(a, b), around);
+	return mix(least * least, known, lessThan(0.25 * (a - b) * (a - b), known / 16.0));
+}
+
 void main()
 {
 	uint tile = push.first_tile + gl_WorkGroupID.x;
@@ -82,22 +91,24 @@ void main()
 	float count_a = more ? push.more_a : push.count_a;
 	float count_b = more ? push.more_b : push.count_b;
 	vec3 mean = vec3(0.0);
-	vec3 half_difference = vec3(0.0);
+	vec3 a = vec3(0.0);
+	vec3 b = vec3(0.0);
 	if (mine) {
 		uint at = (pixel.y - push.first_row) * job.width + pixel.x;
 		sums_load(at);
-		vec3 a = half_sum(0u);
-		vec3 b = half_sum(3u);
+		a = half_sum(0u);
+		b = half_sum(3u);
 		if (push.has_film != 0u) {
 			a += film_mean(at, 0u, push.film_a) * count_a;
 			b += film_mean(at, 3u, push.film_b) * count_b;
 		}
 		mean = (a + b) / (count_a + count_b);
-		half_difference = 0.5 * (a / count_a - b / count_b);
+		a /= count_a;
+		b /= count_b;
 	}
 	vec4 around = quarter_sum(vec4(mean, mine ? 1.0 : 0.0));
-	vec3 r = around.xyz / max(around.w, 1.0);
-	vec3 relative = half_difference * half_difference / (r * r + 0.01);
+	vec3 variance = 0.25 * (a - b) * (a - b);
+	vec3 relative = variance / (denominator(a, b, around.xyz / max(around.w, 1.0)) + 0.01);
 	float sum = tile_sum(relative.r + relative.g + relative.b);
 	if (gl_LocalInvocationIndex == 0u)
 		errors[tile] = sum;
