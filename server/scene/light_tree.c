@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,10 +11,11 @@
 
 static const double pi = 3.14159265358979323846;
 
-// Where lamps are, and which way they look: every normal is within `spread` radians of the axis.
+// Where lamps are, and which way they look: every normal is within `spread` radians of the axis. Of directional lights the
+// place is the tip of their direction, on the unit sphere.
 struct bound {
 	double min[3], max[3];
-	double power; // W
+	double power; // π times what they send at the most: W/sr, of directional lights W/m²
 	double axis[3];
 	double spread; // π: every way
 };
@@ -21,13 +23,13 @@ struct bound {
 struct lamp {
 	struct bound bound;
 	double centre[3];
-	uint32_t emitter;
+	uint32_t number;
 };
 
 struct builder {
-	struct lamp *lamps; // in the order of the leaves
 	struct light_node *nodes;
 	uint32_t *trails; // by emitter
+	uint32_t emitter_count;
 	uint32_t used; // nodes so far
 };
 
@@ -97,6 +99,11 @@ static double bound_cost(const struct bound *b)
 	return b->power * (area + 1e-3 * length * length) * cone_measure(b->spread);
 }
 
+static double luminance(const float c[3])
+{
+	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+}
+
 static double half_cross(const double u[3], const double v[3], double n[3])
 {
 	n[0] = u[1] * v[2] - u[2] * v[1];
@@ -105,13 +112,16 @@ static double half_cross(const double u[3], const double v[3], double n[3])
 	return 0.5 * sqrt(dot(n, n));
 }
 
-static struct lamp lamp_of(const struct vertex *vertices, const struct triangle *t, const struct material *m)
+static struct lamp emitter_lamp(const struct light_tree_lamps *in, uint32_t number)
 {
-	struct lamp l = {.bound.spread = m->flags & MATERIAL_EMITS_BOTH_SIDES ? pi : 0};
+	const struct triangle *t = &in->triangles[in->emitters[number].triangle];
+	const struct material *m = &in->materials[t->material];
+	const bool both = m->flags & MATERIAL_EMITS_BOTH_SIDES;
+	struct lamp l = {.bound.spread = both ? pi : 0, .number = number};
 	double p[3][3], u[3], v[3], n[3];
 	for (int c = 0; c < 3; c++)
 		for (int i = 0; i < 3; i++)
-			p[c][i] = vertices[t->vertex[c]].position[i];
+			p[c][i] = in->vertices[t->vertex[c]].position[i];
 	for (int i = 0; i < 3; i++) {
 		u[i] = p[1][i] - p[0][i];
 		v[i] = p[2][i] - p[0][i];
@@ -122,7 +132,24 @@ static struct lamp lamp_of(const struct vertex *vertices, const struct triangle 
 	const double area = half_cross(u, v, n);
 	for (int i = 0; i < 3; i++)
 		l.bound.axis[i] = area > 0 ? n[i] / (2 * area) : i == 2;
-	l.bound.power = area * (double)m->power_density;
+	l.bound.power = area * (double)m->power_density / (both ? 2 : 1);
+	return l;
+}
+
+// A spot is as a small lamp that faces where it shines: it sends nothing behind itself.
+static struct lamp light_lamp(const struct light_tree_lamps *in, uint32_t i)
+{
+	const struct punctual_light *light = &in->lights[i];
+	struct lamp l = {.number = in->first_light + i};
+	const float *place = light->kind == LIGHT_DIRECTIONAL ? light->direction : light->position;
+	for (int k = 0; k < 3; k++) {
+		l.bound.min[k] = l.bound.max[k] = l.centre[k] = place[k];
+		l.bound.axis[k] = light->kind == LIGHT_POINT ? k == 2 : (double)light->direction[k];
+	}
+	l.bound.spread = light->kind == LIGHT_POINT         ? pi
+			 : light->kind == LIGHT_DIRECTIONAL ? acos(1 - (double)light->spread)
+							    : 0;
+	l.bound.power = pi * luminance(light->intensity);
 	return l;
 }
 
@@ -142,7 +169,7 @@ static int compare_lamps(const void *a, const void *b, void *user)
 		return -1;
 	if (x->centre[axis] > y->centre[axis])
 		return 1;
-	return x->emitter < y->emitter ? -1 : 1;
+	return x->number < y->number ? -1 : 1;
 }
 
 static uint32_t bin_of(const struct lamp *l, int axis, double min, double max)
@@ -222,49 +249,68 @@ static uint32_t divide(struct lamp *lamps, uint32_t count, uint32_t half_most)
 
 // ---- the tree -----------------------------------------------------------------------------------------------------------
 
-static void put_node(struct light_node *n, const struct bound *b)
+// Nodes of directional lights are told by bounds that hold nothing.
+static void put_node(struct light_node *n, const struct bound *b, bool far)
 {
 	for (int i = 0; i < 3; i++) {
-		n->min[i] = (float)b->min[i];
-		n->max[i] = (float)b->max[i];
+		n->min[i] = far ? 1.0f : (float)b->min[i];
+		n->max[i] = far ? -1.0f : (float)b->max[i];
 		n->axis[i] = (float)b->axis[i];
 	}
 	n->power = (float)fmax(FLT_MIN, fmin(b->power, 1e37)); // only shares count
 	n->cos_spread = (float)(cos(b->spread) - 1e-6); // rounding is not to leave a lamp out
 }
 
-static void build(struct builder *b, uint32_t node, uint32_t first, uint32_t count, uint32_t trail, uint32_t depth)
+static void build(struct builder *b, uint32_t node, struct lamp *lamps, uint32_t count, bool far, uint32_t trail,
+		  uint32_t depth)
 {
 	struct bound all = {0};
-	for (uint32_t i = first; i < first + count; i++)
-		bound_add(&all, &b->lamps[i].bound);
-	put_node(&b->nodes[node], &all);
+	for (uint32_t i = 0; i < count; i++)
+		bound_add(&all, &lamps[i].bound);
+	put_node(&b->nodes[node], &all, far);
 	if (count == 1) {
-		b->nodes[node].child = LIGHT_LEAF | b->lamps[first].emitter;
-		b->trails[b->lamps[first].emitter] = trail;
+		b->nodes[node].child = LIGHT_LEAF | lamps->number;
+		if (lamps->number < b->emitter_count)
+			b->trails[lamps->number] = trail;
 		return;
 	}
 	const uint32_t half_most = 1u << (DEPTH_MAX - depth - 1);
-	const uint32_t left = divide(b->lamps + first, count, half_most), child = b->used;
+	const uint32_t left = divide(lamps, count, half_most), child = b->used;
 	b->nodes[node].child = child;
 	b->used += 2;
-	build(b, child, first, left, trail, depth + 1);
-	build(b, child + 1, first + left, count - left, trail | 1u << depth, depth + 1);
+	build(b, child, lamps, left, far, trail, depth + 1);
+	build(b, child + 1, lamps + left, count - left, far, trail | 1u << depth, depth + 1);
 }
 
-enum status light_tree_build(const struct material *materials, const struct vertex *vertices,
-			     const struct triangle *triangles, const struct emitter *emitters, uint32_t count,
-			     struct light_node *nodes, uint32_t *trails, struct error *err)
+// Those that are somewhere, from the front, and directional ones from the back. Returns how many are somewhere.
+static uint32_t list_lamps(const struct light_tree_lamps *in, struct lamp *lamps)
 {
-	struct builder b = {.lamps = malloc(count * sizeof *b.lamps), .nodes = nodes, .trails = trails, .used = 1};
-	if (!b.lamps)
+	uint32_t near = 0, far = in->emitter_count + in->light_count;
+	for (uint32_t i = 0; i < in->emitter_count; i++)
+		lamps[near++] = emitter_lamp(in, i);
+	for (uint32_t i = 0; i < in->light_count; i++)
+		lamps[in->lights[i].kind == LIGHT_DIRECTIONAL ? --far : near++] = light_lamp(in, i);
+	return near;
+}
+
+enum status light_tree_build(const struct light_tree_lamps *in, struct light_node *nodes, uint32_t *trails,
+			     struct error *err)
+{
+	const uint32_t count = in->emitter_count + in->light_count;
+	struct lamp *lamps = malloc(count * sizeof *lamps);
+	struct builder b = {.nodes = nodes, .trails = trails, .emitter_count = in->emitter_count, .used = 1};
+	if (!lamps)
 		return error_set(err, STATUS_MEMORY, "no memory for a tree of %u lamps", count);
-	for (uint32_t i = 0; i < count; i++) {
-		const struct triangle *t = &triangles[emitters[i].triangle];
-		b.lamps[i] = lamp_of(vertices, t, &materials[t->material]);
-		b.lamps[i].emitter = i;
+	const uint32_t near = list_lamps(in, lamps);
+	if (near == 0 || near == count) {
+		build(&b, 0, lamps, count, near == 0, 0, 0);
+	} else {
+		// The root's own bounds are never asked for.
+		nodes[0] = (struct light_node){.power = 1, .cos_spread = -1, .axis = {0, 0, 1}, .child = 1};
+		b.used = 3;
+		build(&b, 1, lamps, near, false, 0, 1);
+		build(&b, 2, lamps + near, count - near, true, 1, 1);
 	}
-	build(&b, 0, 0, count, 0, 0);
-	free(b.lamps);
+	free(lamps);
 	return STATUS_OK;
 }

@@ -1,5 +1,5 @@
 // Next-event estimation: one light a call, chosen by power out of an alias table, then a point on it. Who defines LIGHT_TREE, a
-// constant, chooses emissive triangles by the tree over them where it is true.
+// constant, chooses by the tree over all of them where it is true.
 #ifndef COMMON_LIGHT_GLSL
 #define COMMON_LIGHT_GLSL
 
@@ -51,41 +51,62 @@ vec3 facing_of(bsdf b)
 	return EFFECT_GLASS && b.clear ? vec3(0.0) : b.geometric;
 }
 
-// The triangle that `pick` chooses for a surface at `origin`, and its chance over its area: a density, the same for all its
-// points. `facing`: facing_of the surface.
-uint choose_emitter(vec3 origin, vec3 facing, uvec2 pick, out float area_density)
+// A lamp that was chosen.
+struct lamp_pick {
+	bool emissive;
+	uint number;     // of the triangle, or of the punctual light
+	float density;   // over the area of an emissive triangle, 1/m², the same for all its points; of a punctual light, its chance
+};
+
+// The emissive triangle that `pick` chooses by power.
+lamp_pick pick_emitter(uvec2 pick)
 {
-#ifdef LIGHT_TREE
-	if (LIGHT_TREE) {
-		float chance;
-		uint id = emitters[light_tree_pick(origin, facing, pick, chance)].triangle;
-		area_density = chance / max(area_of(corners_of(triangles[id])), 1e-37);
-		return id;
-	}
-#endif
 	uint row = alias_row(pick.x, job.emitter_count);
 	emitter e = emitters[row];
 	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
 	uint id = keep ? e.triangle : emitters[e.alias].triangle;
-	area_density = materials[triangles[id].material].power_density * job.emitter_power_inv;
-	return id;
+	return lamp_pick(true, id, materials[triangles[id].material].power_density * job.emitter_power_inv);
 }
 
-// With what density over area choose_emitter and a uniform point find this point of an emissive triangle from `origin`.
+// The punctual light.
+lamp_pick pick_light(uvec2 pick)
+{
+	uint number = alias_row(pick.x, job.light_count);
+	punctual_light light = lights[number];
+	bool keep = float(pick.y >> 8) * UNIT_24 < light.keep;
+	number = keep ? number : light.alias;
+	return lamp_pick(false, number, lights[number].pmf);
+}
+
+#ifdef LIGHT_TREE
+// The lamp that the tree chooses for a surface at `origin`. `facing`: facing_of the surface.
+lamp_pick pick_by_tree(vec3 origin, vec3 facing, uvec2 pick)
+{
+	float chance;
+	uint number = light_tree_pick(origin, facing, pick, chance);
+	chance *= job.emitter_share + job.light_share;
+	if (number >= job.emitter_count)
+		return lamp_pick(false, number - job.emitter_count, chance);
+	uint id = emitters[number].triangle;
+	return lamp_pick(true, id, chance / max(area_of(corners_of(triangles[id])), 1e-37));
+}
+#endif
+
+// With what density over area a lamp's choice and a uniform point find this point of an emissive triangle from `origin`.
 float emitter_density(vec3 origin, vec3 facing, uint id, float by_power)
 {
 #ifdef LIGHT_TREE
 	if (LIGHT_TREE && by_power > 0.0)
-		return light_tree_chance(origin, facing, id) * job.emitter_share / max(area_of(corners_of(triangles[id])), 1e-37);
+		return light_tree_chance(origin, facing, id) * (job.emitter_share + job.light_share) /
+		       max(area_of(corners_of(triangles[id])), 1e-37);
 #endif
 	return by_power;
 }
 
-// The point that `pick` and u choose, by power. False: it shows the receiver its dark side or its edge.
-bool view_emitter(vec3 origin, vec3 facing, uvec2 pick, vec2 u, float share, out emitter_view v)
+// The point that u chooses on an emissive triangle. False: it shows the receiver its dark side or its edge.
+bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 {
-	float area_density;
-	triangle tri = triangles[choose_emitter(origin, facing, pick, area_density)];
+	triangle tri = triangles[lamp.number];
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
 	vec3 n = k.normal;
@@ -102,12 +123,11 @@ bool view_emitter(vec3 origin, vec3 facing, uvec2 pick, vec2 u, float share, out
 	float d = sqrt(d2);
 	vec3 w = v.segment / d;
 	float cos_light = abs(dot(n, w));
-	float pdf_area = area_density * share;
 	v.radiance = vec3(0.0);
 	v.inverse = 0.0;
 	if (!lit || !(d2 > 0.0) || cos_light == 0.0)
 		return false;
-	v.inverse = min(cos_light / (d2 * pdf_area), 1e18);
+	v.inverse = min(cos_light / (d2 * lamp.density), 1e18);
 	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, vec3(1.0 - uv.x - uv.y, uv)) : vec4(0.0);
 	v.radiance = emission_at(m, at);
 	if (EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND)
@@ -125,15 +145,6 @@ struct light_choice {
 	vec3 segment;   // as light_sample's
 	float t_max;
 };
-
-// False: it is dark.
-bool choose_lamp(bsdf b, vec3 origin, uvec2 pick, vec2 u, out light_choice c)
-{
-	emitter_view v;
-	bool lit = view_emitter(origin, facing_of(b), pick, u, job.emitter_share, v);
-	c = light_choice(v.segment / max(length(v.segment), 1e-37), v.radiance, v.inverse, v.inverse, v.segment, 1.0);
-	return lit;
-}
 
 // What a surface makes of it. False: nothing.
 bool light_scattered(bsdf b, light_choice c, out light_sample l)
@@ -173,19 +184,6 @@ vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3
 	return directional || d2 > 0.0 ? irradiance : vec3(0.0);
 }
 
-// The light that `pick` chooses, by power, and its number.
-punctual_light pick_punctual(uvec2 pick, out uint number)
-{
-	number = alias_row(pick.x, job.light_count);
-	punctual_light light = lights[number];
-	bool keep = float(pick.y >> 8) * UNIT_24 < light.keep;
-	if (!keep) {
-		number = light.alias;
-		light = lights[number];
-	}
-	return light;
-}
-
 // A direction within the disc of a directional light, w being its middle, uniformly by solid angle. The disc's radiance L is the
 // same all over, and its irradiance E on a plane that faces the middle is π sin² α L for a half aperture α. One direction
 // out of the solid angle 2π (1 − cos α) then stands for E · 2 / (1 + cos α) from where it comes.
@@ -200,30 +198,52 @@ vec3 in_disc(punctual_light light, vec3 w, vec2 u, inout vec3 irradiance)
 	return normalize((1.0 - lower) * w + across * (cos(turn) * x + sin(turn) * y));
 }
 
-bool choose_punctual(vec3 origin, uvec2 pick, vec2 u, out light_choice c)
+bool choose_point(vec3 origin, lamp_pick lamp, vec2 u, out light_choice c)
 {
-	uint number;
-	punctual_light light = pick_punctual(pick, number);
+	emitter_view v;
+	bool lit = view_emitter(origin, lamp, u, v);
+	c = light_choice(v.segment / max(length(v.segment), 1e-37), v.radiance, v.inverse, v.inverse, v.segment, 1.0);
+	return lit;
+}
+
+bool choose_punctual(vec3 origin, lamp_pick lamp, vec2 u, out light_choice c)
+{
+	punctual_light light = lights[lamp.number];
 	c.radiance = punctual_irradiance(light, origin, c.w, c.segment, c.t_max);
 	if (DISC_LIGHTS && light.spread > 0.0)
 		c.segment = c.w = in_disc(light, c.w, u, c.radiance);
-	c.scale = 1.0 / (light.pmf * job.light_share);
+	c.scale = 1.0 / lamp.density;
 	c.inverse = 0.0;
 	return c.radiance != vec3(0.0);
 }
 
-// False: no light can come by this sample. `table` chooses between emissive triangles and punctual lights, `pick` the
-// light, `u` the point.
+// `table` chooses between emissive triangles and punctual lights, `pick` which.
+lamp_pick pick_lamp(vec3 origin, vec3 facing, float table, uvec2 pick)
+{
+#ifdef LIGHT_TREE
+	if (LIGHT_TREE)
+		return pick_by_tree(origin, facing, pick);
+#endif
+	bool emissive = EFFECT_EMITTERS && (!EFFECT_LIGHTS || table < job.emitter_share);
+	lamp_pick lamp;
+	if (emissive)
+		lamp = pick_emitter(pick);
+	else
+		lamp = pick_light(pick);
+	lamp.density *= emissive ? job.emitter_share : job.light_share;
+	return lamp;
+}
+
+// False: no light can come by this sample, or it is left to chance. `u` chooses the point.
 bool choose_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out light_choice c)
 {
-	bool emissive = EFFECT_EMITTERS && (!EFFECT_LIGHTS || table < job.emitter_share);
-	if (EFFECT_EMITTERS && emissive && LAMPS_BY == LAMPS_BY_CHANCE)
+	bool some = (EFFECT_EMITTERS && job.emitter_count > 0u) || (EFFECT_LIGHTS && job.light_count > 0u);
+	if (!some)
 		return false;
-	if (EFFECT_EMITTERS && emissive && job.emitter_count > 0u)
-		return choose_lamp(b, origin, pick, u, c);
-	if (EFFECT_LIGHTS && !emissive && job.light_count > 0u)
-		return choose_punctual(origin, pick, u, c);
-	return false;
+	lamp_pick lamp = pick_lamp(origin, facing_of(b), table, pick);
+	if (lamp.emissive)
+		return EFFECT_EMITTERS && LAMPS_BY != LAMPS_BY_CHANCE && choose_point(origin, lamp, u, c);
+	return EFFECT_LIGHTS && choose_punctual(origin, lamp, u, c);
 }
 
 #endif

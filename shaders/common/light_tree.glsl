@@ -1,8 +1,9 @@
-// Choosing an emissive triangle by the tree over all of them (server/scene/light_tree.h): from the root down, each time the child
+// Choosing a lamp by the tree over all of them (server/scene/light_tree.h): from the root down, each time the child
 // with a probability proportional to what its lamps could send here at the most, nearly: Conty Estevez and Kulla 2018,
 //     power · cos θ' · cos φ' / d²,   θ' = max(0, θ − spread − size),   φ' = max(0, φ − size),
 // d being the distance to the node's middle, but at least half its diagonal, θ that between its axis and the direction here, φ
-// that between the surface's normal here and the direction there, and size what the node covers as seen from here.
+// that between the surface's normal here and the direction there, and size what the node covers as seen from here. For
+// directional lights it is power · cos φ' without a distance, their spread being the size.
 // The chances along the way multiply to the lamp's own, which a lamp that was met by a direction finds again by its trail.
 #ifndef COMMON_LIGHT_TREE_GLSL
 #define COMMON_LIGHT_TREE_GLSL
@@ -51,11 +52,22 @@ float sine_of(float cosine)
 	return sqrt(max(0.0, 1.0 - cosine * cosine));
 }
 
+// Of directional lights, `normal` as below.
+float far_importance(light_node n, vec3 normal)
+{
+	if (normal == vec3(0.0))
+		return n.power;
+	float up = -dot(to_vec3(n.axis), normal);
+	return n.power * max(0.0, cos_left(up, sine_of(up), n.cos_spread, sine_of(n.cos_spread)));
+}
+
 // `normal` is that of the triangle here, on the side that light comes from, or zero where it may come from either.
 float light_importance(light_node n, vec3 here, vec3 normal)
 {
 	vec3 low = to_vec3(n.min);
 	vec3 high = to_vec3(n.max);
+	if (low.x > high.x)
+		return far_importance(n, normal);
 	vec3 to_here = here - 0.5 * (low + high);
 	vec3 reach = 0.5 * (high - low);
 	float r2 = dot(reach, reach);
@@ -93,7 +105,7 @@ float second_chance(uint child, vec3 here, vec3 normal)
 	return second / (first + second);
 }
 
-// The emitter that the 32 random bits of each of two numbers choose for a place, and the chance that it had.
+// The number of the lamp that the 32 random bits of each of two numbers choose for a place, and the chance that it had.
 uint light_tree_pick(vec3 here, vec3 normal, uvec2 pick, out float chance)
 {
 	uint child = light_child(0u);

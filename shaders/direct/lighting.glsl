@@ -134,9 +134,10 @@ punctual_light direct_punctual(uint i, out float weight, out uint number)
 	uint at = direct_step(i, DIRECT_LIGHTS, hash(direct_shift() + 3u));
 	uint row, low;
 	umulExtended(at, job.light_count, row, low);
-	punctual_light light = pick_punctual(uvec2(at, low), number);
-	weight = 1.0 / (float(DIRECT_LIGHTS) * light.pmf);
-	return light;
+	lamp_pick lamp = pick_light(uvec2(at, low));
+	number = lamp.number;
+	weight = 1.0 / (float(DIRECT_LIGHTS) * lamp.density);
+	return lights[number];
 }
 
 vec3 folded_below(bsdf b, vec3 w, float above)
@@ -191,7 +192,7 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 	vec2 where;
 	emitter_view v;
 	direct_point(pattern, k, pick, where);
-	if (!view_emitter(origin, vec3(0.0), pick, where, 1.0, v))
+	if (!view_emitter(origin, pick_emitter(pick), where, v))
 		return;
 	vec3 w = normalize(v.segment);
 	vec4 facets;

@@ -51,10 +51,8 @@ vec3 cone_direction(vec3 axis, float cos_most, vec2 u)
 launch launch_emitter(sampler_state rnd, bool aims, float share)
 {
 	launch l;
-	uvec2 pick = sample_bits(rnd, SET_PICK);
-	emitter e = emitters[alias_row(pick.x, job.emitter_count)];
-	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
-	triangle tri = triangles[keep ? e.triangle : emitters[e.alias].triangle];
+	lamp_pick lamp = pick_emitter(sample_bits(rnd, SET_PICK));
+	triangle tri = triangles[lamp.number];
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
 	vec2 uv = sample_triangle(sample_2d(rnd, SET_LIGHT));
@@ -79,9 +77,8 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	l.power = front || both ? emission_at(m, at) * l.cos_lamp : vec3(0.0);
 	if (EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND)
 		l.power *= coverage_at(m, tri, bary, at);
-	float density = m.power_density * job.emitter_power_inv;
-	l.pdf_area = density * job.emitter_share;
-	l.pick = density * share;
+	l.pdf_area = lamp.density * job.emitter_share;
+	l.pick = lamp.density * share;
 	l.spread = l.cos_lamp / (both ? 2.0 * PI : PI);
 	l.parallel = false;
 	return l;
@@ -90,8 +87,8 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 launch launch_punctual(sampler_state rnd, bool aims, float share)
 {
 	launch l;
-	uint number;
-	punctual_light light = pick_punctual(sample_bits(rnd, SET_PICK), number);
+	lamp_pick lamp = pick_light(sample_bits(rnd, SET_PICK));
+	punctual_light light = lights[lamp.number];
 	vec2 u = sample_2d(rnd, SET_BSDF);
 	vec3 axis = to_vec3(light.direction);
 	l.parallel = light.kind == LIGHT_DIRECTIONAL;
@@ -111,7 +108,7 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 		l.power *= spot_attenuation(light, -l.direction);
 	bool inside = light.kind != LIGHT_SPOT || dot(l.direction, axis) >= cos_most;
 	l.spread = l.parallel || !inside ? 0.0 : 1.0 / (2.0 * PI * max(1.0 - cos_most, 1e-6));
-	l.pick = light.pmf * share;
+	l.pick = lamp.density * share;
 	l.pdf_area = 0.0;
 	l.cos_lamp = 1.0;
 	return l;

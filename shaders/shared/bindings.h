@@ -84,7 +84,7 @@
 #define SPEC_CLAMP 24 // no sample is brighter than pt_job.clamp
 #define SPEC_SKY 25 // what is around the scene is a picture, and a light
 #define SPEC_DISCS 26 // some directional light shines from a disc
-#define SPEC_LIGHT_TREE 27 // emissive triangles are chosen by the tree over them, else by their power alone
+#define SPEC_LIGHT_TREE 27 // lamps are chosen by the tree over them, else by their power alone
 #define SPEC_PRIORITIES 28 // some clear body has a priority above 0
 #define SPEC_COUNT 29
 

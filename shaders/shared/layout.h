@@ -159,13 +159,13 @@ struct emitter {
 };
 LAYOUT_ASSERT(emitter, 16)
 
-// A node of the tree over the emitters: server/scene/light_tree.h. `child` and `child` + 1 are below it; of a leaf, LIGHT_LEAF
-// and the emitter's number.
+// A node of the tree over the lamps: server/scene/light_tree.h. `child` and `child` + 1 are below it; of a leaf, LIGHT_LEAF and
+// the lamp's number, in the job emitters first, then lights.
 struct light_node {
-	float min[3]; // metres
-	float power; // of all lamps below, W
+	float min[3]; // metres; above max: directional lights are below
+	float power; // π times what all lamps below send at the most, W/sr; directional ones W/m²
 	float max[3];
-	float cos_spread; // every normal below is within the angle of this cosine of `axis`
+	float cos_spread; // every normal below, or way that light travels, is within the angle of this cosine of `axis`
 	float axis[3]; // unit
 	uint child;
 };

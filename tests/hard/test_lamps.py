@@ -86,6 +86,21 @@ class Near(unittest.TestCase):
             self.assertAlmostEqual(got / (below_square(half) / (4 * half * half)), 1, delta=2e-3, msg=f"half {half}")
         self.assertAlmostEqual(got, 1, delta=2e-3)
 
+    def test_a_dim_light_near_and_bright_ones_far(self):
+        """What a light sends in all says little about what comes here: of two thousand watts two are nearly all of it."""
+        g = Gltf()
+        floor(g, 5)
+        square(g, .5, 2, 3.0)
+        g.light("point", .16, (0, .02, 0))
+        g.light("point", 100, (3, 4, 0))
+        g.light("spot", 50, (0, 3, 4), (0, 0, 0), cone=(0.2, 0.5))
+        g.light("directional", 2, (0, 1, 0), (1, 0, 0), up=(0, 0, 1))
+        expected = .16 / .02 ** 2 + 100 * .8 / 25 + 50 * .6 / 25 + 2 * math.sqrt(.5) + 3 * below_square(.5, 2)
+        for spp, tolerance in ((16, 0.02), (1024, 0.002)):
+            got = irradiance(g, (0, 0, 0), "near_and_far.gltf", spp=spp)
+            print(f"{spp} samples: {got / expected:.4f} of the irradiance")
+            self.assertAlmostEqual(got / expected, 1, delta=tolerance)
+
     def test_grazing_by_a_tenth_of_a_degree(self):
         """A white floor in a white world, seen at 0.1 degrees, is white."""
         g = Gltf()

@@ -30,7 +30,7 @@ struct technique_job {
 	uint32_t segment; // scattering events in a dispatch at most, for each of its samples
 	uint32_t segments; // dispatches that a batch takes
 	uint32_t batch_most; // samples of a batch at most
-	const struct pt_light_tree *tree; // the tree over emissive triangles, the scene's; NULL: they are chosen by power
+	const struct pt_light_tree *tree; // the tree over lamps, the scene's; NULL: they are chosen by power
 	struct buffer job; // struct pt_job
 	struct buffer counters; // struct pt_counters, growing
 	struct buffer counters_host; // what the last submission left in them

@@ -121,7 +121,7 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
 	if (pt_light_tree_wanted(devices, scene, plan))
-		bytes += pt_light_tree_bytes(scene);
+		bytes += pt_light_tree_bytes(scene, plan);
 	if (plan_has_sky(plan))
 		bytes += (uint64_t)plan->environment.width * plan->environment.height *
 			 (sizeof(struct environment_texel) + sizeof(struct environment_row));
@@ -297,7 +297,7 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 	constants[SPEC_CLAMP] = j->plan.clamp > 0;
 	constants[SPEC_SKY] = j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
 	constants[SPEC_DISCS] = effects >> candil_Effect_EFFECT_LIGHTS & 1u && has_discs(j->scene);
-	constants[SPEC_LIGHT_TREE] = j->tree && effects >> candil_Effect_EFFECT_EMITTERS & 1u;
+	constants[SPEC_LIGHT_TREE] = j->tree != NULL;
 	constants[SPEC_PRIORITIES] = effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene);
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
 }
@@ -377,7 +377,7 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 		s = make_buffers(j, err);
 	j->upload_us = clock_us() - start;
 	if (s == STATUS_OK && pt_light_tree_wanted(devices, scene, plan))
-		s = pt_light_tree_get(device, scene, &j->tree, &j->tree_us, err);
+		s = pt_light_tree_get(device, scene, plan, &j->tree, &j->tree_us, err);
 	if (s == STATUS_OK)
 		s = make_path_pass(j, segment_of(device, plan), err);
 	if (s == STATUS_OK && plan->aovs)
