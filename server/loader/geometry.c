@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/vec3.h"
 #include "server/loader/tangents.h"
 
 #define ORIGIN_EXTENTS 16.0
@@ -87,15 +88,9 @@ static void round_vertex(const struct import_vertex *from, const double origin[3
 
 static bool has_area(const struct vertex *vertices, const struct triangle *t)
 {
-	const float *a = vertices[t->vertex[0]].position, *b = vertices[t->vertex[1]].position,
-		    *c = vertices[t->vertex[2]].position;
-	double u[3], v[3];
-	for (int i = 0; i < 3; i++) {
-		u[i] = (double)b[i] - (double)a[i];
-		v[i] = (double)c[i] - (double)a[i];
-	}
-	const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-	return fmax(fabs(x), fmax(fabs(y), fabs(z))) >= SMALLEST_CROSS;
+	double n[3];
+	vec3_across(vertices[t->vertex[0]].position, vertices[t->vertex[1]].position, vertices[t->vertex[2]].position, n);
+	return fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2]))) >= SMALLEST_CROSS;
 }
 
 // A tangent as the file gives it, made unit. A flat surface's would belong to a normal that nobody knows: the

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/vec3.h"
 #include "server/loader/key_table.h"
 
 // The share of the product of two edges in the map that their area must be, lest its direction be noise.
@@ -38,21 +39,6 @@ struct face {
 	bool mirrored; // in the map, v pointing up
 };
 
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static bool make_unit(double v[3])
-{
-	const double length = sqrt(dot(v, v));
-	if (!(length > 0) || !isfinite(length))
-		return false;
-	for (int c = 0; c < 3; c++)
-		v[c] /= length;
-	return true;
-}
-
 static void read_uv(const struct builder *b, const struct texture_info *map, uint32_t vertex, double uv[2])
 {
 	const float *raw = map->flags & TEXTURE_UV1 ? b->g->uv1[vertex].uv : b->g->vertices[vertex].uv;
@@ -85,7 +71,7 @@ static bool find_face(const struct builder *b, const struct triangle *t, const s
 		f->normal[c] = f->edge[0][c1] * f->edge[1][c2] - f->edge[0][c2] * f->edge[1][c1];
 		f->along_u[c] = (f->edge[0][c] * d[1][1] - f->edge[1][c] * d[0][1]) * (area < 0 ? -1 : 1);
 	}
-	return make_unit(f->normal) && make_unit(f->along_u);
+	return vec3_normalize(f->normal) && vec3_normalize(f->along_u);
 }
 
 static double corner_angle(const struct face *f, int k)
@@ -95,9 +81,9 @@ static double corner_angle(const struct face *f, int k)
 		a[i] = k == 0 ? f->edge[0][i] : k == 1 ? f->edge[1][i] - f->edge[0][i] : -f->edge[1][i];
 		c[i] = k == 0 ? f->edge[1][i] : k == 1 ? -f->edge[0][i] : f->edge[0][i] - f->edge[1][i];
 	}
-	if (!make_unit(a) || !make_unit(c))
+	if (!vec3_normalize(a) || !vec3_normalize(c))
 		return 0;
-	return acos(fmin(1.0, fmax(-1.0, dot(a, c))));
+	return acos(fmin(1.0, fmax(-1.0, vec3_dot(a, c))));
 }
 
 static enum status find_group(struct builder *b, const struct vertex *v, const double uv[2], const float normal[3],
@@ -132,16 +118,16 @@ static enum status add_corner(struct builder *b, const struct triangle *t, const
 {
 	const struct vertex *v = &b->g->vertices[t->vertex[k]];
 	double normal[3] = {v->normal[0], v->normal[1], v->normal[2]}, along[3];
-	if (!make_unit(normal))
+	if (!vec3_normalize(normal))
 		memcpy(normal, f->normal, sizeof normal);
 	const float rounded[3] = {(float)normal[0], (float)normal[1], (float)normal[2]};
-	const bool turned = dot(normal, f->normal) < 0; // a normal that looks away from its front
+	const bool turned = vec3_dot(normal, f->normal) < 0; // a normal that looks away from its front
 	if (find_group(b, v, f->uv[k], rounded, f->mirrored != turned ? -1.0f : 1.0f, number, err) != STATUS_OK)
 		return err->code;
-	const double lean = dot(normal, f->along_u), angle = corner_angle(f, k);
+	const double lean = vec3_dot(normal, f->along_u), angle = corner_angle(f, k);
 	for (int c = 0; c < 3; c++)
 		along[c] = f->along_u[c] - lean * normal[c];
-	if (make_unit(along))
+	if (vec3_normalize(along))
 		for (int c = 0; c < 3; c++)
 			b->groups[*number].sum[c] += angle * along[c];
 	return STATUS_OK;
@@ -216,11 +202,11 @@ static void set_tangent(const struct builder *b, uint32_t group, struct vertex_t
 	const struct group *from = &b->groups[group];
 	const double normal[3] = {from->normal[0], from->normal[1], from->normal[2]};
 	double tangent[3];
-	const double lean = dot(normal, from->sum);
+	const double lean = vec3_dot(normal, from->sum);
 	for (int c = 0; c < 3; c++)
 		tangent[c] = from->sum[c] - lean * normal[c];
 	*out = (struct vertex_tangent){{0}};
-	if (!make_unit(tangent))
+	if (!vec3_normalize(tangent))
 		return;
 	for (int c = 0; c < 3; c++)
 		out->xyzw[c] = (float)tangent[c];

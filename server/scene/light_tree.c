@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/vec3.h"
+
 #define BINS 12
 #define DEPTH_MAX 31u
 
@@ -33,11 +35,6 @@ struct builder {
 	uint32_t used; // nodes so far
 };
 
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double clamped_acos(double c)
 {
 	return acos(c < -1 ? -1 : c > 1 ? 1 : c);
@@ -50,7 +47,7 @@ static void cone_add(struct bound *to, const struct bound *from)
 {
 	struct bound wide = to->spread >= from->spread ? *to : *from;
 	const struct bound *other = to->spread >= from->spread ? from : to;
-	const double apart = clamped_acos(dot(wide.axis, other->axis));
+	const double apart = clamped_acos(vec3_dot(wide.axis, other->axis));
 	if (fmin(apart + other->spread, pi) > wide.spread) {
 		const double spread = 0.5 * (wide.spread + apart + other->spread);
 		const double turn = spread - wide.spread, s = sin(apart);
@@ -104,32 +101,23 @@ static double luminance(const float c[3])
 	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
 }
 
-static double half_cross(const double u[3], const double v[3], double n[3])
-{
-	n[0] = u[1] * v[2] - u[2] * v[1];
-	n[1] = u[2] * v[0] - u[0] * v[2];
-	n[2] = u[0] * v[1] - u[1] * v[0];
-	return 0.5 * sqrt(dot(n, n));
-}
-
 static struct lamp emitter_lamp(const struct light_tree_lamps *in, uint32_t number)
 {
 	const struct triangle *t = &in->triangles[in->emitters[number].triangle];
 	const struct material *m = &in->materials[t->material];
 	const bool both = m->flags & MATERIAL_EMITS_BOTH_SIDES;
 	struct lamp l = {.bound.spread = both ? pi : 0, .number = number};
-	double p[3][3], u[3], v[3], n[3];
+	const float *p[3];
+	double n[3];
 	for (int c = 0; c < 3; c++)
-		for (int i = 0; i < 3; i++)
-			p[c][i] = in->vertices[t->vertex[c]].position[i];
+		p[c] = in->vertices[t->vertex[c]].position;
 	for (int i = 0; i < 3; i++) {
-		u[i] = p[1][i] - p[0][i];
-		v[i] = p[2][i] - p[0][i];
-		l.bound.min[i] = fmin(p[0][i], fmin(p[1][i], p[2][i]));
-		l.bound.max[i] = fmax(p[0][i], fmax(p[1][i], p[2][i]));
+		l.bound.min[i] = fmin((double)p[0][i], fmin((double)p[1][i], (double)p[2][i]));
+		l.bound.max[i] = fmax((double)p[0][i], fmax((double)p[1][i], (double)p[2][i]));
 		l.centre[i] = 0.5 * (l.bound.min[i] + l.bound.max[i]);
 	}
-	const double area = half_cross(u, v, n);
+	vec3_across(p[0], p[1], p[2], n);
+	const double area = 0.5 * sqrt(vec3_dot(n, n));
 	for (int i = 0; i < 3; i++)
 		l.bound.axis[i] = area > 0 ? n[i] / (2 * area) : i == 2;
 	l.bound.power = area * (double)m->power_density / (both ? 2 : 1);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "server/base/vec3.h"
 #include "server/scene/alias.h"
 
 static const double pi = 3.14159265358979323846;
@@ -53,15 +54,9 @@ float lights_power_density(const struct material *m, const struct texture_info *
 
 double lights_area(const struct vertex *vertices, const struct triangle *t)
 {
-	const float *a = vertices[t->vertex[0]].position, *b = vertices[t->vertex[1]].position,
-		    *c = vertices[t->vertex[2]].position;
-	double u[3], v[3];
-	for (int i = 0; i < 3; i++) {
-		u[i] = (double)b[i] - (double)a[i];
-		v[i] = (double)c[i] - (double)a[i];
-	}
-	const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-	return 0.5 * sqrt(x * x + y * y + z * z);
+	double n[3];
+	vec3_across(vertices[t->vertex[0]].position, vertices[t->vertex[1]].position, vertices[t->vertex[2]].position, n);
+	return 0.5 * sqrt(vec3_dot(n, n));
 }
 
 // Weights and triangle ids of what emits. Returns how many.

@@ -3,20 +3,10 @@
 #include <float.h>
 #include <math.h>
 
+#include "server/base/vec3.h"
+
 const struct transform transform_identity = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
 const struct transform_parts transform_no_parts = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
-
-static double dot(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 struct transform transform_compose(const struct transform *parent, const struct transform *local)
 {
@@ -92,23 +82,23 @@ struct transform_parts transform_to_parts(const struct transform *map)
 		out.translation[i] = map->c[3][i];
 		for (int row = 0; row < 3; row++)
 			axis[i][row] = map->c[i][row];
-		out.scale[i] = sqrt(dot(map->c[i], map->c[i]));
+		out.scale[i] = sqrt(vec3_dot(map->c[i], map->c[i]));
 	}
 	double across[3];
-	cross(axis[1], axis[2], across);
-	if (dot(axis[0], across) < 0) {
+	vec3_cross(axis[1], axis[2], across);
+	if (vec3_dot(axis[0], across) < 0) {
 		out.scale[0] = -out.scale[0];
 		for (int row = 0; row < 3; row++)
 			axis[0][row] = -axis[0][row];
 	}
 	if (!transform_normalize(axis[0]))
 		return out;
-	const double along = dot(axis[0], axis[1]);
+	const double along = vec3_dot(axis[0], axis[1]);
 	for (int row = 0; row < 3; row++)
 		axis[1][row] -= along * axis[0][row];
 	if (!transform_normalize(axis[1]))
 		return out;
-	cross(axis[0], axis[1], axis[2]);
+	vec3_cross(axis[0], axis[1], axis[2]);
 	quaternion_of(axis, out.rotation);
 	return out;
 }
@@ -117,16 +107,16 @@ struct transform_normals transform_normals_of(const struct transform *map)
 {
 	struct transform_normals m;
 	for (int i = 0; i < 3; i++)
-		cross(map->c[(i + 1) % 3], map->c[(i + 2) % 3], m.c[i]);
-	m.determinant = dot(map->c[0], m.c[0]);
+		vec3_cross(map->c[(i + 1) % 3], map->c[(i + 2) % 3], m.c[i]);
+	m.determinant = vec3_dot(map->c[0], m.c[0]);
 	return m;
 }
 
 bool transform_invert(const struct transform *map, struct transform *out)
 {
 	const struct transform_normals n = transform_normals_of(map);
-	const double size =
-	    sqrt(dot(map->c[0], map->c[0])) * sqrt(dot(map->c[1], map->c[1])) * sqrt(dot(map->c[2], map->c[2]));
+	const double size = sqrt(vec3_dot(map->c[0], map->c[0])) * sqrt(vec3_dot(map->c[1], map->c[1])) *
+			    sqrt(vec3_dot(map->c[2], map->c[2]));
 	if (!(fabs(n.determinant) > 1e-12 * size) || !(fabs(n.determinant) >= DBL_MIN) || !isfinite(n.determinant))
 		return false;
 	struct transform inverse;
@@ -202,7 +192,7 @@ bool transform_normalize(double v[3])
 		return false;
 	for (int i = 0; i < 3; i++)
 		v[i] /= largest;
-	const double length = sqrt(dot(v, v));
+	const double length = sqrt(vec3_dot(v, v));
 	for (int i = 0; i < 3; i++)
 		v[i] /= length;
 	return true;

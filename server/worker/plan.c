@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "protocol/limits.h"
+#include "server/base/vec3.h"
 #include "server/worker/plan_options.h"
 #include "shaders/shared/vct_show.h"
 
@@ -186,39 +187,17 @@ static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
 
 // ---- camera -----------------------------------------------------------------------------------------------------------
 
-static double dot3(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross3(const double a[3], const double b[3], double out[3])
-{
-	out[0] = a[1] * b[2] - a[2] * b[1];
-	out[1] = a[2] * b[0] - a[0] * b[2];
-	out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static bool normalize3(double v[3])
-{
-	double l = sqrt(dot3(v, v));
-	if (!(l > 0) || !isfinite(l))
-		return false;
-	for (int i = 0; i < 3; i++)
-		v[i] /= l;
-	return true;
-}
-
 // Image plane from a view direction and any vector that is not along it.
 static enum status aim(struct plan *p, const double up[3], double half_height, struct error *err)
 {
 	struct plan_camera *c = &p->camera;
 	double right[3], straight_up[3];
-	if (!normalize3(c->forward))
+	if (!vec3_normalize(c->forward))
 		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's eye and target are the same point: move one");
-	cross3(c->forward, up, right);
-	if (!normalize3(right))
+	vec3_cross(c->forward, up, right);
+	if (!vec3_normalize(right))
 		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's up direction is along its view: choose another");
-	cross3(right, c->forward, straight_up);
+	vec3_cross(right, c->forward, straight_up);
 	// A panorama's image has no plane: the frame is enough.
 	const double half_width = c->panorama ? 1 : half_height * p->width / p->height;
 	for (int i = 0; i < 3; i++) {

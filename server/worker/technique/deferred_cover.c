@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "server/base/vec3.h"
+
 // The picture's plane as the raster has it (shaders/direct/visibility.vert.glsl), rows relative to the band's first.
 struct screen {
 	double eye[3], forward[3], right[3], up[3]; // right and up: to −1…1
@@ -9,15 +11,10 @@ struct screen {
 	double width, height, first_row, rows; // pixels
 };
 
-static double dot3(const double a[3], const double b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static struct screen screen_of(const struct plan *plan, const struct blob_view *view, uint32_t first_row, uint32_t rows)
 {
 	const struct plan_camera *c = &plan->camera;
-	const double right = dot3(c->right, c->right), up = dot3(c->up, c->up);
+	const double right = vec3_dot(c->right, c->right), up = vec3_dot(c->up, c->up);
 	struct screen s = {.orthographic = c->orthographic,
 			   .width = plan->width,
 			   .height = plan->height,
@@ -41,13 +38,13 @@ static double pixels_of(const struct screen *s, const struct vertex *vertices, c
 		double p[3];
 		for (int c = 0; c < 3; c++)
 			p[c] = (double)vertices[t->vertex[k]].position[c] - s->eye[c];
-		const double w = s->orthographic ? 1 : dot3(p, s->forward);
+		const double w = s->orthographic ? 1 : vec3_dot(p, s->forward);
 		if (!(w > 0)) {
 			behind++;
 			continue;
 		}
-		const double at[2] = {0.5 * s->width * (1 + dot3(p, s->right) / w),
-				      0.5 * s->height * (1 - dot3(p, s->up) / w) - s->first_row};
+		const double at[2] = {0.5 * s->width * (1 + vec3_dot(p, s->right) / w),
+				      0.5 * s->height * (1 - vec3_dot(p, s->up) / w) - s->first_row};
 		for (int c = 0; c < 2; c++) {
 			low[c] = fmin(low[c], at[c]);
 			high[c] = fmax(high[c], at[c]);

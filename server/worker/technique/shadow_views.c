@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "protocol/limits.h"
+#include "server/base/vec3.h"
 
 _Static_assert(SHADOW_LIGHTS_MAX == LIMIT_MAP_LIGHTS && SHADOW_MAPS_MAX == SHADOW_LIGHTS_MAX * SHADOW_FACES,
 	       "every light that may have maps has room for them");
@@ -13,33 +14,21 @@ struct frame3 {
 	double eye[3], x[3], y[3], z[3];
 };
 
-static double dot3(const double a[3], const double b[3])
+static void make_unit(double v[3])
 {
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross3(const double a[3], const double b[3], double out[3])
-{
-	for (int i = 0; i < 3; i++)
-		out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static void normalise(double v[3])
-{
-	const double length = sqrt(dot3(v, v));
-	for (int i = 0; i < 3; i++)
-		v[i] = length > 0 ? v[i] / length : i == 2;
+	if (!vec3_normalize(v))
+		memcpy(v, (const double[3]){0, 0, 1}, 3 * sizeof *v);
 }
 
 // A frame that looks along z, which is made a unit.
 static void look(struct frame3 *f, const double z[3])
 {
 	memcpy(f->z, z, sizeof f->z);
-	normalise(f->z);
+	make_unit(f->z);
 	const double aside[3] = {fabs(f->z[0]) < 0.6, fabs(f->z[0]) >= 0.6, 0};
-	cross3(aside, f->z, f->x);
-	normalise(f->x);
-	cross3(f->z, f->x, f->y);
+	vec3_cross(aside, f->z, f->x);
+	make_unit(f->x);
+	vec3_cross(f->z, f->x, f->y);
 }
 
 static double diagonal(const struct blob_view *scene)
@@ -64,9 +53,9 @@ static void corner_in(const struct frame3 *f, const struct blob_view *scene, uns
 	double d[3];
 	for (int i = 0; i < 3; i++)
 		d[i] = (double)(corner >> i & 1u ? scene->bounds_max[i] : scene->bounds_min[i]) - f->eye[i];
-	out[0] = dot3(d, f->x);
-	out[1] = dot3(d, f->y);
-	out[2] = dot3(d, f->z);
+	out[0] = vec3_dot(d, f->x);
+	out[1] = vec3_dot(d, f->y);
+	out[2] = vec3_dot(d, f->z);
 }
 
 static void put(struct shadow_map *m, const struct frame3 *f, const double half[2], double near, double range, uint32_t side)
