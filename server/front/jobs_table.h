@@ -1,4 +1,5 @@
-// What the files of jobs share, jobs.c, jobs_images.c and jobs_lost.c. For these alone.
+// What the files of jobs share: jobs.c (the table, and how jobs end), jobs_device.c, jobs_images.c, jobs_deadline.c and
+// jobs_lost.c. For these alone.
 #ifndef CANDIL_FRONT_JOBS_TABLE_H
 #define CANDIL_FRONT_JOBS_TABLE_H
 
@@ -6,6 +7,9 @@
 
 // NULL: it has ended.
 struct job *jobs_by_id(const struct jobs *jobs, uint32_t id);
+
+// A number that no job has.
+uint32_t jobs_new_id(struct jobs *jobs);
 
 // The worker holds memory of the device for it.
 bool job_on_device(const struct job *job);
@@ -16,6 +20,9 @@ bool job_is_first(const struct jobs *jobs, const struct job *job);
 
 // Its last image is all queued: DONE, or a sweep's next image.
 void job_finish(struct jobs *jobs, struct job *job);
+
+// Make a job of a sweep's next camera, if it is time. Fails only if the sweep has no other job.
+enum status jobs_advance_sweep(struct jobs *jobs, struct sweep *sweep, struct error *err);
 
 // Close one of the job's images, if there is one, and give its room back, if it has some.
 void job_release_image(struct jobs *jobs, const struct job *job, struct image *image);

@@ -1,0 +1,208 @@
+// Jobs and the device: whose turn it is to begin or to take a step, and what the worker answers.
+#include <math.h>
+
+#include "protocol/header.h"
+#include "server/base/clock.h"
+#include "server/front/jobs_table.h"
+#include "server/front/reply.h"
+#include "server/front/session.h"
+
+// A job refused so often for want of memory lets no younger one begin before it.
+#define MEMORY_PATIENCE 4u
+
+static bool device_busy(const struct jobs *jobs, const struct job *but)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i] != but && job_on_device(jobs->job[i]))
+			return true;
+	return false;
+}
+
+static bool is_loaded(const struct job *job)
+{
+	return job->scene->state == SCENE_READY && (!job->environment || job->environment->state == SCENE_READY);
+}
+
+static struct job *next_to_begin(const struct jobs *jobs)
+{
+	for (unsigned i = 0; i < jobs->count; i++) {
+		struct job *job = jobs->job[i];
+		if (job->state != JOB_WAITING || !is_loaded(job))
+			continue;
+		if (!job->short_of_memory)
+			return job;
+		if (job->refusals >= MEMORY_PATIENCE)
+			return NULL;
+	}
+	return NULL;
+}
+
+static void begin(struct jobs *jobs)
+{
+	struct job *job = jobs->beginning ? NULL : next_to_begin(jobs);
+	if (!job)
+		return;
+	job->state = JOB_BEGINNING;
+	if (!job->begun_us)
+		job->begun_us = clock_us();
+	jobs->beginning = job->id;
+	jobs->begin_behind_step = jobs->stepping != 0;
+	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render);
+}
+
+static void step(struct jobs *jobs)
+{
+	struct job *active[LIMIT_JOBS];
+	struct turn *turns[LIMIT_JOBS];
+	size_t count = 0;
+	// While a BEGIN is outstanding no STEP is put behind it: the new job, which may be a small one, would wait for one
+	// more slice of a large one. With step before begin in each dispatch, the two take turns and neither holds up the
+	// other.
+	if (jobs->stepping || jobs->beginning)
+		return;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->state == JOB_ACTIVE) {
+			active[count] = jobs->job[i];
+			turns[count++] = &jobs->job[i]->turn;
+		}
+	if (count == 0)
+		return;
+	struct job *job = active[schedule_pick(turns, count, &jobs->turns)];
+	jobs->stepping = job->id;
+	jobs->held = job->id;
+	jobs->step_sent_us = clock_us();
+	worker_step(jobs->worker, job->id, job_slice_us(jobs, job));
+}
+
+void jobs_dispatch(struct jobs *jobs)
+{
+	jobs_end_late(jobs);
+	if (jobs->worker->state != WORKER_READY)
+		return;
+	jobs_read_finished(jobs);
+	step(jobs);
+	begin(jobs);
+}
+
+void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
+{
+	struct job *job = jobs_by_id(jobs, id);
+	jobs->beginning = 0;
+	if (!job || job->state != JOB_BEGINNING)
+		return;
+	if (begun->error.code == STATUS_OK) {
+		job->state = JOB_ACTIVE;
+		bool *accepted = job->sweep ? &job->sweep->accepted : &job->accepted;
+		if (!*accepted)
+			reply_message(job->session, MESSAGE_ACCEPTED, job->request, candil_Accepted_fields,
+				      &begun->accepted);
+		*accepted = true;
+		return;
+	}
+	// There is nothing to END: a job whose BEGIN failed does not exist over there.
+	job->state = JOB_WAITING;
+	if (begun->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
+		job->short_of_memory = true;
+		job->refusals++;
+		return;
+	}
+	jobs_fail(jobs, job, &begun->error);
+}
+
+static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, candil_Progress *progress)
+{
+	progress->samples_done = 0;
+	progress->fraction = 0;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->sweep == sweep) {
+			progress->samples_done += jobs->job[i]->samples_done;
+			progress->fraction += jobs->job[i]->fraction;
+		}
+	sweep_progress(sweep, progress);
+}
+
+// Of what ends the job first: its samples, its target error (in the worker's fraction) or its deadline.
+static double fraction_of(const struct job *job, uint64_t now)
+{
+	const double time =
+	    job->render.deadline_ms > 0 ? (double)(now - job->asked_us) / (job->render.deadline_ms * 1000.0) : 0;
+	return time > job->fraction ? fmin(time, 1) : job->fraction;
+}
+
+static void tell_progress(const struct jobs *jobs, struct job *job)
+{
+	uint64_t now = clock_us();
+	uint64_t *told_us = job->sweep ? &job->sweep->progress_us : &job->progress_us;
+	if (now < *told_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
+		return;
+	*told_us = now;
+	candil_Progress progress = {.samples_done = job->samples_done,
+				    .samples = job->render.samples,
+				    .fraction = fraction_of(job, now),
+				    .device_us = job->device_us,
+				    .elapsed_us = now - job->asked_us,
+				    .estimated_relmse = job->estimated_relmse};
+	if (job->sweep)
+		add_up_sweep(jobs, job->sweep, &progress);
+	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
+}
+
+void job_traced(struct jobs *jobs, struct job *job)
+{
+	struct error err;
+	job->state = JOB_FINISHED;
+	if (!job->sweep)
+		return;
+	tell_progress(jobs, job);
+	jobs_advance_sweep(jobs, job->sweep, &err);
+}
+
+// A job that lacks memory in its midst, which others have now, gives back what it has and begins again after one of them:
+// under another number, for a preview of what it was may still come.
+static void wait_for_memory(struct jobs *jobs, struct job *job)
+{
+	worker_end(jobs->worker, job->id);
+	jobs_let_others_try(jobs);
+	job_begin_again(jobs, job);
+	job->id = jobs_new_id(jobs);
+	job->short_of_memory = true;
+	job->refusals++;
+}
+
+void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *stepped)
+{
+	struct job *job = jobs_by_id(jobs, id);
+	uint64_t wall_us = clock_us() - jobs->step_sent_us;
+	jobs->stepping = 0;
+	jobs->begin_behind_step = false;
+	jobs->slices++;
+	if (!job || job->state != JOB_ACTIVE)
+		return;
+	// Not every driver can tell how long its work took.
+	uint64_t device_us = stepped->device_us ? stepped->device_us : wall_us;
+	job->slices++;
+	job->device_us += device_us;
+	job->samples_done = stepped->samples_done;
+	job->fraction = stepped->fraction;
+	job->estimated_relmse = stepped->estimated_relmse;
+	job->reached = stepped->reached != 0;
+	schedule_charge(&job->turn, device_us);
+	if (job->sweep) {
+		job->sweep->turn = job->turn;
+		job->sweep->device_us += device_us;
+	}
+	if (stepped->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
+		wait_for_memory(jobs, job);
+		return;
+	}
+	if (stepped->error.code != STATUS_OK) {
+		jobs_fail(jobs, job, &stepped->error);
+		return;
+	}
+	if (stepped->finished) {
+		job_traced(jobs, job);
+		return;
+	}
+	tell_progress(jobs, job);
+	job_ask_preview(jobs, job, stepped->samples_done);
+}
