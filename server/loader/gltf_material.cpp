@@ -134,11 +134,12 @@ enum status find_transmission_texture(gltf_reader *reader, const tinygltf::Mater
 enum status find_specular_texture(gltf_reader *reader, const tinygltf::Material &m, struct material *out, struct error *err)
 {
 	const tinygltf::Value *specular = gltf_extension_of(m, "KHR_materials_specular");
-	if (!specular)
+	if (!specular || out->specular_weight == 0)
 		return STATUS_OK;
-	if (specular->Has("specularTexture"))
-		import_ignore(reader->import, "specularTexture");
-	if (!specular->Has("specularColorTexture") || out->specular_weight == 0)
+	if (specular->Has("specularTexture") &&
+	    gltf_texture_in(reader, *specular, "specularTexture", 0, &out->specular_weight_texture, err) != STATUS_OK)
+		return err->code;
+	if (!specular->Has("specularColorTexture"))
 		return STATUS_OK;
 	return gltf_texture_in(reader, *specular, "specularColorTexture", TEXTURE_SRGB, &out->specular_texture, err);
 }

@@ -129,6 +129,7 @@ struct material import_plain_material(float albedo)
 				 .normal_scale = 1.0f,
 				 .alpha = 1.0f,
 				 .transmission_texture = NONE,
+				 .specular_weight_texture = NONE,
 				 .ior = 1.5f,
 				 .coat_texture = NONE,
 				 .coat_roughness_texture = NONE,

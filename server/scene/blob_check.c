@@ -257,8 +257,8 @@ static bool textures_are_known(const struct material *m, uint32_t count)
 	return texture_is_known(m->albedo_texture, count) && texture_is_known(m->emission_texture, count) &&
 	       texture_is_known(m->specular_texture, count) && texture_is_known(m->surface_texture, count) &&
 	       texture_is_known(m->normal_texture, count) && texture_is_known(m->transmission_texture, count) &&
-	       texture_is_known(m->coat_texture, count) && texture_is_known(m->coat_roughness_texture, count) &&
-	       texture_is_known(m->coat_normal_texture, count);
+	       texture_is_known(m->specular_weight_texture, count) && texture_is_known(m->coat_texture, count) &&
+	       texture_is_known(m->coat_roughness_texture, count) && texture_is_known(m->coat_normal_texture, count);
 }
 
 // What lets light through is in its ranges.

@@ -14,7 +14,8 @@ static uint32_t material_facts(const struct material *m)
 	const bool glossy = !unlit && (m->metallic > 0 || m->specular_weight > 0 || above_zero(m->specular));
 	if (m->albedo_texture != NONE || m->emission_texture != NONE || m->specular_texture != NONE ||
 	    m->surface_texture != NONE || m->normal_texture != NONE || m->transmission_texture != NONE ||
-	    m->coat_texture != NONE || m->coat_roughness_texture != NONE || m->coat_normal_texture != NONE)
+	    m->specular_weight_texture != NONE || m->coat_texture != NONE || m->coat_roughness_texture != NONE ||
+	    m->coat_normal_texture != NONE)
 		facts |= FACT_TEXTURES;
 	if (glossy)
 		facts |= FACT_GLOSSY | FACT_REFLECTS;

@@ -1,6 +1,6 @@
 // A clear coat over everything else: KHR_materials_clearcoat, a film of index 1.5 whose upper side reflects with the lobe of
 // facets.glsl, F0 = 0.04 c and F90 = c for a coat of which a share c is there. It has a normal of its own: a normal map beneath it does
-// not bend it. What is below sees the light that is left.
+// not bend it. What is below sees the light that is left, and what it emits is dimmed by as much: coat_lets.
 //
 // With C the coat's directional albedo, what is below sends 1 − C(v) of its light to v. Of the diffuse part the way in counts
 // too, as in bsdf.glsl, so that a white surface returns all of it:
@@ -55,6 +55,13 @@ clearcoat coat_make(vec3 view, vec3 normal, float amount, float roughness, float
 	float rest = c.passed * below;
 	c.share = !(amount > 0.0) ? 0.0 : rest <= 0.0 ? 1.0 : clamp(reflected / (reflected + rest), 0.1, 0.9);
 	return c;
+}
+
+// What of the light from below, emitted there, comes through it to w: `normal` is on w's side.
+float coat_lets(vec3 normal, vec3 w, float amount, float roughness)
+{
+	vec2 ab = ggx_albedo(clamp(dot(normal, w), 1e-3, 1.0), roughness);
+	return 1.0 - facets_albedo(facets_make(vec3(0.04 * amount), vec3(amount), roughness, ab), ab).x;
 }
 
 // facets_eval of the coat for a direction in the frame of what is below.

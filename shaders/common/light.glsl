@@ -103,6 +103,22 @@ float emitter_density(vec3 origin, vec3 facing, uint id, float by_power)
 	return by_power;
 }
 
+// What a point of an emissive triangle, whose normal is n, sends to w from the side that it is on.
+vec3 lamp_radiance(material m, triangle tri, vec3 n, vec2 uv, vec3 w)
+{
+	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
+	vec4 at = EFFECT_TEXTURES || EFFECT_NORMAL_MAPS ? coordinates_at(tri, bary) : vec4(0.0);
+	vec3 radiance = emission_at(m, at);
+	if (EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND)
+		radiance *= coverage_at(m, tri, bary, at);
+	if (EFFECT_CLEARCOAT && m.coat > 0.0) {
+		vec3 nc = coat_normal_at(m, tri, bary, at, mesh_normal(tri, bary, n));
+		vec2 coat = coat_at(m, at);
+		radiance *= coat_lets(dot(n, w) < 0.0 ? -nc : nc, w, coat.x, coat.y);
+	}
+	return radiance;
+}
+
 // The point that u chooses on an emissive triangle. False: it shows the receiver its dark side or its edge.
 bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 {
@@ -128,10 +144,7 @@ bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 	if (!lit || !(d2 > 0.0) || cos_light == 0.0)
 		return false;
 	v.inverse = min(cos_light / (d2 * lamp.density), 1e18);
-	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, vec3(1.0 - uv.x - uv.y, uv)) : vec4(0.0);
-	v.radiance = emission_at(m, at);
-	if (EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND)
-		v.radiance *= coverage_at(m, tri, vec3(1.0 - uv.x - uv.y, uv), at);
+	v.radiance = lamp_radiance(m, tri, n, uv, -w);
 	return true;
 }
 

@@ -127,14 +127,14 @@ float transmission_at(material m, vec4 uv)
 }
 
 // KHR_materials_clearcoat: how much of it there is, and how rough it is.
-void set_coat(inout surface s, material m, vec4 uv)
+vec2 coat_at(material m, vec4 uv)
 {
-	s.coat = m.coat;
-	s.coat_roughness = m.coat_roughness;
+	vec2 coat = vec2(m.coat, m.coat_roughness);
 	if (EFFECT_TEXTURES && m.coat_texture != NONE)
-		s.coat *= sample_texture(m.coat_texture, uv).r;
+		coat.x *= sample_texture(m.coat_texture, uv).r;
 	if (EFFECT_TEXTURES && m.coat_roughness_texture != NONE)
-		s.coat_roughness *= sample_texture(m.coat_roughness_texture, uv).g;
+		coat.y *= sample_texture(m.coat_roughness_texture, uv).g;
+	return coat;
 }
 
 // Base colour into diffuse albedo and microfacets: glTF 2.0, appendix B, and KHR_materials_specular.
@@ -145,7 +145,7 @@ void set_reflectance(inout surface s, material m, vec4 uv)
 		return;
 	float metallic = m.metallic;
 	s.roughness = m.roughness;
-	vec3 specular = to_vec3(m.specular);
+	vec4 specular = vec4(to_vec3(m.specular), m.specular_weight);
 	if (EFFECT_TEXTURES && m.surface_texture != NONE) {
 		vec4 t = sample_texture(m.surface_texture, uv);
 		s.roughness *= t.g;
@@ -156,9 +156,11 @@ void set_reflectance(inout surface s, material m, vec4 uv)
 	if (!EFFECT_GLOSSY)
 		return;
 	if (EFFECT_TEXTURES && m.specular_texture != NONE)
-		specular *= sample_texture(m.specular_texture, uv).rgb;
-	s.f0 = mix(specular, s.base, metallic);
-	s.f90 = mix(vec3(m.specular_weight), vec3(1.0), metallic);
+		specular.rgb *= sample_texture(m.specular_texture, uv).rgb;
+	if (EFFECT_TEXTURES && m.specular_weight_texture != NONE)
+		specular *= sample_texture(m.specular_weight_texture, uv).a;
+	s.f0 = mix(specular.rgb, s.base, metallic);
+	s.f90 = mix(vec3(specular.w), vec3(1.0), metallic);
 	s.albedo = s.base * (1.0 - metallic);
 }
 
@@ -188,6 +190,24 @@ vec3 mapped_normal(uint map_texture, float scale, triangle tri, vec3 bary, vec4 
 }
 #endif
 
+// The mesh's own normal on the front's side, which normal maps are drawn for.
+vec3 mesh_normal(triangle tri, vec3 bary, vec3 geometric)
+{
+	vec3 n = vec3(0.0);
+	for (uint i = 0u; i < 3u; i++)
+		n += bary[i] * to_vec3(vertices[tri.vertex[i]].normal);
+	float l = length(n);
+	n = l > 1e-6 ? n / l : geometric;
+	return dot(n, geometric) < 0.0 ? -n : n;
+}
+
+// The coat's, over the mesh's `n`.
+vec3 coat_normal_at(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
+{
+	bool mapped = EFFECT_NORMAL_MAPS && m.coat_normal_texture != NONE;
+	return mapped ? mapped_normal(m.coat_normal_texture, m.coat_normal_scale, tri, bary, uv, n) : n;
+}
+
 surface surface_at(uint id, vec2 uv, vec3 direction)
 {
 	triangle tri = triangles[id];
@@ -201,18 +221,13 @@ surface surface_at(uint id, vec2 uv, vec3 direction)
 
 	bool front = dot(k.normal, direction) < 0.0;
 	s.geometric = front ? k.normal : -k.normal;
-	// The front's side first: a normal map is drawn for it.
-	vec3 ns = vec3(0.0);
-	for (uint i = 0u; i < 3u; i++)
-		ns += bary[i] * to_vec3(vertices[tri.vertex[i]].normal);
-	float ns_length = length(ns);
-	ns = ns_length > 1e-6 ? ns / ns_length : k.normal;
-	ns = dot(ns, k.normal) < 0.0 ? -ns : ns;
+	vec3 ns = mesh_normal(tri, bary, k.normal);
 	if (EFFECT_CLEARCOAT) {
-		bool mapped = EFFECT_NORMAL_MAPS && m.coat_normal_texture != NONE;
-		vec3 nc = mapped ? mapped_normal(m.coat_normal_texture, m.coat_normal_scale, tri, bary, at, ns) : ns;
+		vec3 nc = coat_normal_at(m, tri, bary, at, ns);
+		vec2 coat = coat_at(m, at);
 		s.coat_normal = front ? nc : -nc;
-		set_coat(s, m, at);
+		s.coat = coat.x;
+		s.coat_roughness = coat.y;
 	}
 	if (EFFECT_NORMAL_MAPS && m.normal_texture != NONE)
 		ns = mapped_normal(m.normal_texture, m.normal_scale, tri, bary, at, ns);

@@ -72,11 +72,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	vec3 local = cosine_hemisphere(u);
 	l.direction = aims ? normalize(target - l.origin) : local.x * x + local.y * y + local.z * n;
 	l.cos_lamp = max(dot(l.direction, n), 0.0);
-	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
-	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, bary) : vec4(0.0);
-	l.power = front || both ? emission_at(m, at) * l.cos_lamp : vec3(0.0);
-	if (EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND)
-		l.power *= coverage_at(m, tri, bary, at);
+	l.power = front || both ? lamp_radiance(m, tri, k.normal, uv, l.direction) * l.cos_lamp : vec3(0.0);
 	l.pdf_area = lamp.density * job.emitter_share;
 	l.pick = lamp.density * share;
 	l.spread = l.cos_lamp / (both ? 2.0 * PI : PI);

@@ -148,6 +148,8 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 		p.throughput *= media_transmittance(p.media, hit.t);
 	}
 	if (EFFECT_EMITTERS) {
+		if (EFFECT_CLEARCOAT && s.coat > 0.0)
+			s.emission *= coat_lets(s.coat_normal, -p.direction, s.coat, s.coat_roughness);
 		float c = abs(dot(s.geometric, p.direction));
 		float pdf_area = p.event == 0u ? 0.0 : emitter_density(p.origin, p.facing, hit.id, s.emission_pdf);
 		float weight = emission_weight(p.event, p.pdf, pdf_area, hit.t, c);

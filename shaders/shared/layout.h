@@ -82,6 +82,7 @@ struct material {
 	float specular[3]; // reflectance of the dielectric part at normal incidence
 	uint specular_texture; // colour
 	float specular_weight; // its reflectance at grazing incidence; 0 with specular 0: no specular lobe, pure Lambert
+	uint specular_weight_texture; // alpha; of the colour too
 	float metallic;
 	float roughness; // perceptual: the microfacets' α is its square; 0: a perfect mirror
 	uint surface_texture; // green: roughness, blue: metallic
@@ -106,7 +107,7 @@ struct material {
 	uint coat_normal_texture; // as normal_texture; NONE: the mesh's own normals
 	float coat_normal_scale;
 };
-LAYOUT_ASSERT(material, 140)
+LAYOUT_ASSERT(material, 144)
 
 #define WRAP_REPEAT 0u
 #define WRAP_CLAMP 1u

@@ -6,7 +6,7 @@ import numpy
 
 import make
 from render import Daemon
-from writers import Gltf, quad
+from writers import Gltf, png, quad
 
 daemon = Daemon()
 
@@ -51,6 +51,23 @@ class NormalMap(unittest.TestCase):
             scene = make.normal_mapped_quad(daemon.folder, tilt=tilt)
             picture = daemon.render(scene, spp=64, arguments=["--background", "1,1,1", "--effects", "-lights"])
             self.assertLess(abs(float(middle(picture)[0]) - 0.5), 0.003)
+
+
+class SpecularMap(unittest.TestCase):
+    def test_its_alpha_is_how_much_there_is(self):
+        """A black mirror that is no metal, in a white world: its reflectances at 0 and 90 degrees are both the alpha's share."""
+        for alpha, factor in ((1, 1), (.4, 1), (.4, .5), (0, 1)):
+            g = Gltf()
+            material = g.material("m", (0, 0, 0), roughness=0, specular=1)
+            texture = g.image(png(1, 1, lambda x, y: (9, 9, 9, round(alpha * 255))))
+            g.extend(g.json["materials"][material], "KHR_materials_specular", {"specularFactor": factor, "specularTexture": {"index": texture}})
+            g.node(mesh=g.mesh(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), material, uvs=[(0, 0)] * 4))
+            scene = g.save(daemon.folder, "specular.gltf")
+            for degrees in (10, 75):
+                a = math.radians(degrees)
+                picture = daemon.render(scene, (8, 8), 16, (0, math.cos(a), math.sin(a), 0, 0, 0, 0, 1, -.1, .01), arguments=["--background", "1,1,1"])
+                expected = alpha * factor * (.04 + .96 * (1 - math.cos(a)) ** 5)
+                self.assertLess(abs(float(middle(picture)[0]) - expected), 2e-3 * expected + 1e-9, (alpha, factor, degrees))
 
 
 class AlphaMask(unittest.TestCase):

@@ -72,6 +72,60 @@ class Coat(unittest.TestCase):
             self.assertLess(abs(float(at_angle(scene, angle, spp=1024)[0]) / (coat + (1 - coat) * mirror) - 1), 0.005, angle)
 
 
+def let_through(cosine):
+    """What a smooth coat leaves of the light from below."""
+    return 0.96 * (1 - (1 - cosine) ** 5)
+
+
+class CoatedLamp(unittest.TestCase):
+    """A coat dims what is emitted below it by what it reflects, whichever way the light is found."""
+    COAT = {"clearcoatFactor": 1}
+
+    def test_as_it_is_seen(self):
+        for amount in (1, 0.5):
+            scene = plate(albedo=(0, 0, 0), emission=(1, 1, 1), coat={"clearcoatFactor": amount})
+            for angle in (0, 60, 85):
+                expected = 1 - amount + amount * let_through(math.cos(math.radians(angle)))
+                self.assertLess(abs(float(at_angle(scene, angle, spp=4, background=0)[0]) / expected - 1), 0.002, (amount, angle))
+
+    def lit(self, camera, coat, height, up, mirror=False, **more):
+        """A floor below a lamp of side 1 that looks up or down."""
+        g = Gltf()
+        g.place(*quad((-15, 0, 15), (15, 0, 15), (15, 0, -15), (-15, 0, -15)), g.material("floor", (.5,) * 3))
+        s = .5 if up else -.5
+        g.place(*quad((-.5, height, s), (.5, height, s), (.5, height, -s), (-.5, height, -s)), g.material("lamp", (0, 0, 0), (1, 1, 1), coat=coat))
+        if mirror:
+            g.place(*quad((3, 2, -.8), (4.8, 2, -.8), (4.8, 2, .8), (3, 2, .8)), g.material("mirror", metallic=1, roughness=0, specular=1))
+        return daemon.render(g.save(daemon.folder, "lit.gltf"), (16, 16), camera=camera, **more)
+
+    @staticmethod
+    def left(x, z, height, steps=16):
+        """The share of a bare lamp's light that a coated one sends to (x, 0, z) from its middle (0, height, 0)."""
+        at = (numpy.arange(steps) + 0.5) / steps - 0.5
+        dx, dz = numpy.meshgrid(x - at, z - at)
+        cosine = height / numpy.sqrt(dx * dx + dz * dz + height * height)
+        return (let_through(cosine) * cosine ** 4).sum() / (cosine ** 4).sum()
+
+    def test_by_each_way_of_sampling(self):
+        """Beside a bare lamp, whose noise is the same."""
+        camera = (2, 0.3, 0, 2, 0, 0, 0, 0, -1, 1)
+        for way in ("mis", "nee", "none"):
+            coated, bare = (float(self.lit(camera, coat, 0.7, False, spp=64, options={"pt.lights": way, "pt.depth": 1}).radiance.mean())
+                            for coat in (self.COAT, None))
+            expected = self.left(2, 0, 0.7)
+            print(f"a coated lamp, {way}: {coated / bare:.4f}, {expected:.4f}")
+            self.assertLess(abs(coated / bare / expected - 1), 0.01, way)
+
+    def test_by_light_paths(self):
+        """The lamp looks up, and a mirror above shows it to the floor far aside, at some 70 degrees."""
+        camera = (9, 1, 0, 9, 0, 0, 0, 0, -1, 5)
+        coated, bare = (self.lit(camera, coat, 0.5, True, True, spp=256, options={"pt.depth": 2}) for coat in (self.COAT, None))
+        self.assertEqual({e["name"]: e["state"] for e in coated.report["effects"]}["caustics"], "simulated")
+        got, expected = float(coated.radiance.mean() / bare.radiance.mean()), self.left(9, 0, 3.5)
+        print(f"a coated lamp in a mirror: {got:.4f}, {expected:.4f}")
+        self.assertLess(abs(got / expected - 1), 0.01)
+
+
 class OrenNayar(unittest.TestCase):
     @staticmethod
     def value(rho, r, view, light):

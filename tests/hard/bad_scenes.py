@@ -75,7 +75,7 @@ EXPECTED = {
     "instances_nan": (dict(triangles=12), "an instance of node"),
     "instances_without_attributes": (dict(triangles=12), ""),
     "alpha_blend": (dict(triangles=12), ""),
-    "specular_alpha_texture": (dict(triangles=12, textures=1), "specularTexture"),
+    "specular_alpha_texture": (dict(triangles=12, textures=2), ""),
     "obj_point_cloud": (dict(triangles=0), "no triangle"),
     "obj_degenerate": (dict(triangles=1, dropped_degenerate=3), "no area: 3"),
     "obj_concave": (dict(triangles=8, dropped_degenerate=0), ""),

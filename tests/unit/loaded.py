@@ -9,12 +9,12 @@ import unittest
 LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
 SECTIONS = ["nodes", "leaf_triangles", "triangles", "vertices", "materials", "textures", "texels", "emitters", "lights",
             "cameras", "names", "uv1", "colors", "tangents"]
-FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fI3fIIffIfffIf3f3f3If", "textures": "<4I3f3f", "texels": "<I",
+FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fIfIffIIffIfffIf3f3f3If", "textures": "<4I3f3f", "texels": "<I",
            "emitters": "<IfIf", "lights": "<3fI3ff3fffIff", "uv1": "<2f", "colors": "<4f", "tangents": "<4f"}
 # Where a material's fields lie in its tuple.
-(ALBEDO, EMISSION, SPECULAR, WEIGHT, METALLIC, ROUGHNESS, SURFACE, NORMAL, SCALE, CUTOFF, FLAGS, POWER, ALPHA, TRANSMISSION,
+(ALBEDO, EMISSION, SPECULAR, WEIGHT, WEIGHT_TEXTURE, METALLIC, ROUGHNESS, SURFACE, NORMAL, SCALE, CUTOFF, FLAGS, POWER, ALPHA, TRANSMISSION,
  CLEAR_TEXTURE, IOR, ABSORPTION, MATTE, COAT, COAT_ROUGHNESS, COAT_TEXTURE, COAT_ROUGHNESS_TEXTURE, COAT_NORMAL,
- COAT_SCALE) = (0, 4, 8, *range(12, 26), *range(28, 35))
+ COAT_SCALE) = (0, 4, 8, *range(12, 27), *range(29, 36))
 NONE = 0xFFFFFFFF
 
 

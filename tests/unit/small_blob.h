@@ -108,6 +108,7 @@ static inline void small_materials(struct small_blob *b)
 				 .surface_texture = NONE,
 				 .normal_texture = NONE,
 				 .transmission_texture = NONE,
+				 .specular_weight_texture = NONE,
 				 .coat_texture = NONE,
 				 .coat_roughness_texture = NONE,
 				 .coat_normal_texture = NONE,

@@ -67,11 +67,12 @@ static void textures_of_any_kind(void **state)
 {
 	struct material *m = small_section(&blob, BLOB_MATERIALS);
 	(void)state;
-	for (int i = 0; i < 9; i++) {
-		uint32_t *const slots[] = {&m->albedo_texture,  &m->emission_texture,       &m->specular_texture,
-					   &m->surface_texture, &m->normal_texture,         &m->transmission_texture,
-					   &m->coat_texture,    &m->coat_roughness_texture, &m->coat_normal_texture};
-		for (int k = 0; k < 9; k++)
+	for (int i = 0; i < 10; i++) {
+		uint32_t *const slots[] = {&m->albedo_texture,          &m->emission_texture, &m->specular_texture,
+					   &m->surface_texture,         &m->normal_texture,   &m->transmission_texture,
+					   &m->specular_weight_texture, &m->coat_texture,     &m->coat_roughness_texture,
+					   &m->coat_normal_texture};
+		for (int k = 0; k < 10; k++)
 			*slots[k] = k == i ? 0 : NONE;
 		assert_true(facts() & FACT_TEXTURES);
 		*slots[i] = NONE;

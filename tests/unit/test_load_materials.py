@@ -4,7 +4,8 @@ import unittest
 
 import make
 from loaded import (ABSORPTION, ALPHA, CLEAR_TEXTURE, COAT, COAT_NORMAL, COAT_ROUGHNESS, COAT_ROUGHNESS_TEXTURE, CUTOFF, EMISSION, FLAGS,
-                    IOR, MATTE, METALLIC, NONE, NORMAL, POWER, ROUGHNESS, SCALE, SPECULAR, SURFACE, TRANSMISSION, WEIGHT, LoadCase)
+                    IOR, MATTE, METALLIC, NONE, NORMAL, POWER, ROUGHNESS, SCALE, SPECULAR, SURFACE, TRANSMISSION, WEIGHT,
+                    WEIGHT_TEXTURE, LoadCase)
 from writers import Gltf, Obj, png, quad, save
 
 
@@ -77,18 +78,19 @@ class Materials(LoadCase):
 
     def test_maps_and_their_spaces(self):
         def edit(g, m):
-            pictures = [g.image(png(1, 1, lambda x, y: (i, i, i))) for i in range(5)]
+            pictures = [g.image(png(1, 1, lambda x, y: (i, i, i))) for i in range(6)]
             m["pbrMetallicRoughness"]["baseColorTexture"] = {"index": pictures[0]}
             m["pbrMetallicRoughness"]["metallicRoughnessTexture"] = {"index": pictures[1], "texCoord": 1}
             m["normalTexture"] = {"index": pictures[2], "scale": -.5}
             m["emissiveTexture"] = {"index": pictures[3]}
             m["emissiveFactor"] = [1, 1, 1]
-            m["extensions"]["KHR_materials_specular"] = {"specularColorTexture": {"index": pictures[4], "texCoord": 1}}
+            m["extensions"]["KHR_materials_specular"] = {"specularColorTexture": {"index": pictures[4], "texCoord": 1},
+                                                         "specularTexture": {"index": pictures[5]}}
         info, m = self.material(edit)
-        picture = [self.blob.texels[self.blob.textures[m[i]][0]][0] & 255 for i in (3, SURFACE, NORMAL, 7, 11)]
-        self.assertEqual(picture, [0, 1, 2, 3, 4])
-        flags = [self.blob.textures[m[i]][3] for i in (3, SURFACE, NORMAL, 7, 11)]
-        self.assertEqual(flags, [32, 64, 0, 32, 96])  # sRGB for colours, second coordinates where asked
+        picture = [self.blob.texels[self.blob.textures[m[i]][0]][0] & 255 for i in (3, SURFACE, NORMAL, 7, 11, WEIGHT_TEXTURE)]
+        self.assertEqual(picture, [0, 1, 2, 3, 4, 5])
+        flags = [self.blob.textures[m[i]][3] for i in (3, SURFACE, NORMAL, 7, 11, WEIGHT_TEXTURE)]
+        self.assertEqual(flags, [32, 64, 0, 32, 96, 0])  # sRGB for colours, second coordinates where asked
         self.assertEqual(m[SCALE], -.5)
         self.near(self.blob.uv1[self.blob.triangles[0][0]], (1, 0))
         self.assertIn("normal maps", info["facts"])
@@ -272,8 +274,8 @@ class Materials(LoadCase):
         self.assertEqual((info["ignored"], info["warnings"]), ([], []))
         place = {round(blob.corner(t, 0)[0]) // 2: t for t in range(4)}
         dull, shiny, bumpy, normal = (blob.materials[blob.triangles[place[i]][3]] for i in range(4))
-        self.assertEqual(dull[SPECULAR:WEIGHT + 3], (0, 0, 0, NONE, 0, 0, 1))
-        self.near(shiny[SPECULAR:SPECULAR + 3] + shiny[WEIGHT:WEIGHT + 3], (.5, .25, 0, .5, 0, .5))
+        self.assertEqual(dull[SPECULAR:WEIGHT + 4], (0, 0, 0, NONE, 0, NONE, 0, 1))
+        self.near(shiny[SPECULAR:SPECULAR + 3] + (shiny[WEIGHT], shiny[METALLIC], shiny[ROUGHNESS]), (.5, .25, 0, .5, 0, .5))
         self.assertEqual(blob.textures[shiny[11]][3], 32)
         self.assertEqual((blob.textures[shiny[NORMAL]][3], shiny[SCALE]), (0, .25))
         self.assertEqual(blob.texels[blob.textures[shiny[NORMAL]][0]], (0xFFFF8080,))
