@@ -30,7 +30,7 @@
 #define LIMIT_MATERIAL_LIST 64u // names of materials
 #define LIMIT_ANIMATION_LIST 32u
 #define LIMIT_SCENES 64u
-#define LIMIT_STAGES 16u
+#define LIMIT_STAGES 24u
 #define LIMIT_FIGURES 32u // in a Done
 #define LIMIT_EFFECTS 16u
 #define LIMIT_NOTES 4u // in an Accepted

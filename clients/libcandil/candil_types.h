@@ -346,7 +346,7 @@ struct candil_figure {
 struct candil_done {
 	uint32_t samples;
 	uint32_t stage_count;
-	struct candil_stage stages[16];
+	struct candil_stage stages[24];
 	uint64_t elapsed_us; // in the daemon
 	double estimated_relmse; // negative: unknown
 	uint64_t non_finite_samples; // found on the device, taken as zero

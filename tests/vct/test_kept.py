@@ -81,6 +81,13 @@ class Kept(unittest.TestCase):
             self.setUp()
             numpy.testing.assert_array_equal(self.render(*arguments).radiance, picture, str(arguments))
 
+    def test_the_fullest_account_has_every_stage(self):
+        picture = self.render(*MOVED, *LAMP_A, "--light", "spot:at=0,1.9,0,to=0,0,0,cone=20,30,intensity=5", "--aov", "depth",
+                              "--material", "block:emission=2,2,2", shadows="map")
+        stages = [s["name"] for s in picture.report["stages"]]
+        self.assertGreater(len(stages), 16, stages)
+        self.assertLessEqual({"queue", "edit", "upload", "shadow-maps", "aov", "resolve", "encode"}, set(stages))
+
     def test_a_volume_that_other_options_need_too(self):
         self.render()
         self.render(bounces=1, wanted=[LIGHT])

@@ -8,7 +8,7 @@
 #include "server/base/error.h"
 
 #define FRAME_METADATA_MAX 32u
-#define FRAME_STAGES_MAX 16u
+#define FRAME_STAGES_MAX 23u // one fewer than LIMIT_STAGES: the front adds the wait
 #define FRAME_FIGURES_MAX 32u
 #define FRAME_NOTES_MAX 2u
 
