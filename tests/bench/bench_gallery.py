@@ -7,6 +7,7 @@ is the growth from row to row that compares, not the milliseconds.
 
 `--quick` renders a quarter of the width and height; `--pictures` keeps a picture of each scene and of each depth."""
 import argparse
+import json
 import os
 
 import numpy
@@ -24,6 +25,9 @@ BY_SAMPLES = {5: 12, 10: 20, 15: 28, 20: 35}
 BY_DEPTH = {10: 19, 20: 24, 50: 28}
 BY_SIZE = dict(zip(RESOLUTIONS, (9.6, 21, 36)))
 BY_TIME = {1: (2.6, 1032), 5: (11, 3934), 10: (20.4, 7459), 20: (39, 14516), 100: (200, 69573), 1000: (2000, 688388)}
+
+ACCUMULATED = ((1, 100), (10, 200))
+EQUAL_TIME = {4: 5, 70: 100}
 
 
 def trace_ms(picture):
@@ -84,6 +88,40 @@ class Bench:
             rows.append((n, f"{ms:.0f}" if n <= 20 else f"{ms:.0f} (n times one)", f"{error:.1e}", gpu, cpu))
         bench.table(("samples", ">ms", ">error", ">published, GPU", ">published, CPU"), rows)
 
+    def accumulated(self):
+        print("### Accumulated\n\nThe box with spheres at "
+              f"{ERROR_SIZE[0]} x {ERROR_SIZE[1]}: frames of a few samples each, every one a request of its own that goes on where the one "
+              "before ended (`--first-sample`), and their mean; beside it one request for all.\n")
+        name = "cornell_spheres"
+        reference = self.render(name, ERROR_SIZE, REFERENCE, arguments=["--seed", "77"], exact=True).radiance
+        rows = []
+        for samples, frames in ACCUMULATED:
+            total, ms = numpy.zeros_like(reference, dtype=numpy.float64), 0.0
+            for frame in range(frames):
+                picture = self.render(name, ERROR_SIZE, samples, arguments=["--first-sample", str(frame * samples)], exact=True)
+                total += picture.radiance
+                ms += picture.report["elapsed_us"] / 1e3
+            mean = total / frames
+            whole = self.render(name, ERROR_SIZE, samples * frames, exact=True)
+            rows.append((f"{samples} x {frames}", f"{ms / frames:.1f}", f"{whole.report['elapsed_us'] / 1e3 / frames:.1f}",
+                         f"{relmse(mean, reference):.1e}", f"{relmse(whole.radiance, reference):.1e}",
+                         f"{numpy.max(numpy.abs(mean - whole.radiance) / (whole.radiance + 1e-3)):.0e}"))
+        bench.table(("samples x frames", ">ms a frame", ">of one request", ">error", ">of one request", ">greatest difference"), rows)
+
+    def equal_time(self):
+        print("### By time\n\nThe box with a ball and a metal block, ended by `--time`; published are the samples that a single CPU thread "
+              "took in that time.\n")
+        name = "cornell_weekend"
+        path = gallery.SCENES[name](self.daemon.folder)
+        size = (320, 180) if self.quick else RESOLUTIONS[0]
+        rows = []
+        for seconds, cpu in EQUAL_TIME.items():
+            _, out, _ = self.daemon.candil("render", path, "-o", os.path.join(self.daemon.folder, "timed.exr"), "--size", "%dx%d" % size,
+                                           *gallery.arguments(name), "--spp", "65536", "--time", str(1000 * seconds), "--json", check=False)
+            report = json.loads(out)
+            rows.append((f"{seconds} s", report["samples"], f"{report['estimated_relmse']:.1e}", cpu))
+        bench.table(("time", ">samples", ">estimated error", ">published, CPU"), rows)
+
     def hemisphere(self):
         print("### Directions by the cosine and uniform\n\n10 samples of the empty box, lamps found by directions alone, as in the published "
               "comparison; and by points too.\n")
@@ -131,6 +169,8 @@ def main():
         b.by_depth(args.pictures)
         b.by_size()
         b.by_time()
+        b.equal_time()
+        b.accumulated()
         b.hemisphere()
         b.scenes(args.pictures)
 
