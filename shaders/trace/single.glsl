@@ -6,6 +6,24 @@
 #include "trace/triangle.glsl"
 #include "trace/walk.glsl"
 
+// Triangle `i` of the leaves becomes the hit if it is nearer, or as near and of a lower number: whatever the order.
+void meet_triangle(uint i, sheared_ray ray, inout ray_hit hit)
+{
+	vec4 v0 = LEAF_WORDS(i * 3u);
+	vec4 v1 = LEAF_WORDS(i * 3u + 1u);
+	vec4 v2 = LEAF_WORDS(i * 3u + 2u);
+	uint id = floatBitsToUint(v0.w);
+	float t;
+	vec2 uv;
+	if (hit_triangle(ray, v0.xyz, v1.xyz, v2.xyz, t, uv) && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE)) &&
+	    (!(EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND) || is_there(id, floatBitsToUint(v1.w), uv))) {
+		hit.t = t;
+		hit.id = id;
+		hit.uv = uv;
+		hit.material = floatBitsToUint(v1.w);
+	}
+}
+
 bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit hit)
 {
 	uint stack[TRAVERSE_STACK];
@@ -49,20 +67,7 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 		uint i = first;
 		for (; i < last; i++) {
 			trace_rounds++;
-			vec4 v0 = LEAF_WORDS(i * 3u);
-			vec4 v1 = LEAF_WORDS(i * 3u + 1u);
-			vec4 v2 = LEAF_WORDS(i * 3u + 2u);
-			uint id = floatBitsToUint(v0.w);
-			float t;
-			vec2 uv;
-			if (hit_triangle(ray, v0.xyz, v1.xyz, v2.xyz, t, uv) &&
-			    (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE)) &&
-			    (!(EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND) || is_there(id, floatBitsToUint(v1.w), uv))) {
-				hit.t = t;
-				hit.id = id;
-				hit.uv = uv;
-				hit.material = floatBitsToUint(v1.w);
-			}
+			meet_triangle(i, ray, hit);
 		}
 		trace_cut = trace_cut || i != last;
 		if (any && hit.id != NONE)

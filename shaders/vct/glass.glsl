@@ -100,4 +100,11 @@ vec3 glass_radiance(surface s, visible_point v, float shift)
 	return w.weight * radiance;
 }
 
+// To the pixel what comes through its surface, if it is clear.
+void pixel_add_glass(uvec2 pixel, surface s, visible_point v)
+{
+	if (EFFECT_GLASS && s.transmission > 0.0)
+		pixel_add_traced(pixel, glass_radiance(s, v, pixel_shift(pixel)), glass_rays, trace_cut);
+}
+
 #endif

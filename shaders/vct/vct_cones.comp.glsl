@@ -17,6 +17,5 @@ void main()
 		return;
 	bsdf b = bsdf_make(s, v.direction);
 	pixel_add(pixel, indirect_radiance(b, indirect_at(s, b, pixel)));
-	if (EFFECT_GLASS && s.transmission > 0.0)
-		pixel_add_traced(pixel, glass_radiance(s, v, pixel_shift(pixel)), glass_rays, trace_cut);
+	pixel_add_glass(pixel, s, v);
 }

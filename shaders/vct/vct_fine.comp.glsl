@@ -67,6 +67,5 @@ void main()
 	if (!blend(s, b, v, pixel, r))
 		r = indirect_at(s, b, pixel);
 	pixel_add(pixel, indirect_radiance(b, r));
-	if (EFFECT_GLASS && s.transmission > 0.0)
-		pixel_add_traced(pixel, glass_radiance(s, v, pixel_shift(pixel)), glass_rays, trace_cut);
+	pixel_add_glass(pixel, s, v);
 }

@@ -3,18 +3,11 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "vct/cone.glsl"
-#include "voxel/octahedral.glsl"
-#include "shared/voxel.h"
+#include "voxel/lookup.glsl"
 
 layout(local_size_x = VCT_GROUP) in;
 layout(location = VCT_RANGE) uniform uvec2 range;
 
-layout(std430, binding = BIND_VOXEL_PLACE) readonly buffer VoxelPlace {
-	uvec4 voxel_place[];
-};
-layout(std430, binding = BIND_VOXEL_ALBEDO) readonly buffer VoxelAlbedo {
-	uvec4 voxel_albedo[];
-};
 layout(std430, binding = BIND_VCT_DIRECT) readonly buffer VctDirect {
 	float vct_direct[];
 };

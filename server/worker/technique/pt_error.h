@@ -16,8 +16,8 @@ enum status pt_error_init(struct technique_job *job, struct error *err);
 void pt_error_finish(struct technique_job *job);
 
 // Set job->estimated_relmse to the mean over pixels and channels of ((a − b) / 2)² / (r² + 0.01), a and b being the means of
-// the two independent halves of a pixel's samples, r that of its 4 × 4 block (shaders/path/error.comp.glsl); to -1 before
-// there are two samples of every pixel. Not between the dispatches of one batch's tile.
+// the two independent halves of a pixel's samples; shaders/path/error.comp.glsl says what r is. To -1 before there are two
+// samples of every pixel. Not between the dispatches of one batch's tile.
 enum status pt_error_measure(struct technique_job *job, struct error *err);
 
 // The least number of samples above `samples` after which a target error is looked at: 8, 12, 16, 24, 32, 48… It depends on
