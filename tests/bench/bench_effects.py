@@ -24,6 +24,9 @@ def scenes(folder):
     yield "textured quad", make.textured_quad(folder), WHITE
     yield "floor, point light", make.lit_floor(folder, "point"), []
     yield "alpha mask", make.alpha_mask(folder), WHITE
+    yield "alpha blend", make.alpha_blend(folder), WHITE
+    yield "glass", make.cornell_glass(folder), []
+    yield "coats", make.coats(folder), []
     root = os.environ.get("CANDIL_SCENES", "")
     for name in PUBLIC:
         path = os.path.join(root, name)

@@ -6,7 +6,7 @@ import numpy
 
 import make
 from render import Daemon
-from writers import Gltf, icosphere, quad
+from writers import Gltf, icosphere, png, quad
 
 daemon = Daemon()
 
@@ -92,6 +92,31 @@ class Irradiance(unittest.TestCase):
 
     def test_disc_lamp(self):
         self.check(make.disc_lamp(daemon.folder), math.pi / 5)
+
+    def test_textured_lamp(self):
+        """Of a square a metre up only the strip a quarter to half a metre to the right of its middle is lit by its texture, and
+        blue less than the rest. A rectangle's irradiance above one of its corners: Howell's catalogue, B-3, times pi."""
+        def corner(a, b):
+            x, y = math.hypot(1, a), math.hypot(1, b)
+            return 0.5 * (a / x * math.atan(b / x) + b / y * math.atan(a / y))
+
+        g = Gltf()
+        texture = g.image(png(4, 1, lambda x, y: (255, 255, 188) if x == 3 else (0, 0, 0)), magFilter=9728, minFilter=9728)
+        lamp = g.material("lamp", (0, 0, 0), (1, 1, 1))
+        g.json["materials"][lamp]["emissiveTexture"] = {"index": texture}
+        g.node(mesh=g.mesh([(-.5, 1, -.5), (.5, 1, -.5), (.5, 1, .5), (-.5, 1, .5)], [(0, 1, 2), (0, 2, 3)], lamp,
+                           uvs=[(0, 0), (1, 0), (1, 1), (0, 1)]))
+        g.place(*quad((-5, 0, 5), (5, 0, 5), (5, 0, -5), (-5, 0, -5)), g.material("floor", (0.5,) * 3))
+        scene = g.save(daemon.folder, "textured_lamp.gltf")
+        expected = 2 * (corner(0.5, 0.5) - corner(0.25, 0.5))
+        blue = ((188 / 255 + 0.055) / 1.055) ** 2.4
+        for lights, tolerance in (("mis", 0.015), ("nee", 0.015), ("none", 0.03)):
+            picture = daemon.render(scene, size=(8, 8), spp=1024, camera=(0, 0.5, 3, 0, 0, 0, 0, 1, 0, 0.25),
+                                    options={"pt.depth": 1, "pt.lights": lights})
+            got = picture.radiance.mean(axis=(0, 1), dtype=numpy.float64) * math.pi / 0.5
+            print(f"{lights}: irradiance {got}, expected {expected:.5f}, blue {blue * expected:.5f}")
+            for c, share in enumerate((1, 1, blue)):
+                self.assertLess(abs(got[c] / (share * expected) - 1), tolerance)
 
     def test_point_light(self):
         # Intensity I at height 2, straight above: E = I / 4.
