@@ -58,6 +58,8 @@ def scenes(folder):
     yield "closed sphere", make.closed_sphere(folder), []
     yield "lamp over floor", make.lamp_over_floor(folder), []
     yield "disc lamp", make.disc_lamp(folder), []
+    yield "glass", make.cornell_glass(folder), []
+    yield "coats", make.coats(folder), []
 
 
 def errors(daemon):
