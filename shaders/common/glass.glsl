@@ -8,6 +8,10 @@
 // What single scattering loses is given back to both: E(v), the share that it keeps, is in ggx.glsl's table, and all is
 // divided by it. E knows one of the two directions: a rough boundary is not reciprocal but for that factor's sake, a smooth
 // one (E = 1) is, up to η².
+//
+// Facets send some directions to the wrong side. Such a sample is none; but a path in a dense body has many events, and if each of
+// them ended it by chance, and made what is left 1 / E brighter, few paths would carry all light. So a solid's boundary draws
+// again, twice at most: with V(v) the share of good directions, in the table too, each is 1 + (1 − V) + (1 − V)² times as dense.
 #ifndef COMMON_GLASS_GLSL
 #define COMMON_GLASS_GLSL
 
@@ -20,7 +24,10 @@ struct dielectric {
 	float alpha;
 	vec3 tint;         // of what comes through
 	float boost;       // 1 / E(v)
+	float draws;       // how many times as dense directions are, for others are drawn again
 };
+
+const uint GLASS_REDRAWS = 2u;
 
 // The reflectance of unpolarised light for a cosine above 0.
 float fresnel_dielectric(float cosine, float eta)
@@ -41,8 +48,8 @@ float glass_reflectance(dielectric g, float cosine)
 	return g.thin ? 2.0 * r / (1.0 + r) : r;
 }
 
-// E(v) of a solid's boundary: linear in the square roots of cosine and roughness and in (η − 1) / (η + 1).
-float glass_albedo(float mu, float roughness, float eta)
+// (E, V) of a solid's boundary: linear in the square roots of cosine and roughness and in (η − 1) / (η + 1).
+vec2 glass_albedo(float mu, float roughness, float eta)
 {
 	float ratio = clamp((eta - 1.0) / (eta + 1.0), -0.5, 0.5) + 0.5;
 	vec3 at = vec3(sqrt(clamp(vec2(mu, roughness), 0.0, 1.0)), ratio) *
@@ -50,10 +57,14 @@ float glass_albedo(float mu, float roughness, float eta)
 	uvec3 i = min(uvec3(at), uvec3(GLASS_COSINES - 2, GLASS_ROUGHNESSES - 2, GLASS_RATIOS - 2));
 	vec3 f = at - vec3(i);
 	uint row = GGX_TABLE_PAIRS + (i.z * GLASS_ROUGHNESSES + i.y) * GLASS_COSINES + i.x;
-	vec2 low = mix(ggx_table[row], ggx_table[row + 1u], f.x);
-	vec2 high = mix(ggx_table[row + GLASS_COSINES], ggx_table[row + GLASS_COSINES + 1u], f.x);
-	vec2 e = mix(low, high, f.y);
-	return mix(e.x, e.y, f.z);
+	vec2 share = vec2(0.0);
+	for (uint k = 0u; k < 2u; k++, row += GLASS_TABLE_PAIRS) {
+		vec2 low = mix(ggx_table[row], ggx_table[row + 1u], f.x);
+		vec2 high = mix(ggx_table[row + GLASS_COSINES], ggx_table[row + GLASS_COSINES + 1u], f.x);
+		vec2 e = mix(low, high, f.y);
+		share[k] = mix(e.x, e.y, f.z);
+	}
+	return share;
 }
 
 dielectric glass_make(float mu, float roughness, float eta, bool thin, vec3 tint)
@@ -66,8 +77,10 @@ dielectric glass_make(float mu, float roughness, float eta, bool thin, vec3 tint
 	g.polished = roughness * roughness * min(bent, 1.0) < GGX_ALPHA_LEAST;
 	g.tint = tint;
 	vec2 ab = ggx_albedo(mu, roughness);
-	float kept = thin ? ab.x + ab.y : glass_albedo(mu, roughness, eta);
-	g.boost = g.polished ? 1.0 : 1.0 / clamp(kept, 0.05, 1.0);
+	vec2 kept = thin ? vec2(ab.x + ab.y, 1.0) : glass_albedo(mu, roughness, eta);
+	float lost = 1.0 - min(kept.y, 1.0);
+	g.boost = g.polished ? 1.0 : 1.0 / clamp(kept.x, 0.05, 1.0);
+	g.draws = g.polished ? 1.0 : 1.0 + lost + lost * lost;
 	return g;
 }
 
@@ -75,7 +88,7 @@ dielectric glass_make(float mu, float roughness, float eta, bool thin, vec3 tint
 vec4 glass_reflected(dielectric g, vec3 v, vec3 l)
 {
 	float r = glass_reflectance(g, dot(v, normalize(v + l)));
-	return r * vec4(ggx_eval(v, l, g.alpha, vec3(1.0), vec3(1.0)) * g.boost, ggx_pdf(v, l, g.alpha));
+	return r * vec4(ggx_eval(v, l, g.alpha, vec3(1.0), vec3(1.0)) * g.boost, ggx_pdf(v, l, g.alpha) * g.draws);
 }
 
 // … and of what comes through from l (z < 0).
@@ -92,7 +105,7 @@ vec4 glass_refracted(dielectric g, vec3 v, vec3 l)
 	float common_part = (1.0 - fresnel_dielectric(vh, g.eta)) * ggx_distribution(h, g.alpha) * vh * -lh /
 			    (max(v.z, 1e-7) * max(k * k, 1e-20) * masking);
 	float seen = common_part / (1.0 + ggx_lambda(l, g.alpha));
-	return vec4(g.tint * (seen * g.boost), common_part * g.eta * g.eta);
+	return vec4(g.tint * (seen * g.boost), common_part * g.eta * g.eta * g.draws);
 }
 
 vec4 glass_transmitted(dielectric g, vec3 v, vec3 l)
@@ -113,8 +126,8 @@ vec4 glass_lobe(dielectric g, vec3 v, vec3 l, bool through)
 }
 
 // A direction in the frame by the visible normals and Fresnel's share; `through` is what it was meant to be: a facet that leans
-// far may send it to the wrong side, which is then none. `lobe` and u are uniform in [0, 1).
-vec3 glass_sample(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
+// far may send it to the wrong side.
+vec3 glass_draw(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
 {
 	vec3 h = g.polished ? vec3(0.0, 0.0, 1.0) : ggx_sample_half(v, g.alpha, u);
 	float vh = dot(v, h);
@@ -126,6 +139,24 @@ vec3 glass_sample(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
 		return vec3(l.xy, -l.z);
 	float t = sqrt(max(1.0 - (1.0 - vh * vh) / (g.eta * g.eta), 0.0));
 	return (vh / g.eta - t) * h - v / g.eta;
+}
+
+// The same, drawn again where it is on the wrong side; it may be there in the end, and is none then. `lobe` and u are uniform in
+// [0, 1).
+vec3 glass_sample(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
+{
+	vec3 l = glass_draw(g, v, lobe, u, through);
+	uint bits = hash_combine(floatBitsToUint(u.x), floatBitsToUint(u.y));
+	uint more = g.thin || g.polished ? 0u : GLASS_REDRAWS;
+	for (uint i = 0u; i < more && through != (l.z < 0.0); i++) {
+		vec3 chance;
+		for (uint k = 0u; k < 3u; k++) {
+			bits = hash_combine(bits, k);
+			chance[k] = float(bits >> 8) * UNIT_24;
+		}
+		l = glass_draw(g, v, chance.x, chance.yz, through);
+	}
+	return l;
 }
 
 // Of a polished boundary, per sample.

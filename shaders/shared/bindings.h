@@ -111,13 +111,15 @@
 // and √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere. Behind them the rough
 // dielectric's: for each of GLASS_RATIOS indices of refraction η relative to the viewer's side, (η − 1) / (η + 1) evenly
 // spaced from −1/2 to 1/2, but the last, GLASS_ROUGHNESSES by GLASS_COSINES pairs of floats: the share of light that single
-// scattering keeps there and at the next η, √r and √μ spaced as above.
+// scattering keeps there and at the next η, √r and √μ spaced as above. And as many pairs again: the share of directions that are
+// sampled on the side that they are meant for.
 #define GGX_COSINES 64
 #define GGX_ROUGHNESSES 64
 #define GGX_TABLE_PAIRS (GGX_ROUGHNESSES * (GGX_COSINES + 1)) // before the dielectric's
 #define GLASS_RATIOS 33
 #define GLASS_ROUGHNESSES 24
 #define GLASS_COSINES 24
+#define GLASS_TABLE_PAIRS ((GLASS_RATIOS - 1) * GLASS_ROUGHNESSES * GLASS_COSINES)
 
 #define ACCUMULATOR_FLOATS 12
 #define AOV_WORDS 8

@@ -7,7 +7,7 @@
 // Hammersley set. The averages over the hemisphere are 2 ∫ μ A(μ) dμ.
 //
 // Of a rough dielectric it is the mean of F G2 / G1 where the reflected direction is above and of (1 − F) G1(l) where the
-// refracted one is below: shaders/common/glass.glsl.
+// refracted one is below; and beside it, without either G, how often that is so: shaders/common/glass.glsl.
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -76,12 +76,12 @@ static double fresnel(double cosine, double eta)
 	return (across * across + along * along) / 2;
 }
 
-static double glass_albedo(double mu, double roughness, double eta)
+static void glass_albedo(double mu, double roughness, double eta, double out[2])
 {
 	const double alpha = fmax(roughness * roughness, GGX_ALPHA_LEAST);
 	const double v[3] = {sqrt(fmax(0, 1 - mu * mu)), 0, mu};
 	const double lambda_v = lambda(mu, alpha);
-	double sum = 0;
+	out[0] = out[1] = 0;
 	for (uint32_t i = 0; i < SAMPLES; i++) {
 		double h[3];
 		visible_normal(v, alpha, (i + 0.5) / SAMPLES, radical_inverse(i), h);
@@ -89,31 +89,35 @@ static double glass_albedo(double mu, double roughness, double eta)
 		if (vh <= 0)
 			continue;
 		const double f = fresnel(vh, eta), up = 2 * vh * h[2] - mu;
-		if (up > 0)
-			sum += f * (1 + lambda_v) / (1 + lambda_v + lambda(up, alpha));
+		if (up > 0) {
+			out[0] += f * (1 + lambda_v) / (1 + lambda_v + lambda(up, alpha)) / SAMPLES;
+			out[1] += f / SAMPLES;
+		}
 		const double t = sqrt(fmax(0, 1 - (1 - vh * vh) / (eta * eta)));
 		const double down = (vh / eta - t) * h[2] - mu / eta;
-		if (down < 0)
-			sum += (1 - f) / (1 + lambda(down, alpha));
+		if (down < 0) {
+			out[0] += (1 - f) / (1 + lambda(down, alpha)) / SAMPLES;
+			out[1] += (1 - f) / SAMPLES;
+		}
 	}
-	return sum / SAMPLES;
 }
 
 static void print_glass(void)
 {
-	static double table[GLASS_RATIOS][GLASS_ROUGHNESSES][GLASS_COSINES];
+	static double table[GLASS_RATIOS][GLASS_ROUGHNESSES][GLASS_COSINES][2];
 	for (int e = 0; e < GLASS_RATIOS; e++) {
 		const double x = e / (GLASS_RATIOS - 1.0) - 0.5, eta = (1 + x) / (1 - x);
 		for (int r = 0; r < GLASS_ROUGHNESSES; r++)
 			for (int c = 0; c < GLASS_COSINES; c++) {
 				const double s = c / (GLASS_COSINES - 1.0), t = r / (GLASS_ROUGHNESSES - 1.0);
-				table[e][r][c] = glass_albedo(fmax(s * s, 1e-6), t * t, eta);
+				glass_albedo(fmax(s * s, 1e-6), t * t, eta, table[e][r][c]);
 			}
 	}
-	for (int e = 0; e + 1 < GLASS_RATIOS; e++)
-		for (int r = 0; r < GLASS_ROUGHNESSES; r++)
-			for (int c = 0; c < GLASS_COSINES; c++)
-				printf("%.6ef, %.6ef,\n", table[e][r][c], table[e + 1][r][c]);
+	for (int k = 0; k < 2; k++)
+		for (int e = 0; e + 1 < GLASS_RATIOS; e++)
+			for (int r = 0; r < GLASS_ROUGHNESSES; r++)
+				for (int c = 0; c < GLASS_COSINES; c++)
+					printf("%.6ef, %.6ef,\n", table[e][r][c][k], table[e + 1][r][c][k]);
 }
 
 int main(void)
