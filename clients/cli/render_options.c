@@ -3,11 +3,11 @@
 #include <string.h>
 #include <strings.h>
 
+#include "clients/cli/render_values.h"
 #include "clients/cli/scene_options.h"
 #include "protocol/limits.h"
 
 #define OPEN_SAMPLES 65536u
-#define ALL_EFFECTS ((1u << CANDIL_EFFECT_COUNT) - 1u)
 
 enum {
 	OPTION_OUTPUT = 'o',
@@ -138,7 +138,8 @@ static const char *form_of(int option)
 		return "a number above 0";
 	case OPTION_EFFECTS:
 		return "auto, all or none, then +NAME or -NAME, between commas; a NAME is textures, emitters, lights, "
-		       "environment, bounces, glossy, normal-maps, alpha-mask, vertex-colors or unlit";
+		       "environment, bounces, glossy, normal-maps, alpha-mask, vertex-colors, unlit, glass, alpha-blend, "
+		       "clearcoat, rough-diffuse or caustics";
 	case OPTION_AOV:
 		return "depth, normal, albedo and id, between commas";
 	case OPTION_EXPOSURE:
@@ -166,157 +167,6 @@ static const char *form_of(int option)
 	}
 }
 
-static bool parse_size(const char *text, struct candil_render_request *r)
-{
-	char width[16];
-	const char *x = strchr(text, 'x');
-	if (!x || (size_t)(x - text) >= sizeof(width))
-		return false;
-	memcpy(width, text, (size_t)(x - text));
-	width[x - text] = '\0';
-	return cli_parse_u32(width, &r->width) && cli_parse_u32(x + 1, &r->height) && r->width > 0 && r->height > 0;
-}
-
-// Ten numbers are a camera, anything else is the name of one.
-static bool parse_camera(const char *text, struct candil_render_request *r)
-{
-	double v[10];
-	r->has_camera = cli_parse_doubles(text, v, 10);
-	r->camera_name = r->has_camera ? NULL : text;
-	if (r->has_camera) {
-		r->eye = (struct candil_vec3){v[0], v[1], v[2]};
-		r->target = (struct candil_vec3){v[3], v[4], v[5]};
-		r->up = (struct candil_vec3){v[6], v[7], v[8]};
-		r->vfov_degrees = v[9];
-	}
-	return r->has_camera || (*text != '\0' && !strchr(text, ','));
-}
-
-// Three numbers are a colour, anything else is a picture: a name or a file.
-static bool parse_background(const char *text, struct candil_render_request *r)
-{
-	double v[3];
-	r->has_background = cli_parse_doubles(text, v, 3);
-	r->environment = r->has_background ? NULL : text;
-	if (r->has_background)
-		r->background = (struct candil_vec3){v[0], v[1], v[2]};
-	// What looks like numbers was meant as a colour: all of it, or the first of a list.
-	const size_t numbers = strspn(text, "0123456789.,+-eE ");
-	const bool list = strchr(text, ',') && strspn(text, "0123456789+-") > 0;
-	return r->has_background || (text[numbers] != '\0' && !list);
-}
-
-// Cut the next word off a list with commas. NULL at the end.
-static char *next_word(char **list)
-{
-	char *word;
-	while ((word = strsep(list, ",")) && *word == '\0')
-		;
-	return word;
-}
-
-static bool parse_effect(const char *word, struct candil_render_request *r)
-{
-	const bool off = word[0] == '-';
-	const char *name = off || word[0] == '+' ? word + 1 : word;
-	for (unsigned i = 0; i < CANDIL_EFFECT_COUNT; i++) {
-		if (strcmp(name, candil_effect_name((enum candil_effect)i)) != 0)
-			continue;
-		uint32_t bit = 1u << i;
-		r->effects_on = off ? r->effects_on & ~bit : r->effects_on | bit;
-		r->effects_off = off ? r->effects_off | bit : r->effects_off & ~bit;
-		return true;
-	}
-	return false;
-}
-
-static bool parse_effects(char *list, struct candil_render_request *r, struct given *given)
-{
-	char *word;
-	while ((word = next_word(&list))) {
-		if (strcmp(word, "auto") == 0) {
-			r->effects_on = r->effects_off = 0;
-		} else if (strcmp(word, "all") == 0) {
-			r->effects_on = ALL_EFFECTS;
-			r->effects_off = 0;
-		} else if (strcmp(word, "none") == 0) {
-			r->effects_on = 0;
-			r->effects_off = ALL_EFFECTS;
-		} else if (!parse_effect(word, r)) {
-			given->word = word;
-			return false;
-		}
-	}
-	return true;
-}
-
-static bool parse_aovs(char *list, struct candil_render_request *r, struct given *given)
-{
-	static const char *const names[] = {"depth", "normal", "albedo", "id"};
-	char *word;
-	while ((word = next_word(&list))) {
-		unsigned i = 0;
-		while (i < 4 && strcmp(word, names[i]) != 0)
-			i++;
-		if (i == 4) {
-			given->word = word;
-			return false;
-		}
-		r->aovs |= 1u << i;
-	}
-	return true;
-}
-
-static bool parse_technique(const char *text, struct candil_render_request *r)
-{
-	for (int i = CANDIL_TECHNIQUE_AUTO; i <= CANDIL_TECHNIQUE_DIRECT; i++) {
-		if (strcmp(text, candil_technique_name((enum candil_technique)i)) == 0) {
-			r->technique = (enum candil_technique)i;
-			return true;
-		}
-	}
-	return false;
-}
-
-static bool parse_view(const char *text, struct candil_render_request *r)
-{
-	for (int i = CANDIL_VIEW_NONE; i <= CANDIL_VIEW_FILMIC; i++) {
-		if (strcmp(text, candil_view_name((enum candil_view)i)) == 0) {
-			r->view = (enum candil_view)i;
-			return true;
-		}
-	}
-	return false;
-}
-
-static bool parse_filter(const char *text, struct candil_render_request *r)
-{
-	static const char *const names[] = {"box", "gauss", "bh"};
-	for (int i = CANDIL_FILTER_BOX; i <= CANDIL_FILTER_BLACKMAN_HARRIS; i++) {
-		if (strcmp(text, names[i]) == 0) {
-			r->filter = (enum candil_filter)i;
-			return true;
-		}
-	}
-	return false;
-}
-
-static bool parse_lens(const char *text, struct candil_lens *lens)
-{
-	double v[2];
-	if (!cli_parse_doubles(text, v, 2))
-		return false;
-	lens->radius = v[0];
-	lens->focus = v[1];
-	return v[0] > 0 && v[1] > 0;
-}
-
-static bool parse_orthographic(const char *text, struct candil_lens *lens)
-{
-	lens->projection = CANDIL_PROJECTION_ORTHOGRAPHIC;
-	return cli_parse_double(text, &lens->height) && lens->height > 0;
-}
-
 static bool parse_setting(char *text, struct render_options *options)
 {
 	char *equals = strchr(text, '=');
@@ -340,9 +190,9 @@ static bool take_option(int option, char *value, struct render_options *options,
 		given->format = value;
 		return strcmp(value, "exr") == 0 || strcmp(value, "png") == 0;
 	case OPTION_TECHNIQUE:
-		return parse_technique(value, r);
+		return value_technique(value, r);
 	case OPTION_SIZE:
-		return parse_size(value, r);
+		return value_size(value, r);
 	case OPTION_SPP:
 		return cli_parse_u32(value, &r->samples) && r->samples > 0 && r->samples <= LIMIT_SAMPLES;
 	case OPTION_FIRST_SAMPLE:
@@ -350,33 +200,33 @@ static bool take_option(int option, char *value, struct render_options *options,
 	case OPTION_SEED:
 		return cli_parse_u64(value, &r->seed);
 	case OPTION_CAMERA:
-		return parse_camera(value, r);
+		return value_camera(value, r);
 	case OPTION_BACKGROUND:
-		return parse_background(value, r);
+		return value_background(value, r);
 	case OPTION_BACKGROUND_TURN:
 		return cli_parse_double(value, &r->environment_turn_degrees);
 	case OPTION_BACKGROUND_SCALE:
 		return cli_parse_double(value, &r->environment_scale) && r->environment_scale > 0;
 	case OPTION_EFFECTS:
-		return parse_effects(value, r, given);
+		return value_effects(value, r, &given->word);
 	case OPTION_AOV:
-		return parse_aovs(value, r, given);
+		return value_aovs(value, r, &given->word);
 	case OPTION_EXPOSURE:
 		given->exposure = true;
 		return cli_parse_double(value, &r->exposure_ev);
 	case OPTION_VIEW:
 		given->view = true;
-		return parse_view(value, r);
+		return value_view(value, r);
 	case OPTION_ERROR:
 		return cli_parse_double(value, &r->target_error) && r->target_error > 0;
 	case OPTION_TIME:
 		return cli_parse_u32(value, &r->deadline_ms) && r->deadline_ms > 0 && r->deadline_ms <= LIMIT_DEADLINE_MS;
 	case OPTION_FILTER:
-		return parse_filter(value, r);
+		return value_filter(value, r);
 	case OPTION_LENS:
-		return parse_lens(value, &r->lens);
+		return value_lens(value, &r->lens);
 	case OPTION_ORTHOGRAPHIC:
-		return parse_orthographic(value, &r->lens);
+		return value_orthographic(value, &r->lens);
 	case OPTION_SET:
 		return parse_setting(value, options);
 	case OPTION_UP:
