@@ -4,7 +4,6 @@
 #include "server/front/worker.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,52 +22,10 @@
 #define HOPELESS_STARTS 3u
 #define MESSAGES_PER_TURN 64u
 
-struct parcel {
-	struct parcel *next;
-	int fd;
-	size_t bytes;
-	uint8_t message[];
-};
-
 static void start(void *owner);
 static void watch_over(struct worker *worker);
 
 // ---- orders ----------------------------------------------------------------------------------------------------------
-
-static void drop_parcel(struct worker *worker, struct parcel **link)
-{
-	struct parcel *p = *link;
-	*link = p->next;
-	if (worker->last == p) {
-		worker->last = NULL;
-		for (struct parcel *q = worker->first; q; q = q->next)
-			worker->last = q;
-	}
-	worker->parcels--;
-	if (p->fd >= 0)
-		close(p->fd);
-	free(p);
-}
-
-static void drop_parcels(struct worker *worker)
-{
-	while (worker->first)
-		drop_parcel(worker, &worker->first);
-}
-
-// A scene that waits to be sent. Orders between it and its end can only be about jobs that have ended since.
-static struct parcel **find_scene(struct worker *worker, uint64_t scene)
-{
-	for (struct parcel **link = &worker->first; *link; link = &(*link)->next) {
-		struct ipc_scene message;
-		if ((*link)->bytes != sizeof message)
-			continue;
-		memcpy(&message, (*link)->message, sizeof message);
-		if (message.head.op == IPC_SCENE && message.scene == scene)
-			return link;
-	}
-	return NULL;
-}
 
 static void kill_for(struct worker *worker, const char *why)
 {
@@ -77,28 +34,13 @@ static void kill_for(struct worker *worker, const char *why)
 	child_kill(&worker->child);
 }
 
-static void keep_parcel(struct worker *worker, const void *message, size_t bytes, int fd)
+static void keep(struct worker *worker, const void *message, size_t bytes, int fd)
 {
-	struct parcel *p = worker->parcels < LIMIT_IPC_QUEUE ? malloc(sizeof *p + bytes) : NULL;
-	if (!p) {
-		kill_for(worker, "it took no more messages");
-		return;
-	}
-	// The scene may be gone by the time the message goes: the parcel keeps a descriptor of its own.
-	*p = (struct parcel){.fd = fd >= 0 ? fcntl(fd, F_DUPFD_CLOEXEC, 0) : -1, .bytes = bytes};
-	memcpy(p->message, message, bytes);
-	if (fd >= 0 && p->fd < 0) {
-		free(p);
-		kill_for(worker, "a scene could not be kept for it: no more descriptors");
-		return;
-	}
-	if (worker->last)
-		worker->last->next = p;
+	const char *why = parcels_keep(&worker->waiting, message, bytes, fd);
+	if (why)
+		kill_for(worker, why);
 	else
-		worker->first = p;
-	worker->last = p;
-	worker->parcels++;
-	loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
+		loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
 }
 
 enum sent { SENT, SENT_LATER };
@@ -119,17 +61,17 @@ static void give(struct worker *worker, const void *message, size_t bytes, int f
 {
 	if (worker->state != WORKER_READY)
 		return;
-	if (worker->first || send_now(worker, message, bytes, fd) == SENT_LATER)
-		keep_parcel(worker, message, bytes, fd);
+	if (worker->waiting.first || send_now(worker, message, bytes, fd) == SENT_LATER)
+		keep(worker, message, bytes, fd);
 }
 
 static void send_parcels(struct worker *worker)
 {
-	while (worker->first) {
-		struct parcel *p = worker->first;
+	while (worker->waiting.first) {
+		const struct parcel *p = worker->waiting.first;
 		if (send_now(worker, p->message, p->bytes, p->fd) == SENT_LATER)
 			return;
-		drop_parcel(worker, &worker->first);
+		parcels_drop_first(&worker->waiting);
 	}
 	loop_want(worker->loop, worker->child.socket, EPOLLIN);
 }
@@ -151,11 +93,8 @@ void worker_forget(struct worker *worker, uint64_t scene)
 {
 	struct ipc_scene message = {.head = {.op = IPC_FORGET}, .scene = scene};
 	// One that the worker has not been given yet is taken back: while it is busy, scenes that come and go must neither
-	// fill the queue nor keep their memory.
-	struct parcel **waiting = find_scene(worker, scene);
-	if (waiting)
-		drop_parcel(worker, waiting);
-	else
+	// fill the queue nor keep their memory. Orders between the two can only be about jobs that have ended since.
+	if (!parcels_take_back(&worker->waiting, scene))
 		give(worker, &message, sizeof message, -1);
 }
 
@@ -406,7 +345,7 @@ static void lost(struct worker *worker, const char *how)
 	worker->device_bytes = 0;
 	worker->killed_for = NULL;
 	watch_over(worker);
-	drop_parcels(worker);
+	parcels_clear(&worker->waiting);
 	log_line(LOG_ERROR, "worker lost (%s); the next one starts in %u ms", how, (FIRST_PAUSE_US << doublings) / 1000);
 	loop_timer_set(worker->loop, &worker->restart, clock_us() + (FIRST_PAUSE_US << doublings), start, worker);
 	worker->events->lost(worker->owner, how, worker->failed_starts >= HOPELESS_STARTS);
@@ -493,7 +432,7 @@ void worker_finish(struct worker *worker)
 	loop_timer_stop(worker->loop, &worker->restart);
 	loop_timer_stop(worker->loop, &worker->watchdog);
 	child_abandon(&worker->child, worker->children);
-	drop_parcels(worker);
+	parcels_clear(&worker->waiting);
 	free(worker->inbox);
 	worker->inbox = NULL;
 	worker->state = WORKER_DOWN;

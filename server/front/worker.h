@@ -12,6 +12,7 @@
 #include "server/base/ipc.h"
 #include "server/front/child.h"
 #include "server/front/options.h"
+#include "server/front/parcels.h"
 
 // Calls from the worker to its owner.
 struct worker_events {
@@ -27,8 +28,6 @@ struct worker_events {
 
 enum worker_state { WORKER_DOWN, WORKER_STARTING, WORKER_READY };
 
-struct parcel; // a message that waits
-
 struct worker {
 	struct loop *loop;
 	struct children *children;
@@ -38,8 +37,7 @@ struct worker {
 	enum worker_state state;
 	struct child child;
 	struct loop_timer restart, watchdog;
-	struct parcel *first, *last;
-	unsigned parcels;
+	struct parcels waiting; // orders that its socket has not taken
 	uint8_t *inbox; // IPC_MAX_BYTES
 	unsigned answers_due; // of BEGIN and STEP
 	unsigned images_due;
