@@ -206,20 +206,12 @@ class Structure(Loader):
 
 
 class Service(Loader):
-    def slow_scene(self):
-        big = make.Gltf()
-        positions, triangles = make.icosphere(4)
-        mesh = big.mesh(positions, triangles, big.material("white", (0.8,) * 3))
-        for i in range(300):
-            big.node(mesh=mesh, translation=[i % 20 * 3.0, i // 20 * 3.0, 0])
-        return big.save(self.folder, "big.gltf")
-
     def test_endless_loader_is_ended_and_the_daemon_goes_on(self):
         # What a file that loops for ever comes to in the end, after a fraction of the time: the limit is lowered meanwhile.
         box = make.cornell(self.folder)
         with Daemon() as daemon:
             daemon.candil("load", box, "--name", "box")
-            job = subprocess.Popen([CANDIL, "--connect", daemon.socket, "load", self.slow_scene(), "--name", "big"],
+            job = subprocess.Popen([CANDIL, "--connect", daemon.socket, "load", make.slow_to_load(self.folder), "--name", "big"],
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             deadline = time.monotonic() + HANG_SECONDS
             pid = 0
@@ -252,7 +244,7 @@ class Service(Loader):
 
     def test_loader_is_confined_in_service(self):
         # Not what it reports but what the kernel says of the very process that reads a scene.
-        path = self.slow_scene()
+        path = make.slow_to_load(self.folder)
         seen = []
         with Daemon() as daemon:
             job = subprocess.Popen([CANDIL, "--connect", daemon.socket, "load", path, "--name", "big"],

@@ -408,6 +408,16 @@ def cornell_obj(folder, radiance=15.0, name="cornell.obj"):
     return o.save(folder, name)
 
 
+def slow_to_load(folder, name="slow.gltf"):
+    """One that takes the loader a while: a mesh under many nodes."""
+    g = Gltf()
+    positions, triangles = icosphere(4)
+    mesh = g.mesh(positions, triangles, g.material("white", (0.8,) * 3))
+    for i in range(300):
+        g.node(mesh=mesh, translation=[i % 20 * 3.0, i // 20 * 3.0, 0])
+    return g.save(folder, name)
+
+
 def furnace_glb(folder, name="furnace.glb"):
     """The furnace in a GLB container."""
     return furnace(folder, name=name)
