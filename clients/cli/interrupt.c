@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
+#include <time.h>
 
 static volatile sig_atomic_t seen; // a handler can reach nothing else
 static sigset_t mask_before;
@@ -44,6 +45,12 @@ void interrupt_end(void)
 bool interrupt_seen(void)
 {
 	return seen != 0;
+}
+
+void interrupt_pause(long milliseconds)
+{
+	const struct timespec pause = {milliseconds / 1000, milliseconds % 1000 * 1000000};
+	ppoll(NULL, 0, &pause, &mask_before);
 }
 
 bool interrupt_wait(candil_client *client, struct candil_event *event, candil_status *status, struct candil_error *error)

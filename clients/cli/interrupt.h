@@ -13,6 +13,9 @@ void interrupt_end(void);
 
 bool interrupt_seen(void);
 
+// Sleep for so long, or until an interrupt.
+void interrupt_pause(long milliseconds);
+
 // Wait for the client's next event. true: it is filled in. false: an interrupt came first (only the first one is reported
 // that way), or *status is not OK: the connection is over.
 bool interrupt_wait(candil_client *client, struct candil_event *event, candil_status *status, struct candil_error *error);

@@ -19,6 +19,7 @@
 #define PRIVATE_FD 3
 #define ANSWER_MS 10000u
 #define END_MS 5000
+#define LOOK_MS 50 // how often whether a scene is there by now
 
 extern char **environ;
 
@@ -165,6 +166,45 @@ static candil_status load_temporary(struct target *target, const char *file, con
 	return CANDIL_STATUS_OK;
 }
 
+static const struct candil_scene_entry *find_scene(const struct candil_scene_list *list, const char *name)
+{
+	for (uint32_t i = 0; i < list->count; i++)
+		if (strcmp(list->scenes[i].name, name) == 0)
+			return &list->scenes[i];
+	return NULL;
+}
+
+// Describe a scene that the daemon has, or will have: one that is being loaded is waited for.
+static candil_status describe_named(struct target *target, const char *name, struct candil_scene_info *info,
+				    struct candil_error *error)
+{
+	static struct candil_scene_list list; // large
+	bool waited = false;
+	candil_set_timeout(target->client, ANSWER_MS);
+	while (!interrupt_seen()) {
+		candil_status status = candil_describe(target->client, name, info, error);
+		if (status != CANDIL_STATUS_SCENE_NOT_FOUND)
+			return status;
+		struct candil_error why;
+		status = candil_scenes(target->client, &list, &why);
+		if (status != CANDIL_STATUS_OK) {
+			*error = why;
+			return status;
+		}
+		const struct candil_scene_entry *scene = find_scene(&list, name);
+		if (!scene && waited)
+			return fail(error, CANDIL_STATUS_SCENE_FILE,
+				    "%s was being loaded, and that failed or was cancelled; candil load FILE says why",
+				    name);
+		if (!scene)
+			return CANDIL_STATUS_SCENE_NOT_FOUND;
+		waited = true;
+		if (scene->loading)
+			interrupt_pause(LOOK_MS);
+	}
+	return fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+}
+
 candil_status target_open(struct target *target, const char *address, const char *scene,
 			  const struct candil_load_request *how, struct candil_error *error)
 {
@@ -175,8 +215,7 @@ candil_status target_open(struct target *target, const char *address, const char
 	bool may_be_name = !target->private_daemon && !strchr(scene, '/') && strlen(scene) < sizeof(target->scene);
 	if (may_be_name) {
 		snprintf(target->scene, sizeof(target->scene), "%s", scene);
-		candil_set_timeout(target->client, ANSWER_MS);
-		status = candil_describe(target->client, scene, &target->info, error);
+		status = describe_named(target, scene, &target->info, error);
 		if (status == CANDIL_STATUS_OK && scene_options_given(how))
 			return fail(error, CANDIL_STATUS_BAD_ARGUMENT,
 				    "%s is loaded already: give --up and --unit to candil load", scene);
@@ -200,8 +239,7 @@ candil_status target_surroundings(struct target *target, struct candil_render_re
 	request->environment = target->picture;
 	if (!target->private_daemon && !strchr(picture, '/') && strlen(picture) < sizeof(target->picture)) {
 		snprintf(target->picture, sizeof(target->picture), "%s", picture);
-		candil_set_timeout(target->client, ANSWER_MS);
-		status = candil_describe(target->client, picture, &info, error);
+		status = describe_named(target, picture, &info, error);
 	}
 	if (status == CANDIL_STATUS_SCENE_NOT_FOUND)
 		status = check_file(picture, &how, error);

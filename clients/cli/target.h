@@ -17,7 +17,8 @@ struct target {
 	struct candil_scene_info info;
 };
 
-// Find `scene` (the name of a loaded one comes first, then a file) and describe it. `how` says how a file is read; its name
+// Find `scene` (the name of a loaded one comes first, or of one that is being loaded, which is waited for; then a file) and
+// describe it. `how` says how a file is read; its name
 // and file fields are ignored. With no address and no daemon at the default one, a private daemon is started for a file.
 // CANCELLED after Ctrl-C. target_close is due in any case.
 candil_status target_open(struct target *target, const char *address, const char *scene,

@@ -106,6 +106,17 @@ class Usage(unittest.TestCase):
         self.assertIn("no file nothere", said)
         self.assertIn("--connect", said)
 
+    def test_a_scene_that_is_being_loaded_is_waited_for(self):
+        # Large enough to take a moment.
+        with open(os.path.join(self.folder.name, "large.obj"), "w") as file:
+            for i in range(100000):
+                file.write(f"v {i} 0 0\nv {i} 1 0\nv {i} 0 1\nf -3 -2 -1\n")
+        with Daemon(self.folder.name, "--scene", "large=" + os.path.join(self.folder.name, "large.obj")) as daemon:
+            found = self.candil("--connect", daemon.socket, "describe", "large", "--json")
+            self.assertEqual(found.returncode, 0, found)
+            self.assertEqual(json.loads(found.stdout)["triangles"], 100000)
+            self.assertEqual(self.candil("--connect", daemon.socket, "describe", "other").returncode, 4)
+
     def test_output_is_tried_before_anything_else(self):
         scene = write_scene(self.folder.name)
         before = sorted(os.listdir(self.folder.name))
