@@ -27,6 +27,9 @@ void jobs_learn_encoding(struct jobs *jobs, const struct job *job)
 uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 {
 	const uint64_t left = left_us(jobs, job);
+	// The first sample is taken in any case: in short slices it would take the longer.
+	if (job->samples_done == 0)
+		return jobs->slice_us;
 	if (left >= jobs->slice_us)
 		return jobs->slice_us;
 	return left > SHORTEST_US ? (uint32_t)left : SHORTEST_US;

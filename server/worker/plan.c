@@ -291,6 +291,7 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 	p->first_sample = r->first_sample;
 	p->seed = r->seed;
 	p->target_error = r->target_error;
+	p->deadline = r->deadline_ms > 0;
 	plan_options_default(p);
 	p->aovs = r->aovs;
 	p->filter = r->filter;

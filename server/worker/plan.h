@@ -54,6 +54,7 @@ struct plan {
 	uint32_t first_sample;
 	uint64_t seed;
 	double target_error; // end where the estimated relMSE is at most this; 0: never
+	bool deadline; // the front may end it any time after its first sample, so that comes first, and is told at once
 	uint32_t depth; // scattering events at most
 	uint32_t segment; // pt: events in one dispatch at most; 0: as the device bears
 	uint32_t batch; // pt: samples in one dispatch; 0: as pays

@@ -100,11 +100,14 @@ static double fraction(struct deferred *d)
 enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	const uint64_t start = clock_us();
+	const uint32_t begun_at = d->sample;
 	uint64_t spent = 0;
 	while (!finished(d)) {
 		enum status s = run_piece(d, (double)(budget_us - spent), err);
 		if (s != STATUS_OK)
 			return s;
+		if (d->plan.deadline && begun_at == 0 && d->sample == 1)
+			break;
 		spent = clock_us() - start;
 		// What is left would not do another unit.
 		if (spent >= budget_us || (!finished(d) && (double)(budget_us - spent) < deferred_current(d)->unit_us))

@@ -236,7 +236,7 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 			s = look_at_target(j, &reached, err);
 		if (s != STATUS_OK)
 			return s;
-		if (reached)
+		if (reached || (j->plan.deadline && j->sample == 1 && j->tile == 0))
 			break;
 		spent = clock_us() - start;
 		// What is left would not do another tile.

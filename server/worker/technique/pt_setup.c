@@ -105,6 +105,8 @@ void pt_job_next_batch(struct technique_job *j)
 	batch = least(least(batch, j->batch_most), j->plan.samples - j->sample);
 	if (j->plan.target_error > 0)
 		batch = least(batch, pt_error_checkpoint(j->sample) - j->sample);
+	if (j->plan.deadline && j->sample == 0)
+		batch = 1;
 	j->batch = batch > 0 ? batch : 1;
 	j->loop_rounds = 0;
 }
@@ -259,15 +261,6 @@ enum status pt_job_warm_up(struct technique_job *j, struct pipeline *pipeline, c
 	return s;
 }
 
-static bool has_discs(const struct resident_scene *scene)
-{
-	const struct punctual_light *lights = scene_section(scene, BLOB_LIGHTS);
-	for (uint32_t i = 0; i < scene_count(scene, BLOB_LIGHTS); i++)
-		if (lights[i].spread > 0)
-			return true;
-	return false;
-}
-
 static bool has_priorities(const struct resident_scene *scene)
 {
 	const struct material *materials = scene_section(scene, BLOB_MATERIALS);
@@ -296,7 +289,7 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 	constants[SPEC_ROULETTE] = j->plan.roulette == ROULETTE_ON;
 	constants[SPEC_CLAMP] = j->plan.clamp > 0;
 	constants[SPEC_SKY] = j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
-	constants[SPEC_DISCS] = effects >> candil_Effect_EFFECT_LIGHTS & 1u && has_discs(j->scene);
+	constants[SPEC_DISCS] = effects >> candil_Effect_EFFECT_LIGHTS & 1u && scene_has_discs(j->scene);
 	constants[SPEC_LIGHT_TREE] = j->tree != NULL;
 	constants[SPEC_PRIORITIES] = effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene);
 	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);

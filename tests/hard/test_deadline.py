@@ -1,0 +1,45 @@
+"""A deadline ends a picture after its first sample at the earliest, and that sample comes alone; until it comes, it changes nothing."""
+import unittest
+
+import make
+import wire
+from render import Daemon
+
+FAR = 3600 * 1000
+
+
+def setUpModule():
+    global daemon, connection
+    daemon = unittest.enterModuleContext(Daemon())
+    daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
+    connection = unittest.enterModuleContext(wire.Connection(daemon.socket))
+
+
+def replies(**fields):
+    request = wire.pb.Render(scene="box", width=96, height=64, format=wire.pb.FORMAT_EXR_FLOAT, progress_ms=1, **fields)
+    return connection.follow(connection.send(wire.RENDER, request))
+
+
+class Deadline(unittest.TestCase):
+    def test_the_first_sample_comes_alone(self):
+        for technique, options in ((wire.pb.TECHNIQUE_PT, {}), (wire.pb.TECHNIQUE_PT, {"pt.batch": "16"}),
+                                   (wire.pb.TECHNIQUE_DIRECT, {})):
+            options = [wire.pb.Option(name=name, value=value) for name, value in options.items()]
+            told = [r.body.samples_done for r in replies(technique=technique, samples=64, deadline_ms=FAR, options=options)
+                    if r.kind == wire.PROGRESS]
+            self.assertIn(1, told)
+
+    def test_the_same_bits(self):
+        for technique in ("pt", "direct"):
+            whole, timed = (daemon.render("box", spp=24, arguments=["--technique", technique, *more]).radiance.tobytes()
+                            for more in ([], ["--time", str(FAR)]))
+            self.assertEqual(whole, timed)
+
+    def test_without_noise_one_sample_is_enough(self):
+        for technique in (wire.pb.TECHNIQUE_DIRECT, wire.pb.TECHNIQUE_VCT):
+            done = replies(technique=technique, deadline_ms=FAR)[-1].body
+            self.assertEqual((done.samples, done.reason), (1, "samples"))
+
+
+if __name__ == "__main__":
+    unittest.main()
