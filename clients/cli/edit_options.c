@@ -114,7 +114,8 @@ static bool take_light(char *text, struct edit_options *o)
 	int kind = 0;
 	while (kind < 3 && rest && strcmp(text, kinds[kind]) != 0)
 		kind++;
-	if (!rest || kind == 3 || o->edits.light_count == LIMIT_EDIT_LIGHTS)
+	o->full = o->edits.light_count == LIMIT_EDIT_LIGHTS;
+	if (!rest || kind == 3 || o->full)
 		return false;
 	while (*rest)
 		if (!next_pair(&rest, &pair) || !take_light_pair(&pair, &t))
@@ -161,7 +162,8 @@ static bool take_material(char *text, struct edit_options *o)
 	struct candil_material_edit *m = &o->materials[o->edits.material_count];
 	struct pair pair;
 	char *rest = cut_name(text);
-	if (!rest || o->edits.material_count == LIMIT_EDIT_MATERIALS)
+	o->full = o->edits.material_count == LIMIT_EDIT_MATERIALS;
+	if (!rest || o->full)
 		return false;
 	*m = (struct candil_material_edit){.name = text};
 	while (*rest)
@@ -198,7 +200,8 @@ static bool take_node(char *text, struct edit_options *o)
 	struct candil_node_edit *n = &o->nodes[o->edits.node_count];
 	struct pair pair;
 	char *rest = cut_name(text);
-	if (!rest || o->edits.node_count == LIMIT_EDIT_NODES)
+	o->full = o->edits.node_count == LIMIT_EDIT_NODES;
+	if (!rest || o->full)
 		return false;
 	*n = (struct candil_node_edit){.name = text};
 	while (*rest)
@@ -240,6 +243,7 @@ bool edit_option(int option, char *value, struct edit_options *o)
 		o->edits.animation = value;
 		return *value != '\0';
 	case OPTION_AT:
+		o->at = true;
 		return cli_parse_double(value, &o->edits.time_s);
 	default:
 		return false;
@@ -253,10 +257,12 @@ const char *edit_option_form(int option)
 		return "point:at=x,y,z,intensity=I or spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I or "
 		       "directional:direction=x,y,z,intensity=I, up to 32 times";
 	case OPTION_MATERIAL:
-		return "NAME: and then color, emission, specular (=r,g,b or =v), specular-weight, metallic, roughness, "
+		return "NAME: (or #N: where a name has a colon) and then color, emission, specular (=r,g,b or =v), "
+		       "specular-weight, metallic, roughness, "
 		       "diffuse-roughness, coat or coat-roughness (=v) between commas, up to 32 times";
 	case OPTION_NODE:
-		return "NAME: and then translate=x,y,z, rotate=x,y,z,DEGREES or scale=x,y,z between commas, up to 32 times";
+		return "NAME: (or #N: where a name has a colon) and then translate=x,y,z, rotate=x,y,z,DEGREES or "
+		       "scale=x,y,z between commas, up to 32 times";
 	case OPTION_ANIMATION:
 		return "the name of an animation";
 	case OPTION_AT:

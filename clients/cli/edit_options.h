@@ -28,6 +28,8 @@ struct edit_options {
 	struct candil_material_edit materials[LIMIT_EDIT_MATERIALS];
 	struct candil_node_edit nodes[LIMIT_EDIT_NODES];
 	bool given; // at least one
+	bool at; // --at
+	bool full; // the last one failed because there are as many of its kind as a request can have
 };
 
 void edit_options_init(struct edit_options *options);
@@ -56,6 +58,7 @@ const char *edit_option_form(int option);
 	"  --node NAME:KEY=VALUE,...\n" \
 	"                        another place for a node and all beneath it, relative to its parent: translate=x,y,z,\n" \
 	"                        rotate=x,y,z,DEGREES (about that axis), scale=S or x,y,z; what is not said stays\n" \
-	"                        A NAME is one that candil describe lists, or '#' and its number there, from 0\n"
+	"                        A NAME is one that candil describe lists, or '#' and its number there, from 0; one that\n" \
+	"                        has a colon can be had by its number alone\n"
 
 #endif

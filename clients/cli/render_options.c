@@ -106,9 +106,23 @@ static const struct option sweep_table[] = {
 // What was given, as far as it must fit together.
 struct given {
 	const char *format;
-	bool half, single, exposure, view;
+	bool half, single, exposure, view, turn, scale, orthographic, panorama;
 	const char *word; // of a list: the one that is wrong
 };
+
+static const char *effects_form(void)
+{
+	static char text[512]; // said once, at the end of the program
+	size_t used =
+	    (size_t)snprintf(text, sizeof(text), "auto, all or none, then +NAME or -NAME, between commas; a NAME is ");
+	for (unsigned i = 0; i < CANDIL_EFFECT_COUNT && used < sizeof(text); i++)
+		used += (size_t)snprintf(text + used, sizeof(text) - used, "%s%s",
+					 i == 0                         ? ""
+					 : i == CANDIL_EFFECT_COUNT - 1 ? " or "
+									: ", ",
+					 candil_effect_name((enum candil_effect)i));
+	return text;
+}
 
 // What an option takes, for a sentence.
 static const char *form_of(int option)
@@ -119,7 +133,7 @@ static const char *form_of(int option)
 	case OPTION_FORMAT:
 		return "exr or png";
 	case OPTION_TECHNIQUE:
-		return "auto, pt, vct, radiosity or direct";
+		return "auto, pt, vct or direct";
 	case OPTION_SIZE:
 		return "WxH, two whole numbers of pixels such as 640x480";
 	case OPTION_SPP:
@@ -137,9 +151,7 @@ static const char *form_of(int option)
 	case OPTION_BACKGROUND_SCALE:
 		return "a number above 0";
 	case OPTION_EFFECTS:
-		return "auto, all or none, then +NAME or -NAME, between commas; a NAME is textures, emitters, lights, "
-		       "environment, bounces, glossy, normal-maps, alpha-mask, vertex-colors, unlit, glass, alpha-blend, "
-		       "clearcoat, rough-diffuse or caustics";
+		return effects_form();
 	case OPTION_AOV:
 		return "depth, normal, albedo and id, between commas";
 	case OPTION_EXPOSURE:
@@ -204,8 +216,10 @@ static bool take_option(int option, char *value, struct render_options *options,
 	case OPTION_BACKGROUND:
 		return value_background(value, r);
 	case OPTION_BACKGROUND_TURN:
+		given->turn = true;
 		return cli_parse_double(value, &r->environment_turn_degrees);
 	case OPTION_BACKGROUND_SCALE:
+		given->scale = true;
 		return cli_parse_double(value, &r->environment_scale) && r->environment_scale > 0;
 	case OPTION_EFFECTS:
 		return value_effects(value, r, &given->word);
@@ -226,6 +240,7 @@ static bool take_option(int option, char *value, struct render_options *options,
 	case OPTION_LENS:
 		return value_lens(value, &r->lens);
 	case OPTION_ORTHOGRAPHIC:
+		given->orthographic = true;
 		return value_orthographic(value, &r->lens);
 	case OPTION_SET:
 		return parse_setting(value, options);
@@ -250,6 +265,7 @@ static bool take_flag(int option, struct render_options *options, struct given *
 		options->request.progressive = true;
 		return true;
 	case OPTION_PANORAMA:
+		given->panorama = true;
 		options->request.lens.projection = CANDIL_PROJECTION_PANORAMA;
 		return true;
 	case OPTION_QUIET:
@@ -321,6 +337,18 @@ static const char *settle_format(struct render_options *options, const struct gi
 	return options->request.aovs ? "--aov needs EXR output" : NULL;
 }
 
+// The sentence that says which option would do nothing, or NULL.
+static const char *find_idle(const struct render_options *options, const struct given *given)
+{
+	if (given->orthographic && given->panorama)
+		return "--orthographic and --panorama exclude each other";
+	if ((given->turn || given->scale) && !options->request.environment)
+		return "--background-turn and --background-scale are of a picture: name it with --background PICTURE";
+	if (options->edits.at && !options->edits.edits.animation)
+		return "--at is a time of an animation: name it with --animation NAME";
+	return NULL;
+}
+
 // Without --spp: as many as the technique needs for a picture to look at. Those without noise need one, and where something
 // else is to end it there are as many as will ever do.
 static void settle_samples(struct candil_render_request *request)
@@ -359,9 +387,12 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 		} else if (texts && take_sweep_option(option, optarg, texts)) {
 			continue;
 		} else if (!take_flag(option, options, &given) && !take_option(option, optarg, options, &given)) {
-			*code = cli_usage(self, "--%s cannot be \"%s\": it takes %s",
-					  option == OPTION_OUTPUT ? "output" : long_options[index].name,
-					  given.word ? given.word : whole, form_of(option));
+			*code = options->edits.full
+				    ? cli_usage(self, "--%s is taken %u times at most: a request has no room for more",
+						long_options[index].name, LIMIT_EDIT_LIGHTS)
+				    : cli_usage(self, "--%s cannot be \"%s\": it takes %s",
+						option == OPTION_OUTPUT ? "output" : long_options[index].name,
+						given.word ? given.word : whole, form_of(option));
 			return false;
 		}
 	}
@@ -375,6 +406,8 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 		wrong = "-o OUTPUT is missing";
 	else
 		wrong = settle_format(options, &given);
+	if (!wrong)
+		wrong = find_idle(options, &given);
 	if (wrong)
 		*code = cli_usage(self, "%s", wrong);
 	else

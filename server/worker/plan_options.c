@@ -170,11 +170,33 @@ static enum status no_such_option(const char *name, struct error *err)
 			 name);
 }
 
+static bool begins(const char *name, const char *with)
+{
+	return !strncmp(name, with, strlen(with));
+}
+
+// vct takes the light that comes straight from its source as direct does, with its options.
+static enum status check_technique(const char *name, candil_Technique technique, struct error *err)
+{
+	const bool pt = technique == candil_Technique_TECHNIQUE_PT, vct = technique == candil_Technique_TECHNIQUE_VCT;
+	if (begins(name, "pt.") ? pt : begins(name, "vct.") ? vct : !pt)
+		return STATUS_OK;
+	return error_set(err, STATUS_BAD_ARGUMENT,
+			 "option %s does nothing in %s, only with technique %s: ask for that, or leave the option out", name,
+			 pt    ? "pt"
+			 : vct ? "vct"
+			       : "direct",
+			 begins(name, "pt.")    ? "pt"
+			 : begins(name, "vct.") ? "vct"
+						: "direct or vct");
+}
+
 enum status plan_option(const candil_Option *o, struct plan *p, struct error *err)
 {
 	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
 		if (!strcmp(options[i].name, o->name))
-			return take(&options[i], o->value, p, err);
+			return check_technique(o->name, p->technique, err) == STATUS_OK ? take(&options[i], o->value, p, err)
+											: err->code;
 	return no_such_option(o->name, err);
 }
 

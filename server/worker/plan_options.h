@@ -6,7 +6,8 @@
 
 void plan_options_default(struct plan *plan);
 
-// Take one option over into the plan. STATUS_BAD_ARGUMENT for a name or a value that does not exist, with those that do.
+// Take one option over into the plan, whose technique is settled. STATUS_BAD_ARGUMENT for a name or a value that does not
+// exist, with those that do, and for an option that does nothing in this technique, with the one whose it is.
 enum status plan_option(const candil_Option *option, struct plan *plan, struct error *err);
 
 // Whether what all options say together can be. STATUS_BAD_ARGUMENT if not.

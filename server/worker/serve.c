@@ -15,6 +15,7 @@
 #include "server/worker/image/encoder.h"
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
+#include "server/worker/technique/scene_job.h"
 #include "server/worker/technique/technique.h"
 #include "server/worker/vk/device.h"
 
@@ -86,6 +87,10 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 	out->depth = job->plan.depth;
 	if (job->scene->edited.note[0])
 		snprintf(out->notes[out->notes_count++], sizeof out->notes[0], "%s", job->scene->edited.note);
+	if (job->plan.technique != candil_Technique_TECHNIQUE_PT && plan_has(&job->plan, candil_Effect_EFFECT_LIGHTS) &&
+	    scene_has_discs(job->scene))
+		snprintf(out->notes[out->notes_count++], sizeof out->notes[0],
+			 "a directional light's angle is left out: its shadows are sharp, and soft by pt alone");
 }
 
 // Of the budget, what is left if all makes room that no job needs.

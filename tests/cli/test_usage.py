@@ -57,7 +57,9 @@ class Usage(unittest.TestCase):
                       ["--exposure", "bright"], ["--set", "pt.depth"], ["--set", "=1"], ["--set", "pt.depth="],
                       ["--aov", "id"], ["--half"], ["--format", "jpg"], ["--error", "0"], ["--error", "nan"], ["--time", "0"],
                       ["--time", "1.5"], ["--time", "86400001"], ["--filter", "sinc"], ["--lens", "1"], ["--lens", "0,1"],
-                      ["--lens", "1,-1"], ["--orthographic", "0"], ["--orthographic", "wide"]):
+                      ["--lens", "1,-1"], ["--orthographic", "0"], ["--orthographic", "wide"],
+                      ["--panorama", "--orthographic", "1"], ["--at", "1"], ["--background-turn", "90"],
+                      ["--background", "1,1,1", "--background-scale", "2"]):
             self.refused(2, "render", "a.gltf", "-o", "a.png", *wrong)
         for wrong in (["--aov", "colour"], ["--exposure", "1"], ["--view", "filmic"], ["--half", "--float"]):
             self.refused(2, "render", "a.gltf", "-o", "a.exr", *wrong)
@@ -67,7 +69,7 @@ class Usage(unittest.TestCase):
         for option, value, words in (("--size", "5", ["it takes WxH", '"5"']), ("--spp", "1e3", ["16777216"]),
                                      ("--spp", "16777217", ["16777216"]), ("--background", "1", ["r,g,b"]),
                                      ("--camera", "1,2,3", ["ten numbers"]), ("--unit", "0", ["metres"]),
-                                     ("--effects", "auto,-shiny,lights", ['"-shiny"', "emitters"]),
+                                     ("--effects", "auto,-shiny,lights", ['"-shiny"', "emitters", "or caustics"]),
                                      ("--aov", "id,colour,depth", ['"colour"', "albedo"])):
             result = self.refused(2, "render", "a.gltf", "-o", "a.exr", option, value)
             for word in words:

@@ -143,6 +143,15 @@ class Plan(unittest.TestCase):
         self.assertNotEqual(status, 0)
         self.assertIn("pt.colour", text)
 
+    def test_an_option_of_another_technique_is_refused(self):
+        scene = make.cornell(daemon.folder)
+        for technique, option, wanted in (("pt", "vct.show=albedo", "vct"), ("auto", "direct.samples=2", "direct or vct"),
+                                          ("direct", "vct.bounces=1", "vct"), ("vct", "pt.depth=3", "pt")):
+            status, _, text = daemon.candil("render", scene, "-o", daemon.folder + "/x.png", "--technique", technique, "--set", option,
+                                            check=False)
+            self.assertEqual(status, 2, text)
+            self.assertIn(f"only with technique {wanted}:", text)
+
     def test_aovs_only_when_asked(self):
         scene = make.cornell(daemon.folder)
         plain = daemon.render(scene, spp=1)

@@ -83,6 +83,13 @@ class Penumbra(unittest.TestCase):
         self.assertLess(abs(both / (one + other) - 1), 0.01)
 
 
+class Techniques(unittest.TestCase):
+    def test_those_that_take_the_middle_say_so(self):
+        for technique, angle, told in (("pt", 5, 0), ("direct", 5, 1), ("direct", 0, 0), ("vct", 5, 1)):
+            report = daemon.render(scene("plane"), (8, 8), 1, arguments=["--technique", technique, *sun(angle)]).report
+            self.assertEqual(sum("angle" in note for note in report["notes"]), told, report["notes"])
+
+
 class Refused(unittest.TestCase):
     def test_words(self):
         for light in ("directional:direction=0,-1,0,intensity=1,angle=180", "directional:direction=0,-1,0,intensity=1,angle=-1",

@@ -115,3 +115,12 @@ void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct 
 	fill_lens(&p->camera, p->camera.right, out->lens_right);
 	fill_lens(&p->camera, p->camera.up, out->lens_up);
 }
+
+bool scene_has_discs(const struct resident_scene *scene)
+{
+	const struct punctual_light *lights = scene_section(scene, BLOB_LIGHTS);
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_LIGHTS); i++)
+		if (lights[i].spread > 0)
+			return true;
+	return false;
+}
