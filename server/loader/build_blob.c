@@ -168,6 +168,7 @@ static void fill_header(struct blob_header *h, const struct import *im, const st
 	h->environment_width = im->environment_width;
 	h->environment_height = im->environment_height;
 	h->environment_power = im->environment_power;
+	h->environment_contrast = im->environment_contrast;
 	memcpy(h->origin, p->geometry.origin, sizeof h->origin);
 	memcpy(h->bounds_min, p->geometry.min, sizeof h->bounds_min);
 	memcpy(h->bounds_max, p->geometry.max, sizeof h->bounds_max);

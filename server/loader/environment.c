@@ -122,6 +122,20 @@ static void fill(struct import *im, const float *rgb, const struct alias_row *ro
 	}
 }
 
+// As in struct blob_header, of the table that `fill` has made.
+static double contrast(const struct import *im)
+{
+	double sum = 0;
+	for (uint32_t y = 0; y < im->environment_height; y++) {
+		const double solid = solid_angle(im, y);
+		for (uint32_t x = 0; x < im->environment_width; x++) {
+			const double pdf = im->environment[(size_t)y * im->environment_width + x].pdf;
+			sum += pdf * pdf * solid;
+		}
+	}
+	return 4 * pi * sum;
+}
+
 enum status environment_build(struct import *im, const float *rgb, struct error *err)
 {
 	const size_t count = (size_t)im->environment_width * im->environment_height;
@@ -143,6 +157,7 @@ enum status environment_build(struct import *im, const float *rgb, struct error 
 	if (status == STATUS_OK)
 		fill(im, rgb, rows);
 	im->environment_power = light ? (float)sum : 0;
+	im->environment_contrast = status == STATUS_OK ? (float)contrast(im) : 0;
 out:
 	free(rows);
 	free(weights);

@@ -70,6 +70,7 @@ struct import {
 	struct environment_row *environment_rows; // as many
 	uint32_t environment_width, environment_height;
 	float environment_power; // as in struct blob_header
+	float environment_contrast;
 	size_t vertex_count, vertex_room;
 	size_t extra_count, extra_room;
 	size_t triangle_count, triangle_room;

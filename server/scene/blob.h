@@ -69,7 +69,7 @@ enum fact {
 	FACT_CLEARCOAT = 1u << 13, // some lit surface has one
 	FACT_ROUGH_DIFFUSE = 1u << 14, // some lit surface has a diffuse_roughness above zero
 	FACT_SURROUNDINGS = 1u << 15, // it is a picture of all directions
-	FACT_POLISHED = 1u << 16, // some lit surface is a perfect mirror or smooth glass: casters.h
+	FACT_POLISHED = 1u << 16, // some lit surface mirrors light or lets it through nearly unspread: casters.h
 };
 
 struct blob_header {
@@ -89,7 +89,9 @@ struct blob_header {
 	// Luminance of the surroundings summed over all directions, W/m² where a texel's unit is a W/(m² sr): what meets a
 	// sphere of 1 m² cross-section.
 	float environment_power;
-	uint32_t reserved;
+	// How unlike each other its directions are: 4π ∫ p² dω of the table's density p. 1: all alike; a half of its light in a
+	// share s of the sphere: 1 / (4 s) and more. 0: there are none.
+	float environment_contrast;
 	uint64_t hash[2]; // XXH3-128 of everything behind the header; also of the header with hash = 0
 };
 

@@ -362,6 +362,8 @@ static enum status check_environment(const struct blob_header *h, struct error *
 		return bad(err, "its surroundings have another size than their table");
 	if (!isfinite(h->environment_power) || h->environment_power < 0)
 		return bad(err, "its surroundings' power is not finite");
+	if (!isfinite(h->environment_contrast) || h->environment_contrast < 0)
+		return bad(err, "its surroundings' contrast is not finite");
 	for (uint32_t i = 0; i < count; i++) {
 		for (int c = 0; c < 3; c++)
 			if (!(texels[i].radiance[c] >= 0 && (double)texels[i].radiance[c] <= LIMIT_RADIANCE))

@@ -6,43 +6,90 @@
 #include "server/scene/alias.h"
 #include "server/scene/lights.h"
 
+// Texels of a texture that are looked at, each way.
+#define LOOKS 32u
+
 static double luminance(const float c[3])
 {
 	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
 }
 
-// As make_glossy and glass_make of shaders/common see it.
-double casters_strength(const struct material *m)
+// Of a lobe of that α: all of one that is not evaluated, for there is no other way to its light; of others what chance finds
+// badly.
+static double lobe_strength(double strength, double alpha)
 {
-	const double alpha = (double)m->roughness * (double)m->roughness;
+	if (alpha < GGX_ALPHA_LEAST)
+		return strength;
+	return alpha <= CASTERS_ALPHA_MOST && strength >= CASTERS_ROUGH_LEAST ? strength : 0;
+}
+
+// As make_glossy, make_coat and glass_make of shaders/common see it.
+static double strength_at(const struct material *m, double roughness, double metal)
+{
+	const double alpha = roughness * roughness, rest = 1 - metal;
+	const double coat_alpha = (double)m->coat_roughness * (double)m->coat_roughness;
 	const double bent = m->flags & MATERIAL_THIN ? 1 : fmin(fabs((double)m->ior - 1), 1);
-	const double metal = m->metallic, rest = 1 - metal;
+	const double glass = lobe_strength((double)m->transmission * rest, alpha * bent);
+	const double mirror = lobe_strength(metal * luminance(m->albedo) + rest * luminance(m->specular), alpha);
+	const double coat = lobe_strength(0.04 * (double)m->coat, coat_alpha);
+	return fmin(fmax(fmax(glass, mirror), coat), 1);
+}
+
+double casters_strength(const struct blob_view *scene, const struct material *m)
+{
 	if (m->flags & MATERIAL_UNLIT)
 		return 0;
-	const double glass = alpha * bent < GGX_ALPHA_LEAST ? (double)m->transmission * rest : 0;
-	const double mirror = alpha < GGX_ALPHA_LEAST ? metal * luminance(m->albedo) + rest * luminance(m->specular) : 0;
-	return fmin(fmax(glass, mirror), 1);
+	if (m->surface_texture >= scene->counts[BLOB_TEXTURES])
+		return strength_at(m, (double)m->roughness, (double)m->metallic);
+	const struct texture_info *t = &((const struct texture_info *)scene->sections[BLOB_TEXTURES])[m->surface_texture];
+	const uint32_t *texels = scene->sections[BLOB_TEXELS];
+	const uint32_t across = t->width < LOOKS ? t->width : LOOKS, down = t->height < LOOKS ? t->height : LOOKS;
+	double sum = 0;
+	for (uint32_t y = 0; y < down; y++)
+		for (uint32_t x = 0; x < across; x++) {
+			const uint64_t row = (uint64_t)y * t->height / down, column = (uint64_t)x * t->width / across;
+			const uint32_t texel = texels[t->offset + row * t->width + column];
+			sum += strength_at(m, (double)m->roughness * (texel >> 8 & 255u) / 255,
+					   (double)m->metallic * (texel >> 16 & 255u) / 255);
+		}
+	return sum / ((double)across * down);
+}
+
+// casters_strength of each material, to be freed; NULL: no memory, or no material.
+static double *strengths_of(const struct blob_view *scene)
+{
+	const struct material *materials = scene->sections[BLOB_MATERIALS];
+	double *strengths = calloc(scene->counts[BLOB_MATERIALS], sizeof *strengths);
+	for (uint32_t i = 0; strengths && i < scene->counts[BLOB_MATERIALS]; i++)
+		strengths[i] = casters_strength(scene, &materials[i]);
+	return strengths;
+}
+
+static uint32_t count_casters(const struct blob_view *scene, const double *strengths)
+{
+	const struct triangle *triangles = scene->sections[BLOB_TRIANGLES];
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < scene->counts[BLOB_TRIANGLES]; i++)
+		count += strengths[triangles[i].material] > 0;
+	return count;
 }
 
 uint32_t casters_count(const struct blob_view *scene)
 {
-	const struct triangle *triangles = scene->sections[BLOB_TRIANGLES];
-	const struct material *materials = scene->sections[BLOB_MATERIALS];
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < scene->counts[BLOB_TRIANGLES]; i++)
-		count += casters_strength(&materials[triangles[i].material]) > 0;
+	double *strengths = strengths_of(scene);
+	const uint32_t count = strengths ? count_casters(scene, strengths) : 0;
+	free(strengths);
 	return count;
 }
 
 // Weights and triangle ids. Returns how many.
-static uint32_t list_casters(const struct blob_view *scene, double *weights, struct emitter *rows)
+static uint32_t list_casters(const struct blob_view *scene, const double *strengths, double *weights, struct emitter *rows)
 {
 	const struct triangle *triangles = scene->sections[BLOB_TRIANGLES];
-	const struct material *materials = scene->sections[BLOB_MATERIALS];
 	const struct vertex *vertices = scene->sections[BLOB_VERTICES];
 	uint32_t found = 0;
 	for (uint32_t i = 0; i < scene->counts[BLOB_TRIANGLES]; i++) {
-		const double strength = casters_strength(&materials[triangles[i].material]);
+		const double strength = strengths[triangles[i].material];
 		const double weight = strength > 0 ? strength * lights_area(vertices, &triangles[i]) : 0;
 		if (!isnormal(weight))
 			continue;
@@ -55,25 +102,30 @@ static uint32_t list_casters(const struct blob_view *scene, double *weights, str
 enum status casters_make_table(const struct blob_view *scene, struct emitter **out, uint32_t *count, float *density,
 			       struct error *err)
 {
-	const struct material *materials = scene->sections[BLOB_MATERIALS];
-	const uint32_t most = casters_count(scene);
-	double sum = 0;
+	double *strengths = strengths_of(scene), *weights = NULL, sum = 0;
+	struct alias_row *table = NULL;
+	struct emitter *rows = NULL;
 	enum status status = STATUS_MEMORY;
 
 	*out = NULL;
 	*count = 0;
 	for (uint32_t i = 0; i < scene->counts[BLOB_MATERIALS]; i++)
 		density[i] = 0;
-	if (most == 0)
-		return STATUS_OK;
-	double *weights = calloc(most, sizeof *weights);
-	struct alias_row *table = malloc(most * sizeof *table);
-	struct emitter *rows = calloc(most, sizeof *rows);
+	if (!strengths)
+		return error_set(err, STATUS_MEMORY, "no memory for %u materials", scene->counts[BLOB_MATERIALS]);
+	const uint32_t most = count_casters(scene, strengths);
+	if (most == 0) {
+		status = STATUS_OK;
+		goto out;
+	}
+	weights = calloc(most, sizeof *weights);
+	table = malloc(most * sizeof *table);
+	rows = calloc(most, sizeof *rows);
 	if (!weights || !table || !rows) {
 		error_set(err, STATUS_MEMORY, "no memory for %u polished triangles", most);
 		goto out;
 	}
-	const uint32_t found = list_casters(scene, weights, rows);
+	const uint32_t found = list_casters(scene, strengths, weights, rows);
 	status = alias_build(weights, found, table, &sum, err);
 	for (uint32_t i = 0; i < found && status == STATUS_OK; i++) {
 		rows[i].keep = table[i].keep;
@@ -81,7 +133,7 @@ enum status casters_make_table(const struct blob_view *scene, struct emitter **o
 		rows[i].pmf = table[i].pmf;
 	}
 	for (uint32_t i = 0; i < scene->counts[BLOB_MATERIALS] && sum > 0; i++)
-		density[i] = (float)fmin(casters_strength(&materials[i]) / sum, 1e30);
+		density[i] = (float)fmin(strengths[i] / sum, 1e30);
 	if (status == STATUS_OK && found > 0) {
 		*count = found;
 		*out = rows;
@@ -91,5 +143,6 @@ out:
 	free(rows);
 	free(table);
 	free(weights);
+	free(strengths);
 	return status;
 }

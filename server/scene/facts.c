@@ -33,8 +33,6 @@ static uint32_t material_facts(const struct material *m)
 		facts |= FACT_ALPHA_MASK;
 	if (m->flags & MATERIAL_ALPHA_BLEND)
 		facts |= FACT_ALPHA_BLEND;
-	if (casters_strength(m) > 0)
-		facts |= FACT_POLISHED;
 	if (unlit)
 		facts |= FACT_UNLIT;
 	return facts;
@@ -81,6 +79,8 @@ uint32_t facts_of_view(const struct blob_view *view)
 		facts |= light_facts(&lights[i]);
 	if (view->counts[BLOB_ENVIRONMENT] > 0)
 		facts |= FACT_SURROUNDINGS;
+	if (casters_count(view) > 0)
+		facts |= FACT_POLISHED;
 	return has_colours(view) ? facts | FACT_VERTEX_COLORS : facts;
 }
 

@@ -51,8 +51,8 @@ static const struct effect_rule rules[] = {
     {candil_Effect_EFFECT_ROUGH_DIFFUSE, "rough-diffuse", "diffuse surfaces are rough", "no diffuse surface is rough",
      "diffuse surfaces are smooth: Lambert's"},
     {candil_Effect_EFFECT_CAUSTICS, "caustics", "polished surfaces throw lamps' light about",
-     "light cannot come from a lamp by way of a mirror or smooth glass and then scatter",
-     "caustics of surfaces that emit are found by chance, those of other lights not at all"},
+     "light cannot come from a lamp by way of a polished surface and then scatter",
+     "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror"},
 };
 
 const char *effect_name(candil_Effect effect)
@@ -76,13 +76,15 @@ static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 	return false;
 }
 
-// Whether lamps are there that light paths can begin at, and not switched off.
-static bool lit_by_lamps(const candil_Render *r, uint32_t facts)
+// Whether something shines that light paths are worth beginning at, and is not switched off.
+static bool lit_by_lamps(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	const bool emitters = facts & FACT_EMITTERS && !(r->effects_off >> candil_Effect_EFFECT_EMITTERS & 1u);
 	const bool lights = facts & (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS) &&
 			    !(r->effects_off >> candil_Effect_EFFECT_LIGHTS & 1u);
-	return emitters || lights;
+	const bool sky = p->environment.power > 0 && p->environment.contrast >= PLAN_SKY_CONTRAST &&
+			 !(r->effects_off >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
+	return emitters || lights || sky;
 }
 
 // Whether the scene and the request's own values call for an effect.
@@ -118,7 +120,7 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	case candil_Effect_EFFECT_ROUGH_DIFFUSE:
 		return facts & FACT_ROUGH_DIFFUSE;
 	case candil_Effect_EFFECT_CAUSTICS:
-		return p->depth > 1 && facts & FACT_POLISHED && lit_by_lamps(r, facts) &&
+		return p->depth > 1 && facts & FACT_POLISHED && lit_by_lamps(r, p, facts) &&
 		       !(r->effects_off >> candil_Effect_EFFECT_BOUNCES & 1u);
 	}
 	return false;
@@ -150,6 +152,13 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 	return NULL;
 }
 
+// Whether the surroundings do, and their light may scatter twice.
+static bool sky_shines(const candil_Render *r, const struct plan *p, uint32_t facts)
+{
+	return p->depth > 1 && called_for(candil_Effect_EFFECT_ENVIRONMENT, r, p, facts) &&
+	       !(r->effects_off >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
+}
+
 // What becomes of an effect, and the reason to tell.
 static candil_EffectState decide(const struct effect_rule *rule, const candil_Render *r, uint32_t facts,
 				 const struct plan *p, const char **why)
@@ -167,6 +176,8 @@ static candil_EffectState decide(const struct effect_rule *rule, const candil_Re
 	if (called_for(rule->effect, r, p, facts))
 		return candil_EffectState_EFFECT_STATE_SIMULATED;
 	*why = rule->absent;
+	if (rule->effect == candil_Effect_EFFECT_CAUSTICS && facts & FACT_POLISHED && sky_shines(r, p, facts))
+		*why = "only the background shines, and evenly enough that chance finds its caustics as well";
 	return r->effects_on & bit ? candil_EffectState_EFFECT_STATE_FORCED : candil_EffectState_EFFECT_STATE_ABSENT;
 }
 
@@ -277,6 +288,7 @@ static enum status plan_environment(const candil_Render *r, const struct blob_he
 	e->turn -= floor(e->turn);
 	e->scale = r->environment.scale;
 	e->power = (double)picture->environment_power * e->scale;
+	e->contrast = (double)picture->environment_contrast;
 	return STATUS_OK;
 }
 

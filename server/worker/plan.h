@@ -14,6 +14,9 @@ struct resident_scene;
 #define PLAN_MAP_DEFAULT 1024u
 #define PLAN_MAP_LEAST 256u
 #define PLAN_SAMPLES_DEFAULT 64u
+
+// Contrast of surroundings from which on light paths begin there. Measured: tests/bench/RESULTS.md.
+#define PLAN_SKY_CONTRAST 16.0
 #define PLAN_BATCH_MOST 256u
 
 struct plan_camera {
@@ -45,6 +48,7 @@ struct plan_environment {
 	double turn; // of it about +Y, in revolutions, 0 … 1
 	double scale; // W/(m² sr) of its unit
 	double power; // luminance summed over all directions, scaled, W/m²
+	double contrast; // as in struct blob_header
 };
 
 struct plan {
@@ -115,6 +119,12 @@ enum status plan_make(const candil_Render *request, const struct blob_view *scen
 static inline bool plan_has_sky(const struct plan *plan)
 {
 	return plan->environment.power > 0 && plan->effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
+}
+
+// Whether that is uneven enough that light paths find what polished surfaces make of it better than chance does.
+static inline bool plan_sky_casts(const struct plan *plan)
+{
+	return plan_has_sky(plan) && plan->environment.contrast >= PLAN_SKY_CONTRAST;
 }
 
 static inline bool plan_has(const struct plan *plan, candil_Effect effect)

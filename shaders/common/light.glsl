@@ -22,6 +22,7 @@ struct light_sample {
 	vec3 contribution;   // BSDF × cosine × radiance × weight / density, to be multiplied by the throughput
 	vec3 segment;        // from the ray's origin to the light; t = 1 is there
 	float t_max;         // 1, or infinite for a directional light
+	float pdf;           // of that direction by the BSDF's sampling, 1/sr
 };
 
 // Walker's alias method with 64 random bits: the high product of the first 32 is the row, the second 32 decide.
@@ -43,6 +44,8 @@ struct emitter_view {
 	vec3 segment;   // from the receiver to it, ended so that the lamp itself is not in the way at t = 1
 	vec3 radiance;  // towards the receiver
 	float inverse;  // one over the density with which it was chosen, by solid angle
+	float by_power; // the same if it was chosen by power
+	float spread;   // 1/m²: of its light, as Lambert's law sends it, what arrives on an area that faces it
 };
 
 // The side that light reaches a surface from: its triangle's normal, or zero where light comes through it.
@@ -141,9 +144,13 @@ bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 	float cos_light = abs(dot(n, w));
 	v.radiance = vec3(0.0);
 	v.inverse = 0.0;
+	v.by_power = 0.0;
+	v.spread = 0.0;
 	if (!lit || !(d2 > 0.0) || cos_light == 0.0)
 		return false;
 	v.inverse = min(cos_light / (d2 * lamp.density), 1e18);
+	v.by_power = min(cos_light / (d2 * m.power_density * job.emitter_power_inv * job.emitter_share), 1e18);
+	v.spread = cos_light / (PI * d2);
 	v.radiance = lamp_radiance(m, tri, n, uv, -w);
 	return true;
 }
@@ -157,6 +164,9 @@ struct light_choice {
 	float inverse;  // the same for its rival, the BSDF's sampling, whose density times this is the ratio of the two; 0: it has none
 	vec3 segment;   // as light_sample's
 	float t_max;
+	// For the shares of path/caustic.glsl:
+	float by_power; // `inverse`, as if all were chosen by power
+	float spread;   // 1/m²: of what leaves the light by its own law, the share on an area here that faces it; 0: from afar
 };
 
 // What a surface makes of it. False: nothing.
@@ -165,6 +175,7 @@ bool light_scattered(bsdf b, light_choice c, out light_sample l)
 	l.segment = c.segment;
 	l.t_max = c.t_max;
 	vec4 f = bsdf_eval(b, c.w);
+	l.pdf = f.w;
 	// However near the light is, f · scale · weight stays finite.
 	float weight = LAMPS_BY == LAMPS_BY_POINTS ? 1.0 : power_weight(min(f.w * c.inverse, 1e18));
 	l.contribution = f.xyz * c.radiance * (c.scale * weight);
@@ -197,6 +208,13 @@ vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3
 	return directional || d2 > 0.0 ? irradiance : vec3(0.0);
 }
 
+// Of the directions that a point or spot light shines in, the density, 1/sr.
+float punctual_spread(punctual_light light)
+{
+	float cos_most = light.kind == LIGHT_SPOT ? light.cos_outer : -1.0;
+	return light.kind == LIGHT_DIRECTIONAL ? 0.0 : 1.0 / (2.0 * PI * max(1.0 - cos_most, 1e-6));
+}
+
 // A direction within the disc of a directional light, w being its middle, uniformly by solid angle. The disc's radiance L is the
 // same all over, and its irradiance E on a plane that faces the middle is π sin² α L for a half aperture α. One direction
 // out of the solid angle 2π (1 − cos α) then stands for E · 2 / (1 + cos α) from where it comes.
@@ -215,7 +233,8 @@ bool choose_point(vec3 origin, lamp_pick lamp, vec2 u, out light_choice c)
 {
 	emitter_view v;
 	bool lit = view_emitter(origin, lamp, u, v);
-	c = light_choice(v.segment / max(length(v.segment), 1e-37), v.radiance, v.inverse, v.inverse, v.segment, 1.0);
+	c = light_choice(v.segment / max(length(v.segment), 1e-37), v.radiance, v.inverse, v.inverse, v.segment, 1.0,
+			 v.by_power, v.spread);
 	return lit;
 }
 
@@ -227,6 +246,8 @@ bool choose_punctual(vec3 origin, lamp_pick lamp, vec2 u, out light_choice c)
 		c.segment = c.w = in_disc(light, c.w, u, c.radiance);
 	c.scale = 1.0 / lamp.density;
 	c.inverse = 0.0;
+	c.by_power = 0.0;
+	c.spread = punctual_spread(light) / max(dot(c.segment, c.segment), 1e-30);
 	return c.radiance != vec3(0.0);
 }
 

@@ -5,6 +5,7 @@
 #define PATH_EMIT_GLSL
 
 #include "path/caustic.glsl"
+#include "path/sky.glsl"
 
 layout(std430, set = 0, binding = BIND_CASTERS) readonly buffer Casters {
 	emitter casters[];
@@ -16,9 +17,9 @@ struct launch {
 	vec3 power;       // radiance × cosine, or intensity, or irradiance
 	float pick;       // density of the choice of the lamp and of its point
 	float spread;     // density, by solid angle, of the directions that are not aimed
-	float aimed;      // share of those that are
-	float pdf_area;   // of the lamp's point, 1/m²; 0: it is a punctual light
+	float pdf_area;   // of the lamp's point, 1/m², for its shares; 0: it has none
 	float cos_lamp;
+	float inverse;    // without a point: lamp_density's
 	bool parallel;    // light from afar: `spread` is none, and what is aimed has a density over the area across it
 	uint target;      // triangle that was aimed at, or NONE
 };
@@ -76,6 +77,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	l.pdf_area = lamp.density * job.emitter_share;
 	l.pick = lamp.density * share;
 	l.spread = l.cos_lamp / (both ? 2.0 * PI : PI);
+	l.inverse = 0.0;
 	l.parallel = false;
 	return l;
 }
@@ -88,7 +90,9 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 	vec2 u = sample_2d(rnd, SET_BSDF);
 	vec3 axis = to_vec3(light.direction);
 	l.parallel = light.kind == LIGHT_DIRECTIONAL;
-	l.power = to_vec3(light.intensity);
+	// From afar there is no other way than to aim.
+	aims = job.caster_count > 0u && (aims || l.parallel);
+	l.power = l.parallel && !aims ? vec3(0.0) : to_vec3(light.intensity);
 	if (DISC_LIGHTS && light.spread > 0.0)
 		axis = in_disc(light, axis, sample_2d(rnd, SET_LIGHT), l.power);
 	float cos_most = light.kind == LIGHT_SPOT ? light.cos_outer : -1.0;
@@ -103,10 +107,29 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 	if (light.kind == LIGHT_SPOT)
 		l.power *= spot_attenuation(light, -l.direction);
 	bool inside = light.kind != LIGHT_SPOT || dot(l.direction, axis) >= cos_most;
-	l.spread = l.parallel || !inside ? 0.0 : 1.0 / (2.0 * PI * max(1.0 - cos_most, 1e-6));
+	l.spread = inside ? punctual_spread(light) : 0.0;
 	l.pick = lamp.density * share;
 	l.pdf_area = 0.0;
 	l.cos_lamp = 1.0;
+	l.inverse = 0.0;
+	return l;
+}
+
+// From the picture around the scene, by its table.
+launch launch_sky(sampler_state rnd, float share)
+{
+	launch l;
+	uint texel = sky_pick(sample_bits(rnd, SET_PICK));
+	vec3 w = sky_direction(texel, sample_2d(rnd, SET_LIGHT));
+	l.power = sky_at(w).radiance;
+	l.pick = share * sky_texels[texel].w;
+	l.direction = -w;
+	l.origin = aim_at(sample_bits(rnd, SET_CHANCE), sample_2d(rnd, SET_BSDF), l.target) + w * job.reach;
+	l.spread = 0.0;
+	l.pdf_area = 0.0;
+	l.cos_lamp = 1.0;
+	l.inverse = sky_inverse(w);
+	l.parallel = true;
 	return l;
 }
 
@@ -114,21 +137,21 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 launch launch_make(sampler_state rnd)
 {
 	vec2 ways = sample_2d(rnd, SET_PIXEL);
-	// As next-event estimation chooses, but for the surroundings.
-	float share = job.emitter_share / max(job.emitter_share + job.light_share, 1e-30);
+	// Of those that do not begin at the surroundings as many at each kind of lamp as next-event estimation has for it.
+	float lamps = 1.0 - job.sky_paths;
+	float share = lamps * job.emitter_share / max(job.emitter_share + job.light_share, 1e-30);
+	bool afar = SKY && job.caster_count > 0u && ways.y >= lamps;
 	bool emissive = EFFECT_EMITTERS && job.emitter_count > 0u && (!EFFECT_LIGHTS || ways.y < share);
-	float aimed = aimed_share();
+	bool aims = ways.x < aimed_share(false);
 	launch l;
-	if (emissive) {
-		l = launch_emitter(rnd, ways.x < aimed, share);
-	} else if (EFFECT_LIGHTS && job.light_count > 0u) {
-		l = launch_punctual(rnd, ways.x < aimed, 1.0 - share);
-		// From afar there is no other way than to aim.
-		l.power *= l.parallel && ways.x >= aimed ? 0.0 : 1.0;
-	} else {
+	if (SKY && afar)
+		l = launch_sky(rnd, job.sky_paths);
+	else if (emissive)
+		l = launch_emitter(rnd, aims, share);
+	else if (EFFECT_LIGHTS && job.light_count > 0u)
+		l = launch_punctual(rnd, aims, lamps - share);
+	else
 		l.power = vec3(0.0);
-	}
-	l.aimed = aimed;
 	return l;
 }
 
@@ -137,9 +160,18 @@ launch launch_make(sampler_state rnd)
 vec3 launch_power(launch l, uint id, float density, float cosine, float t)
 {
 	float reach = l.parallel ? 1.0 : t * t;
-	float aimed = l.aimed * density * reach / max(cosine, 1e-30);
-	float pdf = l.pick * ((l.parallel ? 0.0 : (1.0 - l.aimed) * l.spread) + min(aimed, 1e30));
+	float share = aimed_share(l.parallel);
+	float pdf = l.pick * ((1.0 - share) * l.spread + min(share * density * reach / max(cosine, 1e-30), 1e30));
 	return (l.target == NONE || l.target == id) && pdf > 0.0 ? l.power / pdf : vec3(0.0);
+}
+
+// The same ray's lamp_density, if the camera's sampling has this density where it ended.
+float launch_density(launch l, float density, float cosine, float t, float pdf)
+{
+	bool point = l.pdf_area > 0.0;
+	float spread = (point ? l.cos_lamp / PI : l.spread) / (t * t);
+	float inverse = point ? min(l.cos_lamp / (t * t * l.pdf_area), 1e18) : l.inverse;
+	return lamp_density(arriving(spread, density / max(cosine, 1e-30), l.parallel), pdf, inverse);
 }
 
 #endif

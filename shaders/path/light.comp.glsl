@@ -1,9 +1,8 @@
 // Light paths: from lamps by way of polished surfaces to where the camera sees them (light tracing: Arvo 1986; Dutré, Lafortune
 // and Willems 1993). A band has one a sample for every few pixels; what they bring is in the band's film.
 //
-// The first event is on a surface that does not spread light, or the path is none of ours: next-event estimation has the rest.
-// From then on each event that spreads light is joined to the camera by a ray. The first one's light is shared with the
-// camera's own paths (caustic.glsl) …
+// The first event is on a caster, or the path is none of ours: next-event estimation has the rest. From then on each event that
+// spreads light is joined to the camera by a ray. All that it brings is shared with the camera's own paths (caustic.glsl).
 //
 // A path carries power, not radiance, so a BSDF is asked the other way round: with the direction that light leaves by for the
 // view; and an interpolated normal's cosines go with the light (Veach 1997, 5.3.2).
@@ -32,7 +31,7 @@ struct walker {
 	vec3 direction;
 	vec3 power;      // W
 	float most;      // of its first power's components
-	float lamp;      // lamp_density
+	float lamp;      // lamp_density at its first event
 	uint event;
 	uvec2 media;
 	uint taken;
@@ -95,7 +94,6 @@ bool meet(inout walker p, launch l, ray_hit hit, out surface s)
 		float cosine = abs(dot(s.geometric, p.direction));
 		p.power = launch_power(l, hit.id, density, cosine, hit.t);
 		p.most = max(p.power.r, max(p.power.g, p.power.b));
-		p.lamp = l.pdf_area > 0.0 ? lamp_density(l.pdf_area, l.cos_lamp, density, cosine, hit.t) : INFINITY;
 	}
 	if (EFFECT_GLASS) {
 		p.media = media_before(p.media, s);
@@ -128,14 +126,15 @@ view view_from(walker p, surface s, uvec2 beyond, sampler_state rnd)
 	if (pixel.x < 0 || pixel.x >= int(job.width) || row < 0 || row >= int(push.band_rows))
 		return v;
 	surface seen = facing(s, -direction);
-	vec3 f = bsdf_eval(bsdf_make(seen, direction), -p.direction).xyz;
+	vec4 f = bsdf_eval(bsdf_make(seen, direction), -p.direction);
 	float cosine = abs(dot(s.geometric, direction));
 	float cos_light = abs(dot(s.geometric, p.direction));
-	v.value = p.power * f * (pixels_per_area(direction, t, cosine) * share / max(cos_light, 1e-30));
+	v.value = p.power * f.xyz * (pixels_per_area(direction, t, cosine) * share / max(cos_light, 1e-30));
 	bool through = dot(direction, s.geometric) > 0.0;
 	if (EFFECT_GLASS)
 		v.value *= media_transmittance(through ? beyond : p.media, t);
-	v.value *= light_keeps(rivals_at(direction, t, cosine, push.light_tiles * TILE_PIXELS), p.lamp);
+	float rivals = rivals_at(direction, t, cosine, push.light_tiles * TILE_PIXELS);
+	v.value *= light_keeps(rivals_beside(rivals, f.w, cos_light), p.lamp);
 	v.value /= job.film_unit * float(push.light_tiles * TILE_PIXELS);
 	v.origin = s.position + seen.geometric * s.offset;
 	v.segment = eye - v.origin;
@@ -145,13 +144,18 @@ view view_from(walker p, surface s, uvec2 beyond, sampler_state rnd)
 }
 
 // The factor of power that goes on to w from where the light came from, with the cosines' correction for interpolated normals:
-// w was sampled as seen from there, with this weight and density.
-vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf)
+// w was sampled as seen from there, with this weight and density. `reverse`: the density of the camera's sampling, which goes the
+// other way.
+vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf, out float reverse)
 {
 	float in_true = max(abs(dot(from, s.geometric)), 1e-6);
 	float out_true = abs(dot(w, s.geometric));
-	if (pdf < PDF_MIRROR)
-		return bsdf_eval(bsdf_make(facing(s, w), -w), from).xyz * (out_true / (in_true * pdf));
+	if (pdf < PDF_MIRROR) {
+		vec4 f = bsdf_eval(bsdf_make(facing(s, w), -w), from);
+		reverse = f.w;
+		return f.xyz * (out_true / (in_true * pdf));
+	}
+	reverse = PDF_MIRROR;
 	float out_shading = max(abs(dot(w, b.normal)), 1e-6);
 	weight *= b.view.z * out_true / (in_true * out_shading);
 	// Radiance within η is η² times as much, power is not.
@@ -159,7 +163,7 @@ vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf)
 	return through && !s.thin ? weight * (s.eta * s.eta) : weight;
 }
 
-void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd)
+void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd, launch l, float t)
 {
 	uint set = p.event * SETS_PER_EVENT;
 	vec3 from = -p.direction;
@@ -167,8 +171,13 @@ void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd)
 	float pdf;
 	float lobe = EFFECT_GLOSSY || EFFECT_GLASS || EFFECT_CLEARCOAT ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
 	p.direction = bsdf_sample(b, lobe, sample_2d(rnd, set + SET_BSDF), weight, pdf);
-	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0 && (p.event > 0u || pdf >= PDF_MIRROR);
-	p.power *= p.alive ? carried(s, b, from, p.direction, weight, pdf) : vec3(0.0);
+	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
+	float reverse = 0.0;
+	p.power *= p.alive ? carried(s, b, from, p.direction, weight, pdf, reverse) : vec3(0.0);
+	if (p.event == 0u) {
+		p.alive = p.alive && casts(s.material, reverse);
+		p.lamp = launch_density(l, caster_density[s.material], abs(dot(s.geometric, from)), t, reverse);
+	}
 	bool through = dot(p.direction, s.geometric) < 0.0;
 	p.media = EFFECT_GLASS && through ? beyond : p.media;
 	p.origin = s.position + (through ? -s.offset : s.offset) * s.geometric;
@@ -182,7 +191,7 @@ void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd)
 }
 
 // An event: the ray to the camera, and the next direction.
-void event_at(inout walker p, surface s, sampler_state rnd, out view v)
+void event_at(inout walker p, surface s, sampler_state rnd, launch l, float t, out view v)
 {
 	uvec2 beyond = p.media;
 	uint set = p.event * SETS_PER_EVENT;
@@ -192,7 +201,7 @@ void event_at(inout walker p, surface s, sampler_state rnd, out view v)
 	v.t_max = -1.0;
 	if (p.event > 0u && !(EFFECT_GLASS && b.clear && b.glass.polished))
 		v = view_from(p, s, beyond, rnd);
-	scatter(p, s, b, beyond, rnd);
+	scatter(p, s, b, beyond, rnd, l, t);
 }
 
 void film_take(view v, uint sample_half, float up, inout tally account)
@@ -231,7 +240,7 @@ void light_round(inout walker p, uint place, inout tally account)
 		surface s;
 		p.alive = found && meet(p, l, hit, s);
 		if (p.alive)
-			event_at(p, s, rnd, v);
+			event_at(p, s, rnd, l, hit.t, v);
 	}
 	if (EFFECT_ALPHA_BLEND)
 		trace_chance = ~key;

@@ -45,26 +45,46 @@ struct walker {
 	float pdf;
 	uint event;
 	uvec2 media;   // with EFFECT_GLASS: the clear bodies that it is in
-	float rivals;  // with EFFECT_CAUSTICS: rivals_at the first event, 0 if that did not spread light
-	float aim;     // and caster_density at the last one, over the cosine that it was left with
+	float rivals;  // with EFFECT_CAUSTICS: rivals_at the first event, then rivals_beside; 0 if that did not spread light
+	float aim;     // and caster_density at the last one, over the cosine that it was left with; negative: it is no caster
 	vec3 facing;   // with LIGHT_TREE: of the surface at `origin`, light.glsl's facing_of
 	uint taken;    // samples of this dispatch's that are done
 	bool alive;
 };
 
-// What light paths leave to this one of a lamp that it has met.
-float path_keeps(walker p, surface s, float t, float cos_lamp)
+// What light paths leave to this one of a lamp that it has met, …
+float keeps_of_lamp(walker p, surface s, float t, float cos_lamp)
 {
-	bool shared_path = p.event > 1u && p.rivals > 0.0 && p.pdf >= PDF_MIRROR && s.emission_pdf > 0.0;
-	return shared_path ? camera_keeps(p.rivals, lamp_density(s.emission_pdf, cos_lamp, p.aim, 1.0, t)) : 1.0;
+	if (p.event < 2u || !(p.rivals > 0.0) || p.aim < 0.0 || !(s.emission_pdf > 0.0))
+		return 1.0;
+	float c = arriving(cos_lamp / (PI * t * t), p.aim, false);
+	return camera_keeps(p.rivals, lamp_density(c, p.pdf, min(cos_lamp / (t * t * s.emission_pdf), 1e18)));
+}
+
+// … of what is around the scene, …
+float keeps_of_sky(walker p)
+{
+	if (p.event < 2u || !(p.rivals > 0.0) || p.aim < 0.0 || !(job.sky_paths > 0.0))
+		return 1.0;
+	return camera_keeps(p.rivals, lamp_density(arriving(0.0, p.aim, true), p.pdf, sky_inverse(p.direction)));
+}
+
+// … and of what next-event estimation brings to this event, where the way to the light has that cosine.
+float keeps_of_choice(walker p, surface s, light_choice c, float pdf)
+{
+	if (p.event < 1u || !(p.rivals > 0.0) || !casts(s.material, pdf))
+		return 1.0;
+	float aimed = caster_density[s.material] / max(abs(dot(c.w, s.geometric)), 1e-30);
+	return camera_keeps(p.rivals, lamp_density(arriving(c.spread, aimed, c.t_max != 1.0), pdf, c.by_power));
 }
 
 // What the shares of a path need of this event, which has chosen p.direction.
 void caustic_note(inout walker p, surface s)
 {
-	bool spreads = p.pdf < PDF_MIRROR;
-	p.rivals = p.event == 0u && !spreads ? 0.0 : p.rivals;
-	p.aim = spreads ? 0.0 : caster_density[s.material] / max(abs(dot(p.direction, s.geometric)), 1e-30);
+	float cosine = abs(dot(p.direction, s.geometric));
+	if (p.event == 0u)
+		p.rivals = p.pdf < PDF_MIRROR ? rivals_beside(p.rivals, p.pdf, cosine) : 0.0;
+	p.aim = casts(s.material, p.pdf) ? caster_density[s.material] / max(cosine, 1e-30) : -1.0;
 }
 
 // A light that is seen through the surface: its ray starts on the other side. And what is clear in between takes its part.
@@ -101,7 +121,7 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 		bool some = sky_chosen(chance.y) ? choose_sky(pick, place, c)
 						 : choose_light(b, p.origin, chance.y, pick, place, c);
 		if (some && light_scattered(b, c, l))
-			l.contribution *= p.throughput;
+			l.contribution *= p.throughput * (EFFECT_CAUSTICS ? keeps_of_choice(p, s, c, l.pdf) : 1.0);
 		else
 			l.t_max = -1.0;
 		if (EFFECT_GLASS && l.t_max > 0.0)
@@ -137,7 +157,7 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 {
 	if (!found) {
 		if (SKY)
-			p.radiance += p.throughput * sky_met(p.direction, p.event, p.pdf);
+			p.radiance += p.throughput * (EFFECT_CAUSTICS ? keeps_of_sky(p) : 1.0) * sky_met(p.direction, p.event, p.pdf);
 		else if (EFFECT_ENVIRONMENT)
 			p.radiance += p.throughput * to_vec3(job.background);
 		return false;
@@ -154,7 +174,7 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 		float pdf_area = p.event == 0u ? 0.0 : emitter_density(p.origin, p.facing, hit.id, s.emission_pdf);
 		float weight = emission_weight(p.event, p.pdf, pdf_area, hit.t, c);
 		if (EFFECT_CAUSTICS)
-			weight *= path_keeps(p, s, hit.t, c);
+			weight *= keeps_of_lamp(p, s, hit.t, c);
 		p.radiance += p.throughput * s.emission * weight;
 	}
 	if (EFFECT_CAUSTICS && p.event == 0u)

@@ -74,7 +74,8 @@ bool choose_sky(uvec2 pick, vec2 u, out light_choice c)
 	vec3 w = sky_direction(texel, u);
 	float pdf = sky_texels[texel].w * job.sky_share;
 	sky_view v = sky_at(w);
-	c = light_choice(w, v.radiance, 1.0 / max(pdf, 1e-37), 1.0 / max(v.pdf * job.sky_share, 1e-30), w, INFINITY);
+	float inverse = 1.0 / max(v.pdf * job.sky_share, 1e-30);
+	c = light_choice(w, v.radiance, 1.0 / max(pdf, 1e-37), inverse, w, INFINITY, inverse, 0.0);
 	return LAMPS_BY != LAMPS_BY_CHANCE && pdf > 0.0;
 }
 
@@ -87,6 +88,12 @@ vec3 sky_met(vec3 w, uint event, float pdf_bsdf)
 	if (LAMPS_BY == LAMPS_BY_POINTS)
 		return pdf_bsdf >= PDF_MIRROR ? v.radiance : vec3(0.0);
 	return v.radiance * power_weight(min(v.pdf * job.sky_share / max(pdf_bsdf, 1e-37), 1e18));
+}
+
+// Of light paths that begin there, one over the density by which they have a direction.
+float sky_inverse(vec3 w)
+{
+	return 1.0 / max(sky_at(w).pdf * job.sky_paths, 1e-30);
 }
 
 // Whether next-event estimation goes there.

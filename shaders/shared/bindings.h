@@ -160,8 +160,9 @@ struct pt_job {
 	uint caster_count; // triangles at BIND_CASTERS
 	float reach; // metres: from any point of the scene it is not further to outside of its bounds
 	float film_unit; // W/(m² sr): a film's whole numbers count it, times the light paths of a sample
+	float sky_paths; // share of the light paths that begin at the picture around the scene
 };
-LAYOUT_ASSERT(pt_job, 184)
+LAYOUT_ASSERT(pt_job, 188)
 
 // Where a dispatch works.
 struct path_push {

@@ -274,6 +274,8 @@ static void surroundings(void **state)
 	REFUSED(h->environment_width = 0x80000001u, h->environment_height = 2);
 	REFUSED(h->environment_power = -1);
 	REFUSED(h->environment_power = NAN);
+	REFUSED(h->environment_contrast = -1);
+	REFUSED(h->environment_contrast = INFINITY);
 	REFUSED(h->sections[BLOB_ENVIRONMENT_ROWS].count = 1);
 	REFUSED(h->sections[BLOB_ENVIRONMENT].count = 0, h->environment_width = 0);
 	REFUSED(texels[1].radiance[2] = -1);

@@ -79,6 +79,7 @@ static void an_even_sky_is_drawn_evenly(void **state)
 	for (uint32_t i = 0; i < TEXELS; i++)
 		assert_true(fabs((double)import.environment[i].pdf * 4 * pi - 1) < 1e-5);
 	assert_true(fabs((double)import.environment_power / (8 * pi) - 1) < 1e-6);
+	assert_true(fabs((double)import.environment_contrast - 1) < 1e-5);
 }
 
 static void a_spot_has_its_neighbours(void **state)
@@ -95,6 +96,10 @@ static void a_spot_has_its_neighbours(void **state)
 	const double lines = 0.75 * solid_angle(5) + 0.125 * (solid_angle(4) + solid_angle(6));
 	assert_true(fabs(drawn[5 * WIDTH] - 0.75 * 0.75 * solid_angle(5) / lines) < 1e-6);
 	assert_true(fabs(drawn[4 * WIDTH + 1] - 0.125 * 0.125 * solid_angle(4) / lines) < 1e-6);
+	double squares = 0;
+	for (uint32_t i = 0; i < TEXELS; i++)
+		squares += drawn[i] * drawn[i] / solid_angle(i / WIDTH);
+	assert_true(fabs((double)import.environment_contrast / (4 * pi * squares) - 1) < 1e-5);
 }
 
 static void many_decades(void **state)

@@ -18,6 +18,14 @@ static uint32_t facts(void)
 	return facts_collect(small_header(&blob));
 }
 
+// Of the first material.
+static double strength(void)
+{
+	struct blob_view view;
+	blob_view_init(&view, small_header(&blob));
+	return casters_strength(&view, small_section(&blob, BLOB_MATERIALS));
+}
+
 static int fresh(void **state)
 {
 	(void)state;
@@ -30,7 +38,7 @@ static void everything(void **state)
 	(void)state;
 	assert_int_equal(facts(), FACT_TEXTURES | FACT_EMITTERS | FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS |
 				      FACT_DIRECTIONAL_LIGHTS | FACT_REFLECTS | FACT_GLOSSY | FACT_NORMAL_MAPS |
-				      FACT_ALPHA_MASK | FACT_VERTEX_COLORS | FACT_GLASS | FACT_SURROUNDINGS);
+				      FACT_ALPHA_MASK | FACT_VERTEX_COLORS | FACT_GLASS | FACT_SURROUNDINGS | FACT_POLISHED);
 }
 
 static void lights_by_kind(void **state)
@@ -131,20 +139,53 @@ static void polished(void **state)
 {
 	struct material *m = small_section(&blob, BLOB_MATERIALS);
 	(void)state;
-	*m = (struct material){.metallic = 1, .albedo = {.5f, .5f, .5f}};
+	*m = (struct material){.metallic = 1, .albedo = {.5f, .5f, .5f}, .surface_texture = NONE};
 	assert_true(facts() & FACT_POLISHED);
-	assert_true(fabs(casters_strength(m) - .5) < 1e-6);
+	assert_true(fabs(strength() - .5) < 1e-6);
 	m->flags = MATERIAL_UNLIT;
 	assert_false(facts() & FACT_POLISHED);
-	*m = (struct material){.metallic = 1, .albedo = {.5f, .5f, .5f}, .roughness = .011f};
-	assert_false(facts() & FACT_POLISHED);
-	*m = (struct material){.transmission = .25f, .ior = 1.5f};
+	*m = (struct material){.metallic = 1, .albedo = {.5f, .5f, .5f}, .roughness = .5f, .surface_texture = NONE};
 	assert_true(facts() & FACT_POLISHED);
-	assert_true(fabs(casters_strength(m) - .25) < 1e-6);
+	m->roughness = .51f;
+	assert_false(facts() & FACT_POLISHED);
+	*m = (struct material){.transmission = .25f, .ior = 1.5f, .surface_texture = NONE};
+	assert_true(facts() & FACT_POLISHED);
+	assert_true(fabs(strength() - .25) < 1e-6);
 	// Too little bent to be spread, unless it is a wall's own facets that spread it.
-	*m = (struct material){.transmission = 1, .ior = 1.0001f, .roughness = .3f};
+	*m = (struct material){.transmission = 1, .ior = 1.1f, .roughness = .8f, .surface_texture = NONE};
 	assert_true(facts() & FACT_POLISHED);
 	m->flags = MATERIAL_THIN;
+	assert_false(facts() & FACT_POLISHED);
+}
+
+static void what_reflects_little_casts_if_it_is_smooth(void **state)
+{
+	struct material *m = small_section(&blob, BLOB_MATERIALS);
+	(void)state;
+	*m = (struct material){.specular = {.04f, .04f, .04f}, .surface_texture = NONE};
+	assert_true(fabs(strength() - .04) < 1e-6);
+	m->roughness = .1f;
+	assert_false(facts() & FACT_POLISHED);
+	m->coat = .5f;
+	assert_true(fabs(strength() - .02) < 1e-6);
+	m->coat_roughness = .1f;
+	assert_false(facts() & FACT_POLISHED);
+}
+
+static void a_texture_says_how_much_is_polished(void **state)
+{
+	struct material *m = small_section(&blob, BLOB_MATERIALS);
+	struct texture_info *t = small_section(&blob, BLOB_TEXTURES);
+	uint32_t *texels = small_section(&blob, BLOB_TEXELS);
+	(void)state;
+	*m = (struct material){.metallic = 1, .albedo = {.5f, .5f, .5f}, .roughness = 1};
+	// Green is roughness, blue is metal: half of it is smooth metal.
+	for (uint32_t i = 0; i < t->width * t->height; i++)
+		texels[t->offset + i] = i < t->width * t->height / 2 ? 0xffff0000u : 0xffffff00u;
+	assert_true(facts() & FACT_POLISHED);
+	assert_true(fabs(strength() - .5 * (t->width * t->height / 2) / (t->width * t->height)) < 1e-6);
+	for (uint32_t i = 0; i < t->width * t->height; i++)
+		texels[t->offset + i] = 0xffff8000u | 0xff00u;
 	assert_false(facts() & FACT_POLISHED);
 }
 
@@ -178,6 +219,8 @@ int main(void)
 	    cmocka_unit_test_setup(glass, fresh),
 	    cmocka_unit_test_setup(coats_and_matte_facets, fresh),
 	    cmocka_unit_test_setup(polished, fresh),
+	    cmocka_unit_test_setup(what_reflects_little_casts_if_it_is_smooth, fresh),
+	    cmocka_unit_test_setup(a_texture_says_how_much_is_polished, fresh),
 	    cmocka_unit_test_setup(white_vertices_have_no_colour, fresh),
 	    cmocka_unit_test_setup(emitters, fresh),
 	    cmocka_unit_test_setup(unused_materials_say_nothing, fresh),
