@@ -61,8 +61,8 @@ float rivals_beside(float rivals, float pdf, float cosine)
 	return rivals / max(pdf / max(cosine, 1e-30), 1.0 / PI);
 }
 
-// c, 1/m²: of light that by its lamp's own law comes with `spread`, and is aimed with `aimed`, the density over area divided by the
-// cosine that the caster is met with.
+// c, 1/m²: of light that by its lamp's own law comes with `spread`, and is aimed with `aimed`, the density over area divided by
+// the cosine that the caster is met with.
 float arriving(float spread, float aimed, bool afar)
 {
 	float share = aimed_share(afar);

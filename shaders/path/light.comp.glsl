@@ -58,6 +58,13 @@ uint most_events()
 	return EFFECT_BOUNCES ? job.depth : min(job.depth, 1u);
 }
 
+// The launch has the first sets of samples, with which its place and direction were chosen: an event that took them again would
+// not be free of those.
+uint sets_of(uint event)
+{
+	return (event + 1u) * SETS_PER_EVENT;
+}
+
 // All light paths of a half of the samples are one sequence, so that they spread evenly over lamps and casters together.
 sampler_state sampler_of(uint place, uint taken)
 {
@@ -105,7 +112,7 @@ bool meet(inout walker p, launch l, ray_hit hit, out surface s)
 // The ray from an event that spreads light to the camera.
 view view_from(walker p, surface s, uvec2 beyond, sampler_state rnd)
 {
-	uint set = p.event * SETS_PER_EVENT;
+	uint set = sets_of(p.event);
 	view v;
 	v.origin = s.position;
 	v.segment = vec3(0.0, 0.0, 1.0);
@@ -165,7 +172,7 @@ vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf, out f
 
 void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd, launch l, float t)
 {
-	uint set = p.event * SETS_PER_EVENT;
+	uint set = sets_of(p.event);
 	vec3 from = -p.direction;
 	vec3 weight;
 	float pdf;
@@ -194,7 +201,7 @@ void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd,
 void event_at(inout walker p, surface s, sampler_state rnd, launch l, float t, out view v)
 {
 	uvec2 beyond = p.media;
-	uint set = p.event * SETS_PER_EVENT;
+	uint set = sets_of(p.event);
 	if (EFFECT_GLASS)
 		beyond = choose_clear(s, p.media, sample_2d(rnd, set + SET_CLEAR).x);
 	bsdf b = bsdf_make(s, p.direction);

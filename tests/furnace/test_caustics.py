@@ -1,10 +1,13 @@
-"""Light from lamps by way of mirrors and clear glass: what light paths bring, against closed forms and against chance."""
+"""Light from lamps by way of polished surfaces: what light paths bring, against closed forms and against chance."""
 import math
+import os
 import unittest
 
 import numpy
 
+import images
 import make
+import skies
 from render import Daemon, rel
 from writers import Gltf, box, icosphere, quad, transformed
 
@@ -45,25 +48,57 @@ def glass(g, ior=1.5, solid=True, roughness=0.0, **more):
 class Plates(unittest.TestCase):
     """Parallel light on a floor of albedo 1/2, seen from between it and a clear plate."""
 
-    def irradiance(self, solid, degrees, depth, spp=1024):
+    CAMERA = (0, .45, 0, 0, 0, 0, 0, 0, -1, 120)
+
+    def scene(self, solid):
         g = Gltf()
         g.place(*floor(3), g.material("floor", (.5, .5, .5)))
         if solid:
             g.place(*box((-1.5, .5, -1.5), (1.5, .8, 1.5)), glass(g))
         else:
             g.place(*floor(1.5, .5), glass(g, solid=False))
+        return g.save(daemon.folder, "plate.gltf")
+
+    def irradiance(self, solid, degrees, depth, spp=1024, width=0, size=(16, 16), more=()):
         a = math.radians(degrees)
-        light = "directional:direction=%r,%r,0,intensity=%r" % (math.sin(a), -math.cos(a), math.pi)
-        return daemon.render(g.save(daemon.folder, "plate.gltf"), size=(16, 16), spp=spp, camera=(0, .45, 0, 0, 0, 0, 0, 0, -1, 120),
-                             options={"pt.depth": depth}, arguments=["--light", light])
+        light = "directional:direction=%r,%r,0,intensity=%r,angle=%g" % (math.sin(a), -math.cos(a), math.pi, width)
+        return daemon.render(self.scene(solid), size=size, spp=spp, camera=self.CAMERA, options={"pt.depth": depth},
+                             arguments=["--light", light, *more])
+
+    def passed(self, degrees):
+        r = fresnel(degrees, 1.5)
+        return .5 * math.cos(math.radians(degrees)) * (1 - r) / (1 + r)
 
     def test_light_comes_through_a_thin_pane(self):
-        for degrees in (0, 40):
-            r = fresnel(degrees, 1.5)
-            expected = .5 * math.cos(math.radians(degrees)) * (1 - r) / (1 + r)
-            value = float(mean(self.irradiance(False, degrees, 2))[0])
-            print(f"pane, {degrees} degrees: {value:.4f}, {expected:.4f} expected")
+        """From a disc as wide as five degrees nearly as much as from its middle."""
+        for degrees, width in ((0, 0), (40, 0), (40, 5)):
+            expected = self.passed(degrees)
+            value = float(mean(self.irradiance(False, degrees, 2, width=width))[0])
+            print(f"pane, {degrees} degrees, {width} wide: {value:.4f}, {expected:.4f} expected")
             self.assertLess(rel(value, expected), 0.03)
+
+    def test_each_band_has_its_own(self):
+        """A picture of more pixels than software devices bind is cut into bands, which have light paths each."""
+        rows = 134217728 // (2048 * 48 * 8) * 8
+        picture = self.irradiance(False, 20, 2, 1, size=(2048, rows + 640), more=["--orthographic", "1.6"]).radiance[:, :, 0]
+        for part in (picture[:rows], picture[rows:]):
+            value = float(part.mean(dtype=numpy.float64))
+            print(f"{part.shape[0]} rows: {value:.4f}, {self.passed(20):.4f} expected")
+            self.assertLess(rel(value, self.passed(20)), 0.02)
+
+    def test_the_suns_of_a_sky(self):
+        """One bright texel and its rim: what comes of every direction, by fine quadrature."""
+        sky = skies.spot(64, 32, 40, 8, 1e4)
+        fine = skies.finer(sky, 8)[:, :, 0] * skies.solid_angles(512, 256)[:, None]
+        heights = skies.directions(512, 256)[:, :, 1]
+        expected = sum(float(fine[y].sum()) * self.passed(math.degrees(math.acos(heights[y, 0]))) / math.pi for y in range(100))
+        images.write(os.path.join(daemon.folder, "spot.exr"), sky)
+        picture = daemon.render(self.scene(False), size=(16, 16), spp=1024, camera=self.CAMERA, options={"pt.depth": 2},
+                                arguments=["--background", os.path.join(daemon.folder, "spot.exr")])
+        self.assertIn("caustics", stages(picture))
+        value = float(mean(picture)[0])
+        print(f"a texel of 1e4: {value:.3f}, {expected:.3f} expected")
+        self.assertLess(rel(value, expected), 0.03)
 
     def test_and_through_a_slab(self):
         """With what goes to and fro inside of it, but for the little that depth cuts."""
@@ -180,13 +215,61 @@ class Chance(unittest.TestCase):
 
     def test_a_lamp_behind_a_pane(self):
         """Of either size against what the camera sees: the shares of both ways differ, their sum does not."""
-        for half in (.1, 1.0):
+        for half, sides in ((.1, 1), (1.0, 1), (.3, 2)):
             g = Gltf()
             g.place(*floor(1.5), g.material("floor", (.5, .5, .5)))
             g.place(*floor(1.5, .5), glass(g, solid=False))
-            g.place(*ceiling(half, 1), g.material("lamp", (0, 0, 0), (1 / half ** 2,) * 3))
+            lamp = g.material("lamp", (0, 0, 0), (1 / half ** 2,) * 3, both_sides=sides == 2)
+            g.place(*(ceiling if sides == 1 else floor)(half, 1), lamp)
             self.check(g.save(daemon.folder, "pane.gltf"), 8, 0.06 if half < 1 else 0.03, size=(16, 16), spp=1024,
                        camera=(0, .45, 0, 0, 0, 0, 0, 0, -1, 90), options={"pt.depth": 3})
+
+
+class Shares(unittest.TestCase):
+    """Each kind of lamp by way of a rough metal, rough glass and a coat: what the ways to its light take of it is all of it."""
+
+    def scene(self, lamp=None, both=False):
+        g = Gltf()
+        white = g.material("white", (.6, .6, .6))
+        g.place(*quad((-1, 0, 1), (-1, 0, -1), (-1, 2, -1), (-1, 2, 1)), white)
+        g.place(*quad((-1, -.01, 1), (1, -.01, 1), (1, -.01, -1), (-1, -.01, -1)), white)
+        g.place(*quad((-.6, 0, 0), (.4, 0, 0), (.4, 0, -.8), (-.6, 0, -.8)), g.material("metal", (.9,) * 3, metallic=1, roughness=.35))
+        g.place(*box((-.6, .1, .3), (-.4, 1, .9)), glass(g, roughness=.4))
+        film = {"clearcoatFactor": 1, "clearcoatRoughnessFactor": .2}
+        g.place(*box((.1, 0, .2), (.5, .2, .7)), g.material("coated", (.8, .2, .2), metallic=1, roughness=.3, coat=film))
+        if lamp:
+            g.place(*quad((.2, 1.7, -.2), (.6, 1.7, -.2), (.6, 1.7, .2), (.2, 1.7, .2)),
+                    g.material("lamp", (0, 0, 0), (lamp,) * 3, both_sides=both))
+        g.camera((1.8, 1, 0), (-1, .5, 0), 45)
+        return g.save(daemon.folder, f"shares{lamp}{both}.gltf")
+
+    def check(self, name, scene, *arguments, ways="mis"):
+        off, on = (daemon.render(scene, size=(24, 16), spp=384, options={"pt.depth": 4, "pt.lights": ways},
+                                 arguments=["--effects", f"auto,{e}caustics", *arguments]) for e in "-+")
+        self.assertIn("caustics", stages(on))
+        print(f"{name}: in the mean {mean(on)[0] / mean(off)[0]:.4f}, relMSE {off.report['estimated_relmse']:.5f} by chance, "
+              f"{on.report['estimated_relmse']:.5f}")
+        self.assertLess(float(rel(mean(on)[0], mean(off)[0])), 0.012, name)
+
+    def test_surfaces(self):
+        self.check("one side", self.scene(20))
+        self.check("both sides", self.scene(20, True))
+        self.check("both sides, by points", self.scene(20, True), ways="nee")
+        self.check("both sides, by chance", self.scene(20, True), ways="none")
+
+    def test_lights(self):
+        for name, light in (("point", "point:at=.4,1,0,intensity=1"), ("spot", "spot:at=.6,1,0,to=-.1,0,0,cone=20,50,intensity=2"),
+                            ("directional", "directional:direction=-1,-1,0,intensity=2"),
+                            ("sun", "directional:direction=-1,-1,0,intensity=2,angle=10")):
+            self.check(name, self.scene(), "--light", light)
+
+    def test_skies(self):
+        """A bright patch in an even sky, alone and beside a lamp."""
+        sky = skies.even(64, 32, .3)
+        sky[9:12, 46:50] = 40
+        images.write(os.path.join(daemon.folder, "patch.exr"), sky)
+        for name, scene in (("sky", self.scene()), ("sky and lamp", self.scene(20))):
+            self.check(name, scene, "--background", os.path.join(daemon.folder, "patch.exr"))
 
 
 class Bits(unittest.TestCase):
@@ -206,7 +289,9 @@ class Bits(unittest.TestCase):
         state = {e["name"]: e["state"] for e in daemon.render(make.cornell(daemon.folder), spp=1).report["effects"]}
         self.assertEqual(state["caustics"], "absent")
         dark = daemon.render(make.cornell_glass(daemon.folder), spp=1, arguments=["--effects", "-emitters", "--background", "1,1,1"])
-        self.assertEqual({e["name"]: e["state"] for e in dark.report["effects"]}["caustics"], "absent")
+        told = {e["name"]: e for e in dark.report["effects"]}["caustics"]
+        self.assertEqual(told["state"], "absent")
+        self.assertIn("evenly", told["why"])
         self.assertNotIn("caustics", stages(dark))
 
 
