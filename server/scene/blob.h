@@ -17,7 +17,7 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 9u
+#define BLOB_FORMAT 10u
 #define BLOB_ALIGN 256u
 #define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
 #define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
