@@ -16,7 +16,7 @@ const char cli_exit_codes[] =
     "  4  the scene: not found, not readable, refused\n"
     "  5  the device: none that is usable, or it failed\n"
     "  6  memory: the job does not fit\n"
-    "  7  reserved for deadlines, which no option asks for yet\n"
+    "  7  the deadline of --time passed: the best picture by then is written, if there was one\n"
     "  8  cancelled (Ctrl-C)\n"
     "  9  the worker process was lost, and the retry too\n";
 

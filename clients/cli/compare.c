@@ -46,6 +46,6 @@ const struct command compare_command = {
 	"candil compare room.exr reference.exr --mask-above 10   leaves out the lamp that is seen itself\n\n"
 	"--json: {\"a\", \"b\", \"width\", \"height\", \"pixels\", \"masked\", \"non_finite_a\", \"non_finite_b\",\n"
 	"\"perceptual_failures\", \"rmse\", \"relmse\", \"mean_difference\", \"mean_difference_relative\", \"max_abs\",\n"
-	"\"mean_a\", \"mean_b\", \"mean_a_rgb\", \"mean_b_rgb\"}; a value that is not finite is null\n",
+	"\"mean_a\", \"mean_b\", \"mean_a_rgb\", \"mean_b_rgb\", \"mask_above\"}; a value that is not finite is null\n",
     .run = run_compare,
 };

@@ -11,7 +11,9 @@
 	"\"vfov_degrees\"}],\n" \
 	"\"bounds_min\", \"bounds_max\", \"origin\", \"bvh_nodes\", \"bvh_depth\", \"dropped_degenerate\",\n" \
 	"\"dropped_non_finite\", \"dropped_out_of_range\", \"missing_textures\", \"warnings\": [], \"warnings_more\",\n" \
-	"\"ignored\": [], \"facts\": [], \"load_us\", \"light_units\"}\n"
+	"\"ignored\": [], \"facts\": [], \"node_count\", \"nodes\": [], \"material_names\": [], \"animation_count\",\n" \
+	"\"animations\": [{\"name\", \"duration_s\"}], \"environment_width\", \"environment_height\" (0: no picture),\n" \
+	"\"load_us\", \"light_units\"}\n"
 
 void scene_print(const struct candil_scene_info *scene);
 json_t *scene_json(const struct candil_scene_info *scene);

@@ -117,11 +117,11 @@ static bool take_text(struct list *list, const char *text, size_t bytes)
 
 static char *read_file(const char *path, size_t *bytes, struct candil_error *error)
 {
-	FILE *file = fopen(path, "rbe");
 	char *text = NULL;
 	size_t capacity = 0;
 	*bytes = 0;
 	errno = 0;
+	FILE *file = fopen(path, "rbe");
 	while (file && !feof(file) && !ferror(file) && *bytes < FILE_BYTES_MAX) {
 		if (*bytes == capacity) {
 			capacity = capacity ? 2 * capacity : 64u * 1024u;

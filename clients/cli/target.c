@@ -109,6 +109,11 @@ static candil_status connect_private(struct target *target, struct candil_error 
 static candil_status connect_any(struct target *target, const char *address, const char *scene, struct candil_error *error)
 {
 	candil_status status = candil_connect(address, &target->client, error);
+	if (status == CANDIL_STATUS_CONNECT && address && is_file(scene)) {
+		const size_t used = strlen(error->text);
+		snprintf(error->text + used, sizeof(error->text) - used,
+			 ", and without --connect one is started for this call");
+	}
 	if (status != CANDIL_STATUS_CONNECT || address)
 		return status;
 	if (is_file(scene))

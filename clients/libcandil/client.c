@@ -306,7 +306,8 @@ candil_status candil_connect(const char *address, candil_client **client, struct
 	while (result < 0 && errno == EINTR);
 	if (result < 0) {
 		candil_status status =
-		    client_fail(error, CANDIL_STATUS_CONNECT, "no daemon answers at %s: %s", address, strerror(errno));
+		    client_fail(error, CANDIL_STATUS_CONNECT, "no daemon answers at %s: %s; candild --socket %s starts one",
+				address, strerror(errno), address);
 		close(fd);
 		return status;
 	}

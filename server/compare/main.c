@@ -82,14 +82,15 @@ static enum status output(const struct arguments *args, const struct report *rep
 			  const struct picture *b, const float *error, struct error *err)
 {
 	enum status s = STATUS_OK;
-	if (args->json)
-		s = report_print_json(report, err);
-	else
-		report_print(report);
-	if (s == STATUS_OK && args->error_image)
+	// The figures come last: with --json a failure is an object of its own, in their place.
+	if (args->error_image)
 		s = report_draw_error(args->error_image, a->width, a->height, error, err);
 	if (s == STATUS_OK && args->side_by_side)
 		s = report_draw_side_by_side(args->side_by_side, a, b, error, err);
+	if (s == STATUS_OK && args->json)
+		s = report_print_json(report, err);
+	else if (s == STATUS_OK)
+		report_print(report);
 	if (s == STATUS_OK && !args->json && (args->error_image || args->side_by_side))
 		report_print_scale();
 	if (s == STATUS_OK && fflush(stdout) != 0)
@@ -157,6 +158,8 @@ int main(int argc, char **argv)
 	struct error err;
 	if (compare(&args, &err) != STATUS_OK) {
 		fprintf(stderr, "candil-compare: %s\n", err.text);
+		if (args.json)
+			report_print_failure(&err, EXIT_COULD_NOT);
 		return EXIT_COULD_NOT;
 	}
 	return EXIT_COMPARED;

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/status.h"
 #include "server/compare/heat.h"
 #include "server/worker/image/view.h"
 
@@ -72,6 +73,18 @@ enum status report_print_json(const struct report *report, struct error *err)
 	putchar('\n');
 	json_decref(root);
 	return failed ? error_set(err, STATUS_IO, "cannot write the JSON") : STATUS_OK;
+}
+
+void report_print_failure(const struct error *failure, int exit_code)
+{
+	json_t *message = json_string(failure->text);
+	if (!message)
+		message = json_string("a file whose name is no UTF-8 cannot be compared: standard error says why");
+	json_t *root = json_pack("{s:{s:i, s:s, s:o}, s:i}", "error", "code", (int)failure->code, "name",
+				 status_name(failure->code), "message", message, "exit", exit_code);
+	json_dumpf(root, stdout, JSON_INDENT(2));
+	putchar('\n');
+	json_decref(root);
 }
 
 void report_print_scale(void)

@@ -15,6 +15,9 @@ struct report {
 void report_print(const struct report *report);
 enum status report_print_json(const struct report *report, struct error *err);
 
+// In place of report_print_json, the failure as the other commands of candil print theirs.
+void report_print_failure(const struct error *failure, int exit_code);
+
 // The scale of the error image, in words.
 void report_print_scale(void);
 

@@ -51,7 +51,8 @@ enum status source_beneath(struct source *source, int root, const char *path, st
 	source->folder = -1;
 	if (root < 0)
 		return error_set(err, STATUS_SCENE_PATH,
-				 "this daemon has no --scene-root: send a descriptor of the scene's folder instead");
+				 "this daemon was started without --scene-root, beneath which such a path is looked for: "
+				 "leave --under-root out, or send a descriptor of the scene's folder");
 	enum status status = split(path, folder, source->file, err);
 	if (status != STATUS_OK)
 		return status;

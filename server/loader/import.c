@@ -99,6 +99,14 @@ enum status import_add_triangle(struct import *im, const struct triangle *triang
 	return STATUS_OK;
 }
 
+// What the file leaves without a name is called by its kind and number.
+static void name_it(char out[LIMIT_NAME + 1], const char *name, const char *kind, size_t number)
+{
+	import_clean_text(out, LIMIT_NAME + 1, name);
+	if (!out[0])
+		snprintf(out, LIMIT_NAME + 1, "%s %zu", kind, number);
+}
+
 enum status import_add_material(struct import *im, const struct material *material, const char *name, struct error *err)
 {
 	void *items = grown(im->materials, im->material_count, 1, &im->material_room, sizeof *material, LIMIT_MATERIALS,
@@ -112,7 +120,7 @@ enum status import_add_material(struct import *im, const struct material *materi
 		return err->code;
 	im->names = items;
 	memset(&im->names[im->material_count], 0, sizeof *im->names);
-	import_clean_text(im->names[im->material_count].text, sizeof im->names->text, name);
+	name_it(im->names[im->material_count].text, name, "material", im->material_count);
 	im->materials[im->material_count++] = *material;
 	return STATUS_OK;
 }
@@ -166,13 +174,6 @@ enum status import_add_camera(struct import *im, const struct blob_camera *camer
 		im->nodes[im->node_count - 1].node.camera = (uint32_t)im->camera_count;
 	im->cameras[im->camera_count++] = *camera;
 	return STATUS_OK;
-}
-
-static void name_it(char out[LIMIT_NAME + 1], const char *name, const char *kind, size_t number)
-{
-	import_clean_text(out, LIMIT_NAME + 1, name);
-	if (!out[0])
-		snprintf(out, LIMIT_NAME + 1, "%s %zu", kind, number);
 }
 
 enum status import_add_node(struct import *im, const char *name, const struct transform *local,

@@ -296,6 +296,10 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 		      struct plan *p, struct error *err)
 {
 	memset(p, 0, sizeof *p);
+	if (scene->blob->environment_width > 0)
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "'%s' is a picture of surroundings, no scene: name a scene, and this as its background",
+				 r->scene);
 	p->technique = r->technique == candil_Technique_TECHNIQUE_AUTO ? candil_Technique_TECHNIQUE_PT : r->technique;
 	p->width = r->width;
 	p->height = r->height;

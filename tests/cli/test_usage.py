@@ -80,6 +80,11 @@ class Usage(unittest.TestCase):
         for arguments in (["load", "a.glb"], ["load", "a.gltf", "--under-root"]):
             self.assertIn("OBJ", self.refused(2, *arguments, "--up", "z").stderr)
 
+    def test_more_edits_than_a_request_holds(self):
+        lights = ["--light", "point:at=0,1,0,intensity=1"] * 33
+        said = self.refused(2, "render", "a.gltf", "-o", "a.png", *lights).stderr
+        self.assertIn("--light is taken 32 times at most", said)
+
     def test_help_in_every_way(self):
         self.assertEqual(self.candil("help").stdout, self.candil("--help").stdout)
         for command in COMMANDS:
@@ -91,12 +96,19 @@ class Usage(unittest.TestCase):
     def test_nobody_to_connect_to(self):
         for command in (["ping"], ["stats"], ["scenes"], ["unload", "x"], ["describe", "x"],
                         ["render", "x", "-o", "x.png"]):
-            self.refused(3, "--connect", "nobody.sock", *command)
+            said = self.refused(3, "--connect", "nobody.sock", *command).stderr
+            self.assertIn("candild --socket nobody.sock", said)
             self.refused(3, *command)
             answer = json.loads(self.candil(*command, "--json").stdout)
             self.assertEqual(answer["error"]["name"], "connect")
             self.assertEqual(answer["exit"], 3)
         self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_a_missing_list_of_cameras_is_said_to_be_missing(self):
+        scene = write_scene(self.folder.name)
+        for option in (["--cameras", "nope.json"], ["--keys", "nope.json", "--frames", "3"]):
+            said = self.refused(2, "sweep", scene, "-o", "x{index}.png", *option).stderr
+            self.assertIn("No such file", said)
 
     def test_missing_file_is_a_scene_error(self):
         self.refused(4, "render", "missing.gltf", "-o", "x.png")

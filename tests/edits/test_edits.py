@@ -7,7 +7,7 @@ import numpy
 import make
 import wire
 from edited import Refused, Stage, node, pb, point, vec
-from writers import Gltf, icosphere
+from writers import Gltf, icosphere, quad
 
 stage = Stage()
 
@@ -120,6 +120,15 @@ class Materials(Case):
         named = stage.radiance(scene, materials=[pb.MaterialEdit(name="left", base_color=vec(.1, .2, .9))])
         self.same(stage.radiance(scene, materials=[pb.MaterialEdit(name=f"#{number}", base_color=vec(.1, .2, .9))]), named)
         self.same(stage.radiance(scene, materials=[pb.MaterialEdit(name="left")]), stage.radiance(scene))
+
+    def test_without_a_name_it_has_its_number_for_one(self):
+        g = Gltf()
+        for name in ("", "first", ""):
+            g.place(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), g.material(name))
+        g.camera((0, 3, 0), (0, 0, 0), 30, up=(0, 0, -1))
+        scene = stage.load(g.save(stage.folder, "unnamed.gltf"))
+        self.assertEqual(list(stage.loaded[scene].material_names), ["material 0", "first", "material 2"])
+        stage.radiance(scene, materials=[pb.MaterialEdit(name="material 2", roughness=0.5)])
 
 
 class Others(Case):

@@ -115,8 +115,11 @@ class Compare(unittest.TestCase):
             self.assertEqual(done.returncode, 1, a)
             self.assertIn("candil-compare: ", done.stderr)
             self.assertEqual(done.stdout, "")
-        done = run(self.path("b.exr"), self.path("b.exr"), "--error-image", self.path("no/such/folder.png"))
-        self.assertEqual(done.returncode, 1)
+            done = run(self.path(a), self.path("b.exr"), "--json")
+            self.assertEqual((done.returncode, json.loads(done.stdout)["exit"]), (1, 1), a)
+            self.assertIn(json.loads(done.stdout)["error"]["message"], done.stderr)
+        done = run(self.path("b.exr"), self.path("b.exr"), "--error-image", self.path("no/such/folder.png"), "--json")
+        self.assertEqual((done.returncode, json.loads(done.stdout)["exit"]), (1, 1))
         done = run(self.path("b.exr"), self.path("b.exr"), "--mask-above", "-1")
         self.assertEqual(done.returncode, 1)
 

@@ -194,6 +194,15 @@ class OtherTechniques(unittest.TestCase):
         self.assertIn("only pt and vct take light from it", why)
 
 
+class NoScene(unittest.TestCase):
+    def test_a_picture_is_not_rendered_as_a_scene(self):
+        sky = written("alone", numpy.ones((4, 8, 3), numpy.float32))
+        for command in (["render", sky, "-o", daemon.folder + "/alone.exr"], ["inspect", sky, "-o", daemon.folder + "/alone"]):
+            status, _, text = daemon.candil(*command, "--size", "8x8", check=False)
+            self.assertEqual(status, 2, text)
+            self.assertIn("background", text)
+
+
 class Together(unittest.TestCase):
     def test_lights_add_up(self):
         sky = written("sunset", skies.sunset(128, 500))
