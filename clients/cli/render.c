@@ -124,6 +124,7 @@ const struct command render_command = {
 	    "SCENE is the name of a loaded scene, or a file (glTF, GLB, OBJ). A file is loaded into the daemon for the\n"
 	    "call; where no daemon runs and no --connect is given, a private one is started that ends with the call.\n\n"
 	    "  -o, --output FILE     by extension .exr (linear, float) or .png (sRGB); - is standard output\n"
+	    "                        A link to a file stays, and the file is replaced; one that leads nowhere is replaced\n"
 	    "  --format exr|png      whatever the output's name; default for -: png\n"
 	    "  --half, --float       EXR with 16 or 32 bits; default --float\n"
 	    "  --technique NAME      auto (pt), pt, vct, direct; default auto\n"

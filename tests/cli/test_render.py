@@ -109,6 +109,15 @@ class Render(unittest.TestCase):
         with open(self.path("old.png")) as file:
             self.assertEqual(file.read(), "old")
 
+    def test_a_link_to_a_file_stays(self):
+        with open(self.path("behind.png"), "w") as file:
+            file.write("old")
+        os.symlink("behind.png", self.path("link.png"))
+        self.assertEqual(self.render(self.scene, self.path("link.png")).returncode, 0)
+        self.assertTrue(os.path.islink(self.path("link.png")))
+        with open(self.path("behind.png"), "rb") as file:
+            self.assertTrue(is_png(file.read()))
+
     def test_special_files_are_written_not_replaced(self):
         result = self.render(self.scene, "/dev/null", "--format", "png")
         self.assertEqual(result.returncode, 0, result)
