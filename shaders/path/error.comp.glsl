@@ -1,7 +1,7 @@
 // How wrong the picture is so far: each tile's part of the estimated relMSE, from the two independent halves of its samples.
 //
 // With a and b the means of the halves, ((a − b) / 2)² is an unbiased estimate of the variance of (a + b) / 2. relMSE divides
-// by r² + 0.01, r being the true value, which nobody knows: denominator() says what stands for it.
+// by r² + 0.01, r being the true value, which nobody knows: likely() says what stands for it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -70,16 +70,22 @@ vec3 film_mean(uint pixel, uint first, float unit)
 	return sum * unit;
 }
 
-// What stands for r² of a pixel: the square of its own mean where that is known to a quarter. A noisy pixel's own mean would
-// call what is much too bright hardly wrong, for it is then divided by its own error: 0.13 of the true relMSE for eight
-// samples of a room with caustics. In its place is the mean of a block of 4 × 4 pixels, hardly that pixel's any more and
-// still no other surface's; or the lesser of the halves if that is more, as where the pixel is brighter than what is beside it.
-vec3 denominator(vec3 a, vec3 b, vec3 around)
+// What stands for r of a pixel: its own mean where that is known to a quarter. Where it is not, a pixel that is much too bright
+// would be called hardly wrong by its own mean, for that is its own error: 0.13 of the true relMSE for eight samples of a
+// room with caustics. In its place is the mean of a block of 4 × 4 pixels, hardly that pixel's any more and still no
+// other surface's; or the lesser of the halves if that is more, as where the pixel is brighter than what is beside it.
+vec3 likely(vec3 a, vec3 b, vec3 around)
 {
 	vec3 mean = 0.5 * (a + b);
-	vec3 known = mean * mean;
-	vec3 least = max(min(a, b), around);
-	return mix(least * least, known, lessThan(0.25 * (a - b) * (a - b), known / 16.0));
+	return mix(max(min(a, b), around), mean, lessThan(2.0 * abs(a - b), abs(mean)));
+}
+
+// d² / (r² + 0.01), of numbers whose squares may be none.
+vec3 relative_square(vec3 d, vec3 r)
+{
+	vec3 unit = max(max(abs(d), abs(r)), vec3(1.0));
+	vec3 x = d / unit, y = r / unit;
+	return x * x / (y * y + 0.01 / unit / unit);
 }
 
 void main()
@@ -107,8 +113,7 @@ void main()
 		b /= count_b;
 	}
 	vec4 around = quarter_sum(vec4(mean, mine ? 1.0 : 0.0));
-	vec3 variance = 0.25 * (a - b) * (a - b);
-	vec3 relative = variance / (denominator(a, b, around.xyz / max(around.w, 1.0)) + 0.01);
+	vec3 relative = relative_square(0.5 * (a - b), likely(a, b, around.xyz / max(around.w, 1.0)));
 	float sum = tile_sum(relative.r + relative.g + relative.b);
 	if (gl_LocalInvocationIndex == 0u)
 		errors[tile] = sum;

@@ -10,6 +10,7 @@ import numpy
 import make
 from images import relmse
 from render import Daemon
+from writers import Gltf, icosphere, quad
 
 daemon = Daemon()
 SIZE = (48, 48)
@@ -35,6 +36,29 @@ class Estimate(unittest.TestCase):
                 ratio = estimate(picture) / true
                 print(f"{os.path.basename(path)}, {spp} samples: relMSE {true:.2e}, estimated over true {ratio:.2f}")
                 self.assertLess(max(ratio, 1 / ratio), 1.5)
+
+    def test_what_is_small_and_bright_before_the_dark(self):
+        """The mean of a block is far too little for a ball of two pixels' breadth: by it alone the first ratio is 4.0."""
+        g = Gltf()
+        ball = g.mesh(*icosphere(2), g.material("ball", (.7, .7, .7)))
+        for i in range(64):
+            g.node(mesh=ball, translation=[.7 * (i % 8) - 2.4, .7 * (i // 8) - 2.5, 0], scale=[.12] * 3)
+        g.place(*quad((-2, 3, -2), (2, 3, -2), (2, 3, 2), (-2, 3, 2)), g.material("lamp", (0, 0, 0), (20,) * 3))
+        g.camera((0, 0, 8), (0, 0, 0), 40)
+        path = g.save(daemon.folder, "small.gltf")
+        reference = daemon.render(path, SIZE, 1024, arguments=["--seed", "99"]).radiance.astype(numpy.float64)
+        for spp in (8, 32):
+            pictures = [daemon.render(path, SIZE, spp, arguments=["--seed", str(seed)]) for seed in range(4)]
+            true = sum(relmse(p.radiance.astype(numpy.float64), reference) for p in pictures)
+            ratio = sum(map(estimate, pictures)) / true
+            print(f"small and bright, {spp} samples: relMSE {true / 4:.2e}, estimated over true {ratio:.2f}")
+            self.assertLess(max(ratio, 1 / ratio), 3)
+
+    def test_radiance_whose_square_is_no_number(self):
+        path = make.cornell(daemon.folder, radiance=1e19)
+        usual, bright = (daemon.render(p, SIZE, 16).report["estimated_relmse"] for p in (make.cornell(daemon.folder), path))
+        self.assertIsNotNone(bright)
+        self.assertLess(abs(bright / usual - 1), 0.5)
 
     def test_it_falls_as_one_over_the_samples(self):
         path = make.cornell(daemon.folder)
