@@ -52,6 +52,12 @@ float sine_of(float cosine)
 	return sqrt(max(0.0, 1.0 - cosine * cosine));
 }
 
+// Directional lights are below.
+bool is_far(light_node n)
+{
+	return n.min[0] > n.max[0];
+}
+
 // Of directional lights, `normal` as below.
 float far_importance(light_node n, vec3 normal)
 {
@@ -64,10 +70,10 @@ float far_importance(light_node n, vec3 normal)
 // `normal` is that of the triangle here, on the side that light comes from, or zero where it may come from either.
 float light_importance(light_node n, vec3 here, vec3 normal)
 {
+	if (is_far(n))
+		return far_importance(n, normal);
 	vec3 low = to_vec3(n.min);
 	vec3 high = to_vec3(n.max);
-	if (low.x > high.x)
-		return far_importance(n, normal);
 	vec3 to_here = here - 0.5 * (low + high);
 	vec3 reach = 0.5 * (high - low);
 	float r2 = dot(reach, reach);
@@ -91,7 +97,8 @@ float light_importance(light_node n, vec3 here, vec3 normal)
 	return near * max(0.0, cos_left(c1, s1, cos_size, sin_size));
 }
 
-// Of a node's two children, the chance of the second. Where neither could send anything, by power.
+// Of a node's two children, the chance of the second. Where neither could send anything, by power. Between what is somewhere
+// and directional lights never less than a tenth to either: they are often a sun that does not reach a room.
 float second_chance(uint child, vec3 here, vec3 normal)
 {
 	light_node a = light_node_at(child);
@@ -102,7 +109,8 @@ float second_chance(uint child, vec3 here, vec3 normal)
 		first = a.power;
 		second = b.power;
 	}
-	return second / (first + second);
+	float chance = second / (first + second);
+	return is_far(a) != is_far(b) ? clamp(chance, 0.1, 0.9) : chance;
 }
 
 // The number of the lamp that the 32 random bits of each of two numbers choose for a place, and the chance that it had.

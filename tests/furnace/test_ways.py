@@ -54,6 +54,15 @@ class Ways(unittest.TestCase):
         self.assertEqual(daemon.render(few, SIZE, 4).radiance.tobytes(),
                          daemon.render(few, SIZE, 4, options={"pt.light_tree": "off"}).radiance.tobytes())
 
+    def test_a_sun_that_does_not_reach_the_room(self):
+        """It would send more than all lamps there, if the walls let it: they keep nine tenths of the samples all the same."""
+        path = make.many_lamps(daemon.folder, 4, "hall.gltf")
+        sun = ["--light", "directional:direction=.2,-1,.1,intensity=1e4"]
+        told = {tree: daemon.render(path, SIZE, 32, options={"pt.light_tree": tree, "pt.depth": 1}, arguments=sun).report["estimated_relmse"]
+                for tree in ("off", "on")}
+        print(f"estimated relMSE by power {told['off']:.2e}, by the tree {told['on']:.2e}")
+        self.assertLess(told["on"], 1.5 * told["off"])
+
     def test_neighbours_errors_cancel(self):
         """By `blue` a pixel is as wrong as by `sobol`, and what a filter leaves of the error is less."""
         path = make.cornell(daemon.folder)
