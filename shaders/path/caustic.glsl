@@ -19,7 +19,9 @@
 //
 // A mirror's f is infinite; so is the p of a lamp that chance does not meet. Where the first event's lobe is narrower than
 // Lambert's, its own density over its cosine is there in place of 1/π. A small lamp is the light paths', one that fills half the
-// view the camera's; point, spot and directional lights' light by way of mirrors is the former's alone.
+// view the camera's; point, spot and directional lights' light by way of mirrors is the former's alone. A surface that
+// emits inside of two clear bodies is the camera's alone: a light path knows of the first when it comes out, and of the second too
+// late. (A light there, which chance does not meet, is bent as if the first were in air.)
 #ifndef PATH_CAUSTIC_GLSL
 #define PATH_CAUSTIC_GLSL
 

@@ -121,14 +121,15 @@ launch launch_sky(sampler_state rnd, float share)
 	launch l;
 	uint texel = sky_pick(sample_bits(rnd, SET_PICK));
 	vec3 w = sky_direction(texel, sample_2d(rnd, SET_LIGHT));
-	l.power = sky_at(w).radiance;
+	sky_view v = sky_at(w);
+	l.power = v.radiance;
 	l.pick = share * sky_texels[texel].w;
 	l.direction = -w;
 	l.origin = aim_at(sample_bits(rnd, SET_CHANCE), sample_2d(rnd, SET_BSDF), l.target) + w * job.reach;
 	l.spread = 0.0;
 	l.pdf_area = 0.0;
 	l.cos_lamp = 1.0;
-	l.inverse = sky_inverse(w);
+	l.inverse = path_inverse(v);
 	l.parallel = true;
 	return l;
 }

@@ -34,6 +34,7 @@ struct walker {
 	float lamp;      // lamp_density at its first event
 	uint event;
 	uvec2 media;
+	uint backs;      // how many bodies it may yet turn out to have begun in
 	uint taken;
 	bool alive;
 };
@@ -103,6 +104,10 @@ bool meet(inout walker p, launch l, ray_hit hit, out surface s)
 		p.most = max(p.power.r, max(p.power.g, p.power.b));
 	}
 	if (EFFECT_GLASS) {
+		bool began = media_lacks(p.media, s);
+		if (began && p.backs == 0u)
+			return false; // its lamp is in two bodies: caustic.glsl
+		p.backs -= began ? 1u : 0u;
 		p.media = media_before(p.media, s);
 		p.power *= media_transmittance(p.media, hit.t);
 	}
@@ -150,8 +155,9 @@ view view_from(walker p, surface s, uvec2 beyond, sampler_state rnd)
 	return v;
 }
 
-// The factor of power that goes on to w from where the light came from, with the cosines' correction for interpolated normals:
-// w was sampled as seen from there, with this weight and density. `reverse`: the density of the camera's sampling, which goes the
+// The factor of power that goes on to w from where the light came from: w was sampled as seen from there, with this weight and
+// density. An interpolated normal's cosine belongs to the light's side in the camera's order; a mirror, of whatever normal,
+// keeps solid angles and needs none, what is refracted has both. `reverse`: the density of the camera's sampling, which goes the
 // other way.
 vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf, out float reverse)
 {
@@ -163,11 +169,11 @@ vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf, out f
 		return f.xyz * (out_true / (in_true * pdf));
 	}
 	reverse = PDF_MIRROR;
-	float out_shading = max(abs(dot(w, b.normal)), 1e-6);
-	weight *= b.view.z * out_true / (in_true * out_shading);
+	weight *= out_true / in_true;
+	if (s.thin || dot(w, s.geometric) > 0.0)
+		return weight;
 	// Radiance within η is η² times as much, power is not.
-	bool through = dot(w, s.geometric) < 0.0;
-	return through && !s.thin ? weight * (s.eta * s.eta) : weight;
+	return weight * (s.eta * s.eta * b.view.z / max(abs(dot(w, b.normal)), 1e-6));
 }
 
 void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd, launch l, float t)
@@ -232,6 +238,7 @@ void light_round(inout walker p, uint place, inout tally account)
 		p.origin = l.origin;
 		p.direction = l.direction;
 		p.media = uvec2(0u);
+		p.backs = l.pdf_area > 0.0 ? 1u : NONE;
 		p.alive = max(l.power.r, max(l.power.g, l.power.b)) > 0.0;
 	}
 	ray_hit hit;
@@ -280,7 +287,7 @@ void path_load(uint slot, out walker p)
 {
 	path_state s = paths[slot];
 	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), s.aim, s.pdf, s.event,
-		   uvec2(s.media[0], s.media[1]), s.taken, s.event != PATH_DONE);
+		   uvec2(s.media[0], s.media[1]), floatBitsToUint(s.rivals), s.taken, s.event != PATH_DONE);
 }
 
 void path_store(uint slot, walker p)
@@ -293,6 +300,7 @@ void path_store(uint slot, walker p)
 	paths[slot].taken = p.taken;
 	paths[slot].media = uint[2](p.media.x, p.media.y);
 	paths[slot].aim = p.most;
+	paths[slot].rivals = uintBitsToFloat(p.backs);
 }
 
 void main()
@@ -303,6 +311,7 @@ void main()
 	walker p;
 	p.taken = 0u;
 	p.event = 0u;
+	p.backs = 0u;
 	p.alive = true;
 	if (RESUMED && push.resumes != 0u)
 		path_load(slot, p);

@@ -68,11 +68,17 @@ float media_index(uvec2 media)
 	return body == 0u ? 1.0 : materials[body - 1u].ior;
 }
 
+// Whether s is the back of a body that the path did not know it was in.
+bool media_lacks(uvec2 media, surface s)
+{
+	return s.body != 0u && !s.front && !media_hold(media, s.body);
+}
+
 // The bodies that the path was in before it met s: those it knows, and the one whose back it sees. Makes nothing of a boundary
 // that is none.
 uvec2 media_before(uvec2 media, inout surface s)
 {
-	if (s.body != 0u && !s.front && !media_hold(media, s.body))
+	if (media_lacks(media, s))
 		media = media_with(media, s.body);
 	uint top = media_slot(media, 0u);
 	if (PRIORITIES && s.body != 0u && top != 0u && media_priority(top) > media_priority(s.body)) {

@@ -52,10 +52,17 @@ struct walker {
 	bool alive;
 };
 
+// Whether a surface that emits within `media` is in two bodies: it has no light paths, for they do not know what is around the
+// first.
+bool deep(uvec2 media)
+{
+	return EFFECT_GLASS && media_slot(media, 1u) != 0u;
+}
+
 // What light paths leave to this one of a lamp that it has met, …
 float keeps_of_lamp(walker p, surface s, float t, float cos_lamp)
 {
-	if (p.event < 2u || !(p.rivals > 0.0) || p.aim < 0.0 || !(s.emission_pdf > 0.0))
+	if (deep(p.media) || p.event < 2u || !(p.rivals > 0.0) || p.aim < 0.0 || !(s.emission_pdf > 0.0))
 		return 1.0;
 	float c = arriving(cos_lamp / (PI * t * t), p.aim, false);
 	return camera_keeps(p.rivals, lamp_density(c, p.pdf, min(cos_lamp / (t * t * s.emission_pdf), 1e18)));
@@ -66,13 +73,14 @@ float keeps_of_sky(walker p)
 {
 	if (p.event < 2u || !(p.rivals > 0.0) || p.aim < 0.0 || !(job.sky_paths > 0.0))
 		return 1.0;
-	return camera_keeps(p.rivals, lamp_density(arriving(0.0, p.aim, true), p.pdf, sky_inverse(p.direction)));
+	return camera_keeps(p.rivals, lamp_density(arriving(0.0, p.aim, true), p.pdf, path_inverse(sky_at(p.direction))));
 }
 
-// … and of what next-event estimation brings to this event, where the way to the light has that cosine.
-float keeps_of_choice(walker p, surface s, light_choice c, float pdf)
+// … and of what next-event estimation brings to this event, `beyond` being on the surface's far side.
+float keeps_of_choice(walker p, surface s, uvec2 beyond, light_choice c, float pdf)
 {
-	if (p.event < 1u || !(p.rivals > 0.0) || !casts(s.material, pdf))
+	bool own = c.inverse > 0.0 && deep(dot(c.w, s.geometric) < 0.0 ? beyond : p.media);
+	if (own || p.event < 1u || !(p.rivals > 0.0) || !casts(s.material, pdf))
 		return 1.0;
 	float aimed = caster_density[s.material] / max(abs(dot(c.w, s.geometric)), 1e-30);
 	return camera_keeps(p.rivals, lamp_density(arriving(c.spread, aimed, c.t_max != 1.0), pdf, c.by_power));
@@ -121,7 +129,7 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 		bool some = sky_chosen(chance.y) ? choose_sky(pick, place, c)
 						 : choose_light(b, p.origin, chance.y, pick, place, c);
 		if (some && light_scattered(b, c, l))
-			l.contribution *= p.throughput * (EFFECT_CAUSTICS ? keeps_of_choice(p, s, c, l.pdf) : 1.0);
+			l.contribution *= p.throughput * (EFFECT_CAUSTICS ? keeps_of_choice(p, s, beyond, c, l.pdf) : 1.0);
 		else
 			l.t_max = -1.0;
 		if (EFFECT_GLASS && l.t_max > 0.0)

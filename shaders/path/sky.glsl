@@ -67,6 +67,12 @@ vec3 sky_direction(uint texel, vec2 u)
 	return vec3(across * sin(longitude), below ? -height : height, -across * cos(longitude));
 }
 
+// Of light paths that begin there, one over the density by which they have a direction; next to infinite if there are none.
+float path_inverse(sky_view v)
+{
+	return 1.0 / max(v.pdf * job.sky_paths, 1e-30);
+}
+
 // Light of the picture. False: none can come by this sample.
 bool choose_sky(uvec2 pick, vec2 u, out light_choice c)
 {
@@ -75,7 +81,7 @@ bool choose_sky(uvec2 pick, vec2 u, out light_choice c)
 	float pdf = sky_texels[texel].w * job.sky_share;
 	sky_view v = sky_at(w);
 	float inverse = 1.0 / max(v.pdf * job.sky_share, 1e-30);
-	c = light_choice(w, v.radiance, 1.0 / max(pdf, 1e-37), inverse, w, INFINITY, inverse, 0.0);
+	c = light_choice(w, v.radiance, 1.0 / max(pdf, 1e-37), inverse, w, INFINITY, path_inverse(v), 0.0);
 	return LAMPS_BY != LAMPS_BY_CHANCE && pdf > 0.0;
 }
 
@@ -88,12 +94,6 @@ vec3 sky_met(vec3 w, uint event, float pdf_bsdf)
 	if (LAMPS_BY == LAMPS_BY_POINTS)
 		return pdf_bsdf >= PDF_MIRROR ? v.radiance : vec3(0.0);
 	return v.radiance * power_weight(min(v.pdf * job.sky_share / max(pdf_bsdf, 1e-37), 1e18));
-}
-
-// Of light paths that begin there, one over the density by which they have a direction.
-float sky_inverse(vec3 w)
-{
-	return 1.0 / max(sky_at(w).pdf * job.sky_paths, 1e-30);
 }
 
 // Whether next-event estimation goes there.

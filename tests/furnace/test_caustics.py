@@ -9,7 +9,7 @@ import images
 import make
 import skies
 from render import Daemon, rel
-from writers import Gltf, box, icosphere, quad, transformed
+from writers import Gltf, box, icosphere, png, quad, transformed
 
 daemon = Daemon()
 
@@ -243,13 +243,13 @@ class Shares(unittest.TestCase):
         g.camera((1.8, 1, 0), (-1, .5, 0), 45)
         return g.save(daemon.folder, f"shares{lamp}{both}.gltf")
 
-    def check(self, name, scene, *arguments, ways="mis"):
-        off, on = (daemon.render(scene, size=(24, 16), spp=192, options={"pt.depth": 4, "pt.lights": ways},
+    def check(self, name, scene, *arguments, ways="mis", size=(24, 16), spp=192, depth=4, error=0.02):
+        off, on = (daemon.render(scene, size=size, spp=spp, options={"pt.depth": depth, "pt.lights": ways},
                                  arguments=["--effects", f"auto,{e}caustics", *arguments]) for e in "-+")
         self.assertIn("caustics", stages(on))
         print(f"{name}: in the mean {mean(on)[0] / mean(off)[0]:.4f}, relMSE {off.report['estimated_relmse']:.5f} by chance, "
               f"{on.report['estimated_relmse']:.5f}")
-        self.assertLess(float(rel(mean(on)[0], mean(off)[0])), 0.02, name)
+        self.assertLess(float(rel(mean(on)[0], mean(off)[0])), error, name)
 
     def test_surfaces(self):
         self.check("one side", self.scene(20))
@@ -269,6 +269,51 @@ class Shares(unittest.TestCase):
         images.write(os.path.join(daemon.folder, "patch.exr"), sky)
         for name, scene in (("sky", self.scene()), ("sky and lamp", self.scene(20))):
             self.check(name, scene, "--background", os.path.join(daemon.folder, "patch.exr"))
+
+    def test_a_sky_without_light_paths(self):
+        """A broad patch: even enough for chance, while a weak lamp has light paths. They leave the sky's light alone."""
+        towards = numpy.array([.75, .66, 0]) / math.hypot(.75, .66)
+        sky = skies.even(64, 32, 1e-3)
+        sky[skies.directions(64, 32) @ towards > .86] = 10
+        images.write(os.path.join(daemon.folder, "broad.exr"), sky)
+        g = Gltf()
+        g.place(*quad((-1, 0, 1), (-1, 0, -1), (-1, 2, -1), (-1, 2, 1)), g.material("white", (.6, .6, .6)))
+        g.place(*quad((-.6, 0, .4), (.4, 0, .4), (.4, 0, -.4), (-.6, 0, -.4)), g.material("metal", (.9,) * 3, metallic=1, roughness=.45))
+        g.place(*quad((3, 1.7, -.2), (3.1, 1.7, -.2), (3.1, 1.7, .2), (3, 1.7, .2)), g.material("lamp", (0, 0, 0), (1e-3,) * 3))
+        g.camera((1.8, 1, 0), (-1, .5, 0), 45)
+        self.check("broad sky, weak lamp", g.save(daemon.folder, "broad.gltf"), "--background", os.path.join(daemon.folder, "broad.exr"),
+                   error=0.006)
+
+    def test_a_coat_whose_normal_is_not_the_surfaces(self):
+        """The coat is bent by no normal map of what is below, and neither is what it throws on a wall."""
+        values = []
+        for tilt in (0, 25, -25):
+            a = math.radians(tilt)
+            g = Gltf()
+            texture = g.image(png(1, 1, lambda x, y: tuple(round(127.5 + 127.5 * n) for n in (math.sin(a), 0, math.cos(a)))))
+            below = g.material("coated", (0, 0, 0), coat={"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0})
+            g.json["materials"][below]["normalTexture"] = {"index": texture}
+            corners, triangles = quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1))
+            g.node(mesh=g.mesh(corners, triangles, below, uvs=[(0, 0), (1, 0), (1, 1), (0, 1)]))
+            g.place(*quad((-1, 0, 1), (-1, 0, -1), (-1, 2, -1), (-1, 2, 1)), g.material("white", (.6, .6, .6)))
+            g.place(*ceiling(.3, 1.5), g.material("lamp", (0, 0, 0), (10, 10, 10)))
+            g.camera((1.8, 1, 0), (-1, .8, 0), 40)
+            path = g.save(daemon.folder, f"bent{tilt}.gltf")
+            values.append(float(mean(daemon.render(path, size=(16, 16), spp=512, options={"pt.depth": 2}))[0] -
+                                mean(daemon.render(path, size=(16, 16), spp=512, options={"pt.depth": 1}))[0]))
+        print(f"thrown by a coat over normals of 0, 25, -25 degrees: {values}")
+        for value in values[1:]:
+            self.assertLess(rel(value, values[0]), 0.03)
+
+    def test_a_lamp_in_two_bodies(self):
+        """In a block of glass in water. What is lit is on dry ground."""
+        g = Gltf()
+        g.place(*floor(3, -1.01), g.material("ground", (.6, .6, .6)))
+        for half, ior in ((.9, 1.33), (.4, 1.5)):
+            g.place(*box((-half,) * 3, (half,) * 3), glass(g, ior=ior))
+        g.place(*ceiling(.1, 0), g.material("lamp", (0, 0, 0), (50, 50, 50)))
+        g.camera((0, 3, .01), (0, -1, 0), 60)
+        self.check("in two bodies", g.save(daemon.folder, "two.gltf"), size=(16, 16), spp=768, depth=3, error=0.04)
 
 
 class Bits(unittest.TestCase):

@@ -89,6 +89,8 @@ enum status pt_light_init(struct technique_job *j, struct pt_job *params, struct
 	params->film_unit = (float)j->film_unit;
 	params->sky_paths = sky_paths(sky, lamps);
 	enum status s = make_casters(j, params, err);
+	if (params->caster_count == 0)
+		params->sky_paths = 0; // there is nothing to aim at
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
 		const uint64_t pixels = (uint64_t)j->bands[i].rows * j->plan.width;
 		s = buffer_init(&j->bands[i].film, j->device, pixels * sizeof(struct film_pixel), BUFFER_DEVICE, err);
