@@ -257,11 +257,11 @@ const char *edit_option_form(int option)
 		return "point:at=x,y,z,intensity=I or spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I or "
 		       "directional:direction=x,y,z,intensity=I, up to 32 times";
 	case OPTION_MATERIAL:
-		return "NAME: (or #N: where a name has a colon) and then color, emission, specular (=r,g,b or =v), "
+		return "NAME: (or #N: where a name has an equals sign) and then color, emission, specular (=r,g,b or =v), "
 		       "specular-weight, metallic, roughness, "
 		       "diffuse-roughness, coat or coat-roughness (=v) between commas, up to 32 times";
 	case OPTION_NODE:
-		return "NAME: (or #N: where a name has a colon) and then translate=x,y,z, rotate=x,y,z,DEGREES or "
+		return "NAME: (or #N: where a name has an equals sign) and then translate=x,y,z, rotate=x,y,z,DEGREES or "
 		       "scale=x,y,z between commas, up to 32 times";
 	case OPTION_ANIMATION:
 		return "the name of an animation";

@@ -59,6 +59,6 @@ const char *edit_option_form(int option);
 	"                        another place for a node and all beneath it, relative to its parent: translate=x,y,z,\n" \
 	"                        rotate=x,y,z,DEGREES (about that axis), scale=S or x,y,z; what is not said stays\n" \
 	"                        A NAME is one that candil describe lists, or '#' and its number there, from 0; one that\n" \
-	"                        has a colon can be had by its number alone\n"
+	"                        has an equals sign can be had by its number alone\n"
 
 #endif

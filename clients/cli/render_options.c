@@ -387,6 +387,8 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 		} else if (texts && take_sweep_option(option, optarg, texts)) {
 			continue;
 		} else if (!take_flag(option, options, &given) && !take_option(option, optarg, options, &given)) {
+			_Static_assert(LIMIT_EDIT_LIGHTS == LIMIT_EDIT_MATERIALS && LIMIT_EDIT_LIGHTS == LIMIT_EDIT_NODES,
+				       "one sentence for all");
 			*code = options->edits.full
 				    ? cli_usage(self, "--%s is taken %u times at most: a request has no room for more",
 						long_options[index].name, LIMIT_EDIT_LIGHTS)

@@ -18,9 +18,8 @@ struct target {
 };
 
 // Find `scene` (the name of a loaded one comes first, or of one that is being loaded, which is waited for; then a file) and
-// describe it. `how` says how a file is read; its name
-// and file fields are ignored. With no address and no daemon at the default one, a private daemon is started for a file.
-// CANCELLED after Ctrl-C. target_close is due in any case.
+// describe it. `how` says how a file is read; its name and file fields are ignored. With no address and no daemon at the
+// default one, a private daemon is started for a file. CANCELLED after Ctrl-C. target_close is due in any case.
 candil_status target_open(struct target *target, const char *address, const char *scene,
 			  const struct candil_load_request *how, struct candil_error *error);
 

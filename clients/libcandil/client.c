@@ -305,9 +305,9 @@ candil_status candil_connect(const char *address, candil_client **client, struct
 		result = connect(fd, (const struct sockaddr *)&to, sizeof(to));
 	while (result < 0 && errno == EINTR);
 	if (result < 0) {
-		candil_status status =
-		    client_fail(error, CANDIL_STATUS_CONNECT, "no daemon answers at %s: %s; candild --socket %s starts one",
-				address, strerror(errno), address);
+		const bool nobody = errno == ENOENT || errno == ECONNREFUSED;
+		candil_status status = client_fail(error, CANDIL_STATUS_CONNECT, "no daemon answers at %s: %s%s", address,
+						   strerror(errno), nobody ? "; candild --socket starts one there" : "");
 		close(fd);
 		return status;
 	}

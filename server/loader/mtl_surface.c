@@ -25,7 +25,7 @@ static bool set_glass(const struct mtl_note *note, struct material *m)
 	m->ior = fmaxf(m->ior, (float)LIMIT_IOR_LEAST);
 	m->transmission = 1;
 	float priority;
-	fit &= import_fit(&priority, note->priority, LIMIT_PRIORITY);
+	fit &= import_fit(&priority, note->priority, LIMIT_PRIORITY) && floorf(priority) == priority;
 	m->flags |= (uint32_t)priority << MATERIAL_PRIORITY_SHIFT;
 	fit &= import_fit(&m->roughness, note->has_roughness ? note->roughness : 0, 1.0);
 	m->specular_weight = 1;

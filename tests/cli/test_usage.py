@@ -97,7 +97,7 @@ class Usage(unittest.TestCase):
         for command in (["ping"], ["stats"], ["scenes"], ["unload", "x"], ["describe", "x"],
                         ["render", "x", "-o", "x.png"]):
             said = self.refused(3, "--connect", "nobody.sock", *command).stderr
-            self.assertIn("candild --socket nobody.sock", said)
+            self.assertIn("candild --socket starts one there", said)
             self.refused(3, *command)
             answer = json.loads(self.candil(*command, "--json").stdout)
             self.assertEqual(answer["error"]["name"], "connect")
