@@ -79,7 +79,8 @@ float keeps_of_sky(walker p)
 // … and of what next-event estimation brings to this event, `beyond` being on the surface's far side.
 float keeps_of_choice(walker p, surface s, uvec2 beyond, light_choice c, float pdf)
 {
-	bool own = c.inverse > 0.0 && deep(dot(c.w, s.geometric) < 0.0 ? beyond : p.media);
+	// A point of a surface has both; the sky no end, a light no rival.
+	bool own = c.t_max == 1.0 && c.inverse > 0.0 && deep(dot(c.w, s.geometric) < 0.0 ? beyond : p.media);
 	if (own || p.event < 1u || !(p.rivals > 0.0) || !casts(s.material, pdf))
 		return 1.0;
 	float aimed = caster_density[s.material] / max(abs(dot(c.w, s.geometric)), 1e-30);
