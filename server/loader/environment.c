@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "protocol/limits.h"
+#include "server/base/luminance.h"
 #include "server/loader/image_read.h"
 #include "server/scene/alias.h"
 
@@ -67,11 +68,6 @@ static double solid_angle(const struct import *im, uint32_t row)
 {
 	const double step = pi / im->environment_height;
 	return 2 * pi / im->environment_width * 2 * sin((row + 0.5) * step) * sin(0.5 * step);
-}
-
-static double luminance(const float *c)
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
 }
 
 // The mean over a texel of what is bilinear: along each axis its own value counts six eighths, its neighbours' one each.

@@ -3,16 +3,12 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "server/base/luminance.h"
 #include "server/scene/alias.h"
 #include "server/scene/lights.h"
 
 // Texels of a texture that are looked at, each way.
 #define LOOKS 32u
-
-static double luminance(const float c[3])
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
-}
 
 // Of a lobe of that α: all of one that is not evaluated, for there is no other way to its light; of others what chance finds
 // badly.

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/luminance.h"
 #include "server/base/vec3.h"
 
 #define BINS 12
@@ -94,11 +95,6 @@ static double bound_cost(const struct bound *b)
 	// Lamps in a line have no area; their length still counts.
 	const double length = d[0] + d[1] + d[2];
 	return b->power * (area + 1e-3 * length * length) * cone_measure(b->spread);
-}
-
-static double luminance(const float c[3])
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
 }
 
 static struct lamp emitter_lamp(const struct light_tree_lamps *in, uint32_t number)

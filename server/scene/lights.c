@@ -4,15 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "server/base/luminance.h"
 #include "server/base/vec3.h"
 #include "server/scene/alias.h"
 
 static const double pi = 3.14159265358979323846;
-
-static double luminance(const double c[3])
-{
-	return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-}
 
 // The sum of all weights must stay a float, and a weight that is no normal double has lost its digits.
 static bool is_weight(double w)
@@ -49,7 +45,8 @@ float lights_power_density(const struct material *m, const struct texture_info *
 		mean_colour(&textures[m->emission_texture], texels, colour);
 	for (int c = 0; c < 3; c++)
 		colour[c] *= m->emission[c];
-	return (float)(pi * luminance(colour) * (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
+	return (float)(pi * luminance_of(colour[0], colour[1], colour[2]) *
+		       (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
 }
 
 double lights_area(const struct vertex *vertices, const struct triangle *t)
@@ -118,8 +115,7 @@ out:
 
 static double light_weight(const struct punctual_light *l, double radius)
 {
-	const double colour[3] = {l->intensity[0], l->intensity[1], l->intensity[2]};
-	const double value = luminance(colour);
+	const double value = luminance(l->intensity);
 	if (l->kind == LIGHT_DIRECTIONAL)
 		return value * pi * radius * radius;
 	if (l->kind == LIGHT_SPOT)

@@ -65,25 +65,30 @@ const char *effect_name(candil_Effect effect)
 
 static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts);
 
+static bool allowed(candil_Effect effect, const candil_Render *r)
+{
+	return !(r->effects_off >> effect & 1u);
+}
+
 // Whether some light is there, and not switched off.
 static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	static const candil_Effect lights[] = {candil_Effect_EFFECT_EMITTERS, candil_Effect_EFFECT_LIGHTS,
 					       candil_Effect_EFFECT_ENVIRONMENT};
 	for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
-		if (called_for(lights[i], r, p, facts) && !(r->effects_off >> lights[i] & 1u))
+		if (called_for(lights[i], r, p, facts) && allowed(lights[i], r))
 			return true;
 	return false;
 }
 
 // Whether something shines that light paths are worth beginning at, and is not switched off.
-static bool lit_by_lamps(const candil_Render *r, const struct plan *p, uint32_t facts)
+static bool starts_light_paths(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
-	const bool emitters = facts & FACT_EMITTERS && !(r->effects_off >> candil_Effect_EFFECT_EMITTERS & 1u);
+	const bool emitters = facts & FACT_EMITTERS && allowed(candil_Effect_EFFECT_EMITTERS, r);
 	const bool lights = facts & (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS) &&
-			    !(r->effects_off >> candil_Effect_EFFECT_LIGHTS & 1u);
+			    allowed(candil_Effect_EFFECT_LIGHTS, r);
 	const bool sky = p->environment.power > 0 && p->environment.contrast >= PLAN_SKY_CONTRAST &&
-			 !(r->effects_off >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
+			 allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
 	return emitters || lights || sky;
 }
 
@@ -120,8 +125,8 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	case candil_Effect_EFFECT_ROUGH_DIFFUSE:
 		return facts & FACT_ROUGH_DIFFUSE;
 	case candil_Effect_EFFECT_CAUSTICS:
-		return p->depth > 1 && facts & FACT_POLISHED && lit_by_lamps(r, p, facts) &&
-		       !(r->effects_off >> candil_Effect_EFFECT_BOUNCES & 1u);
+		return p->depth > 1 && facts & FACT_POLISHED && starts_light_paths(r, p, facts) &&
+		       allowed(candil_Effect_EFFECT_BOUNCES, r);
 	}
 	return false;
 }
@@ -152,11 +157,11 @@ static const char *cannot(const struct plan *p, candil_Effect effect)
 	return NULL;
 }
 
-// Whether the surroundings do, and their light may scatter twice.
+// Whether the surroundings shine, and their light may scatter twice.
 static bool sky_shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	return p->depth > 1 && called_for(candil_Effect_EFFECT_ENVIRONMENT, r, p, facts) &&
-	       !(r->effects_off >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
+	       allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
 }
 
 // What becomes of an effect, and the reason to tell.
@@ -339,7 +344,7 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 	plan_effects(r, scene->facts, p);
 	// What clear surfaces reflect is made by what makes glossy ones, which changes no other surface where none is.
 	if (p->technique == candil_Technique_TECHNIQUE_VCT && plan_has(p, candil_Effect_EFFECT_GLASS) &&
-	    !(r->effects_off >> candil_Effect_EFFECT_GLOSSY & 1u))
+	    allowed(candil_Effect_EFFECT_GLOSSY, r))
 		p->effects |= 1u << candil_Effect_EFFECT_GLOSSY;
 	return STATUS_OK;
 }

@@ -178,25 +178,25 @@ static bool begins(const char *name, const char *with)
 // vct takes the light that comes straight from its source as direct does, with its options.
 static enum status check_technique(const char *name, candil_Technique technique, struct error *err)
 {
-	const bool pt = technique == candil_Technique_TECHNIQUE_PT, vct = technique == candil_Technique_TECHNIQUE_VCT;
-	if (begins(name, "pt.") ? pt : begins(name, "vct.") ? vct : !pt)
+	const char *of = begins(name, "pt.") ? "pt" : begins(name, "vct.") ? "vct" : "direct or vct";
+	const char *is = technique == candil_Technique_TECHNIQUE_PT    ? "pt"
+			 : technique == candil_Technique_TECHNIQUE_VCT ? "vct"
+								       : "direct";
+	if (strstr(of, is))
 		return STATUS_OK;
 	return error_set(err, STATUS_BAD_ARGUMENT,
 			 "option %s does nothing in %s, only with technique %s: ask for that, or leave the option out", name,
-			 pt    ? "pt"
-			 : vct ? "vct"
-			       : "direct",
-			 begins(name, "pt.")    ? "pt"
-			 : begins(name, "vct.") ? "vct"
-						: "direct or vct");
+			 is, of);
 }
 
 enum status plan_option(const candil_Option *o, struct plan *p, struct error *err)
 {
-	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-		if (!strcmp(options[i].name, o->name))
-			return check_technique(o->name, p->technique, err) == STATUS_OK ? take(&options[i], o->value, p, err)
-											: err->code;
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+		if (strcmp(options[i].name, o->name))
+			continue;
+		const enum status s = check_technique(o->name, p->technique, err);
+		return s == STATUS_OK ? take(&options[i], o->value, p, err) : s;
+	}
 	return no_such_option(o->name, err);
 }
 

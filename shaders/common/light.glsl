@@ -107,7 +107,7 @@ float emitter_density(vec3 origin, vec3 facing, uint id, float by_power)
 }
 
 // What a point of an emissive triangle, whose normal is n, sends to w from the side that it is on.
-vec3 lamp_radiance(material m, triangle tri, vec3 n, vec2 uv, vec3 w)
+vec3 emitted_towards(material m, triangle tri, vec3 n, vec2 uv, vec3 w)
 {
 	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
 	vec4 at = EFFECT_TEXTURES || EFFECT_NORMAL_MAPS ? coordinates_at(tri, bary) : vec4(0.0);
@@ -151,7 +151,7 @@ bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 	v.inverse = min(cos_light / (d2 * lamp.density), 1e18);
 	v.by_power = min(cos_light / (d2 * m.power_density * job.emitter_power_inv * job.emitter_share), 1e18);
 	v.spread = cos_light / (PI * d2);
-	v.radiance = lamp_radiance(m, tri, n, uv, -w);
+	v.radiance = emitted_towards(m, tri, n, uv, -w);
 	return true;
 }
 
@@ -258,7 +258,8 @@ lamp_pick pick_lamp(vec3 origin, vec3 facing, float table, uvec2 pick)
 	if (LIGHT_TREE)
 		return pick_by_tree(origin, facing, pick);
 #endif
-	bool emissive = EFFECT_EMITTERS && (!EFFECT_LIGHTS || table < job.emitter_share);
+	bool emissive = EFFECT_EMITTERS && job.emitter_count > 0u &&
+			(!EFFECT_LIGHTS || job.light_count == 0u || table < job.emitter_share);
 	lamp_pick lamp;
 	if (emissive)
 		lamp = pick_emitter(pick);

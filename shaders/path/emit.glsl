@@ -73,7 +73,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	vec3 local = cosine_hemisphere(u);
 	l.direction = aims ? normalize(target - l.origin) : local.x * x + local.y * y + local.z * n;
 	l.cos_lamp = max(dot(l.direction, n), 0.0);
-	l.power = front || both ? lamp_radiance(m, tri, k.normal, uv, l.direction) * l.cos_lamp : vec3(0.0);
+	l.power = front || both ? emitted_towards(m, tri, k.normal, uv, l.direction) * l.cos_lamp : vec3(0.0);
 	l.pdf_area = lamp.density * job.emitter_share;
 	l.pick = lamp.density * share;
 	l.spread = l.cos_lamp / (both ? 2.0 * PI : PI);

@@ -47,7 +47,7 @@
 // Light paths have the same, and
 #define BIND_FILM 16 // struct film_pixel
 #define BIND_CASTERS 23 // struct emitter: polished triangles in an alias table
-// And the tree over the emitters, where there is one: struct light_node as texels, and a uint an emitter, its trail.
+// And the tree over the lamps, where there is one: struct light_node as texels, and a uint an emitter, its trail.
 #define BIND_LIGHT_NODES 24
 #define BIND_LIGHT_TRAILS 25
 #define BIND_PATH_COUNT 26
@@ -213,9 +213,9 @@ struct path_state {
 	uint taken; // samples that are done
 	float radiance[3];
 	uint media[2]; // materials whose inside it is in, 16 bits each from below: number + 1, or 0
-	float rivals; // path/caustic.glsl
+	float rivals; // path/caustic.glsl; of a light path the bits of its walker's `backs`
 	float aim;
-	float facing[3]; // of the surface that it left, for the tree over the emitters
+	float facing[3]; // of the surface that it left, for the tree over the lamps
 };
 LAYOUT_ASSERT(path_state, 88)
 #define PATH_DONE 0xFFFFFFFFu

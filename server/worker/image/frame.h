@@ -5,10 +5,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "protocol/limits.h"
 #include "server/base/error.h"
 
 #define FRAME_METADATA_MAX 32u
-#define FRAME_STAGES_MAX 23u // one fewer than LIMIT_STAGES: the front adds the wait
+#define FRAME_STAGES_MAX (LIMIT_STAGES - 1u) // the front adds the wait
 #define FRAME_FIGURES_MAX 32u
 #define FRAME_NOTES_MAX 2u
 

@@ -5,13 +5,13 @@
 
 #include "server/scene/casters.h"
 #include "server/scene/lights.h"
+#include "server/worker/technique/scene_job.h"
 #include "server/worker/vk/command.h"
 #include "shaders/light_comp.h"
 
 // A film's unit, of the mean radiance that all power spread over the scene would make. 2⁶⁴ of them are room for a million
 // samples that are each a million times as bright.
 #define FILM_FINE 0x1p-24
-#define PI 3.14159265358979323846
 
 static const struct shader light_shader = {.name = "light",
 					   .code = shader_light_comp,
@@ -52,42 +52,19 @@ static enum status make_casters(struct technique_job *j, struct pt_job *params, 
 	return s;
 }
 
-// What surroundings that are worth it send into the sphere about the scene, W.
-static double sky_power(const struct plan *plan, double radius)
-{
-	return plan_sky_casts(plan) ? PI * radius * radius * plan->environment.power : 0;
-}
-
-static double lamps_power(const struct plan *plan, const struct blob_view *scene)
-{
-	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
-	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
-	return e + l;
-}
-
-// The share of the light paths that begin at the surroundings: by power, but never less than a tenth, nor more than nine,
-// where there are lamps too.
-static float sky_paths(double sky, double lamps)
-{
-	if (!(sky > 0))
-		return 0;
-	const double share = sky / (sky + lamps);
-	return (float)(!(lamps > 0) ? 1 : share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
-}
-
 enum status pt_light_init(struct technique_job *j, struct pt_job *params, struct error *err)
 {
 	const struct blob_view *scene = &j->scene->view;
 	if (!wanted(&j->plan))
 		return STATUS_OK;
 	const double radius = lights_bounding_radius(scene->bounds_min, scene->bounds_max);
-	const double sky = sky_power(&j->plan, radius);
-	const double lamps = lamps_power(&j->plan, scene);
+	const double sky = plan_sky_casts(&j->plan) ? scene_sky_power(&j->plan, scene) : 0;
+	const double lamps = scene_emitter_power(&j->plan, scene) + scene_light_power(&j->plan, scene);
 	const double power = lamps + sky;
 	j->film_unit = fmin(fmax(power / (radius * radius) * FILM_FINE, 1e-30), 1e30);
 	params->reach = (float)(2.1 * radius);
 	params->film_unit = (float)j->film_unit;
-	params->sky_paths = sky_paths(sky, lamps);
+	params->sky_paths = scene_share(sky, lamps);
 	enum status s = make_casters(j, params, err);
 	if (params->caster_count == 0)
 		params->sky_paths = 0; // there is nothing to aim at

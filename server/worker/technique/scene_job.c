@@ -29,40 +29,38 @@ uint32_t scene_bindings_shade(const struct plan *plan)
 	return bits;
 }
 
-// How next-event estimation divides its samples between the two kinds of light: by power, but never less than a tenth to
-// either, for a sun's power says little about a room that it does not reach.
-static float emitter_share(const struct plan *plan, const struct blob_view *scene)
+float scene_share(double of, double others)
 {
-	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
-	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
-	if (l <= 0)
-		return e > 0 ? 1.0f : 0.0f;
-	if (e <= 0)
-		return 0.0f;
-	const double share = e / (e + l);
-	return (float)(share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
+	if (!(of > 0))
+		return 0;
+	const double share = of / (of + others);
+	return (float)(!(others > 0) ? 1 : share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
 }
 
-// The same for the picture around the scene: what of it meets the sphere about the scene, beside what the others send. Only
-// pt goes there.
-static float sky_share(const struct plan *plan, const struct blob_view *scene)
+double scene_sky_power(const struct plan *plan, const struct blob_view *scene)
 {
-	const double e = plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
-	const double l = plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
 	const double radius = lights_bounding_radius(scene->bounds_min, scene->bounds_max);
-	const double s = 3.14159265358979323846 * radius * radius * plan->environment.power;
-	if (plan->technique != candil_Technique_TECHNIQUE_PT || !plan_has_sky(plan))
-		return 0.0f;
-	const double share = s / (e + l + s);
-	return (float)(!(e + l > 0) ? 1 : share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share);
+	return 3.14159265358979323846 * radius * radius * plan->environment.power;
+}
+
+double scene_emitter_power(const struct plan *plan, const struct blob_view *scene)
+{
+	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) ? (double)scene->emitter_power : 0;
+}
+
+double scene_light_power(const struct plan *plan, const struct blob_view *scene)
+{
+	return plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
 }
 
 static void fill_shares(const struct plan *p, const struct blob_view *scene, struct pt_job *out)
 {
-	const float others = emitter_share(p, scene);
-	out->sky_share = sky_share(p, scene);
-	out->emitter_share = others * (1.0f - out->sky_share);
-	out->light_share = (1.0f - others) * (1.0f - out->sky_share);
+	const double e = scene_emitter_power(p, scene), l = scene_light_power(p, scene);
+	const bool sky = p->technique == candil_Technique_TECHNIQUE_PT && plan_has_sky(p);
+	const float emitters = scene_share(e, l);
+	out->sky_share = sky ? scene_share(scene_sky_power(p, scene), e + l) : 0;
+	out->emitter_share = emitters * (1.0f - out->sky_share);
+	out->light_share = (1.0f - emitters) * (1.0f - out->sky_share);
 	out->sky_width = p->environment.width;
 	out->sky_height = p->environment.height;
 	out->sky_turn = (float)p->environment.turn;

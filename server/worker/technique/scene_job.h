@@ -13,6 +13,17 @@ uint32_t scene_bindings_trace(void);
 // The parameters in common/scene.glsl's `job`.
 void scene_job_fill(const struct plan *plan, const struct blob_view *scene, struct pt_job *out);
 
+// How random choices between two kinds of light are divided: the share of the one with power `of`, W, beside the others',
+// never less than a tenth to either that has any, for a sun's power says little about a room that it does not reach.
+float scene_share(double of, double others);
+
+// What of the picture around the scene meets the sphere about it, W.
+double scene_sky_power(const struct plan *plan, const struct blob_view *scene);
+
+// What the emissive triangles and the lights that the plan simulates send, W.
+double scene_emitter_power(const struct plan *plan, const struct blob_view *scene);
+double scene_light_power(const struct plan *plan, const struct blob_view *scene);
+
 // Whether a directional light has a width.
 bool scene_has_discs(const struct resident_scene *scene);
 
