@@ -196,6 +196,17 @@ static bool take_double(const char **text, double *out)
 	return true;
 }
 
+bool cli_parse_pair(const char *text, char between, uint32_t *first, uint32_t *second)
+{
+	char number[16];
+	const char *at = strchr(text, between);
+	if (!at || (size_t)(at - text) >= sizeof(number))
+		return false;
+	memcpy(number, text, (size_t)(at - text));
+	number[at - text] = '\0';
+	return cli_parse_u32(number, first) && cli_parse_u32(at + 1, second);
+}
+
 bool cli_parse_doubles(const char *text, double *out, size_t count)
 {
 	double values[16];

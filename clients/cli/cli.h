@@ -80,6 +80,8 @@ candil_client *cli_connect(const struct cli *cli, enum exit_code *code);
 bool cli_parse_u32(const char *text, uint32_t *out);
 bool cli_parse_u64(const char *text, uint64_t *out);
 bool cli_parse_double(const char *text, double *out); // finite
+// Two numbers with `between` between them: "640x480", "1/4".
+bool cli_parse_pair(const char *text, char between, uint32_t *first, uint32_t *second);
 // `count` doubles between commas.
 bool cli_parse_doubles(const char *text, double *out, size_t count);
 

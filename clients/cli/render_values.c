@@ -8,13 +8,7 @@
 
 bool value_size(const char *text, struct candil_render_request *r)
 {
-	char width[16];
-	const char *x = strchr(text, 'x');
-	if (!x || (size_t)(x - text) >= sizeof(width))
-		return false;
-	memcpy(width, text, (size_t)(x - text));
-	width[x - text] = '\0';
-	return cli_parse_u32(width, &r->width) && cli_parse_u32(x + 1, &r->height) && r->width > 0 && r->height > 0;
+	return cli_parse_pair(text, 'x', &r->width, &r->height) && r->width > 0 && r->height > 0;
 }
 
 bool value_camera(const char *text, struct candil_render_request *r)

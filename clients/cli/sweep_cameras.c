@@ -179,13 +179,7 @@ bool sweep_orbit_parse(const char *text, uint32_t *count, double *elevation, dou
 
 bool sweep_shard_parse(const char *text, uint32_t *shard, uint32_t *shards)
 {
-	char first[16];
-	const char *slash = strchr(text, '/');
-	if (!slash || (size_t)(slash - text) >= sizeof(first))
-		return false;
-	memcpy(first, text, (size_t)(slash - text));
-	first[slash - text] = '\0';
-	return cli_parse_u32(first, shard) && cli_parse_u32(slash + 1, shards) && *shard >= 1 && *shard <= *shards;
+	return cli_parse_pair(text, '/', shard, shards) && *shard >= 1 && *shard <= *shards;
 }
 
 char *sweep_name(const char *pattern, uint32_t index, uint32_t count)

@@ -11,6 +11,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/luminance.h"
 #include "server/worker/image/frame.h"
 #include "server/worker/technique/pt_effects.h"
 #include "server/worker/technique/pt_error.h"
@@ -288,8 +289,7 @@ static void account_clamp(const struct technique_job *j, struct frame *f)
 	const double removed = (double)j->removed / CLAMP_UNITS * (double)j->plan.clamp / samples;
 	double kept = 0;
 	for (uint64_t i = 0; i < pixels; i++)
-		kept += 0.2126 * (double)f->radiance[3 * i] + 0.7152 * (double)f->radiance[3 * i + 1] +
-			0.0722 * (double)f->radiance[3 * i + 2];
+		kept += luminance(&f->radiance[3 * i]);
 	kept /= (double)pixels;
 	frame_add_figure(f, "clamp.samples", (double)j->clamped, "");
 	frame_add_figure(f, "clamp.removed", removed, "W/(m² sr)");
