@@ -32,7 +32,7 @@
 #define LIMIT_SCENES 64u
 #define LIMIT_STAGES 24u
 #define LIMIT_FIGURES 32u // in a Done
-#define LIMIT_EFFECTS 16u
+#define LIMIT_EFFECTS 32u
 #define LIMIT_NOTES 4u // in an Accepted
 
 // ---- a render ----

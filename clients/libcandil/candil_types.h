@@ -316,7 +316,7 @@ struct candil_effect_report {
 struct candil_accepted {
 	enum candil_technique technique;
 	uint32_t plan_count;
-	struct candil_effect_report plan[16];
+	struct candil_effect_report plan[32];
 	char device[128];
 	uint64_t job_bytes; // device memory the job takes
 	uint32_t samples, depth;

@@ -2,17 +2,17 @@
 
 #include <math.h>
 #include <pb_decode.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "protocol/header.h"
+#include "protocol/names.h"
 #include "server/front/request_edits.h"
 #include "server/front/text.h"
 
 #define DEFAULT_SAMPLES 64u
 #define OPEN_SAMPLES 65536u // where an error or a deadline is to end it
 #define DEFAULT_PROGRESS_MS 100u
-#define EFFECT_BITS ((1u << _candil_Effect_ARRAYSIZE) - 1u)
+#define EFFECT_BITS ((1u << EFFECT_COUNT) - 1u)
 #define METRES_PER_UNIT_MAX 1e9
 
 static enum status decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message, struct error *err)
@@ -117,15 +117,23 @@ enum status request_stats(const uint8_t *body, size_t bytes, struct error *err)
 
 // ---- a render --------------------------------------------------------------------------------------------------------
 
-// Techniques whose further samples only smooth edges.
-static bool has_no_noise(candil_Technique technique)
+static bool can(candil_Technique technique, unsigned trait)
 {
-	return technique == candil_Technique_TECHNIQUE_DIRECT || technique == candil_Technique_TECHNIQUE_VCT;
+	return technique_traits(technique) & trait;
+}
+
+// A technique that cannot do what is asked for: "a lens needs pt: …"
+static enum status refuse_trait(const char *what, unsigned trait, const char *why, struct error *err)
+{
+	char known[64];
+	technique_list(trait, "or", known, sizeof known);
+	return error_set(err, STATUS_UNSUPPORTED, "%s needs %s: %s", what, known, why);
 }
 
 static uint32_t default_samples(const candil_Render *r)
 {
-	if (has_no_noise(r->technique))
+	// More samples of a picture without noise only smooth its edges.
+	if (!can(r->technique, TECHNIQUE_NOISE))
 		return 1;
 	if (!(r->target_error > 0) && r->deadline_ms == 0)
 		return DEFAULT_SAMPLES;
@@ -154,17 +162,14 @@ static enum status check_size(candil_Render *r, struct error *err)
 
 static enum status check_technique(const candil_Render *r, struct error *err)
 {
-	switch (r->technique) {
-	case candil_Technique_TECHNIQUE_AUTO:
-	case candil_Technique_TECHNIQUE_PT:
-	case candil_Technique_TECHNIQUE_DIRECT:
-	case candil_Technique_TECHNIQUE_VCT:
+	char known[64];
+	if ((unsigned)r->technique >= TECHNIQUE_COUNT)
+		return error_set(err, STATUS_BAD_ARGUMENT, "technique %u is none of candil.proto", (unsigned)r->technique);
+	if (technique_traits(r->technique) & TECHNIQUE_RENDERS)
 		return STATUS_OK;
-	case candil_Technique_TECHNIQUE_RADIOSITY:
-		return error_set(err, STATUS_UNSUPPORTED,
-				 "this daemon has no such technique: ask for pt, vct, direct or auto");
-	}
-	return error_set(err, STATUS_BAD_ARGUMENT, "technique %u is none of candil.proto", (unsigned)r->technique);
+	technique_list(TECHNIQUE_RENDERS, "or", known, sizeof known);
+	return error_set(err, STATUS_UNSUPPORTED, "this daemon has no technique %s: ask for %s",
+			 technique_name(r->technique), known);
 }
 
 static bool within(const candil_Vec3 *v, double least, double most)
@@ -234,9 +239,9 @@ static enum status check_lens(const candil_Lens *l, candil_Technique technique, 
 		return error_set(err, STATUS_BAD_ARGUMENT, "a lens needs the distance in metres at which it is sharp");
 	if (l->radius > 0 && panorama)
 		return error_set(err, STATUS_BAD_ARGUMENT, "a panorama has no lens: leave its radius out");
-	if ((panorama || l->radius > 0) && has_no_noise(technique))
-		return error_set(err, STATUS_UNSUPPORTED, "%s needs pt: other techniques see through a pinhole alone",
-				 panorama ? "a panorama" : "a lens with a radius");
+	if ((panorama || l->radius > 0) && !can(technique, TECHNIQUE_LENS))
+		return refuse_trait(panorama ? "a panorama" : "a lens with a radius", TECHNIQUE_LENS,
+				    "other techniques see through a pinhole alone", err);
 	return STATUS_OK;
 }
 
@@ -244,9 +249,8 @@ static enum status check_filter(const candil_Render *r, struct error *err)
 {
 	if ((unsigned)r->filter > candil_Filter_FILTER_BLACKMAN_HARRIS)
 		return error_set(err, STATUS_BAD_ARGUMENT, "filter %u is none of candil.proto", (unsigned)r->filter);
-	if (r->filter != candil_Filter_FILTER_BOX && has_no_noise(r->technique))
-		return error_set(err, STATUS_UNSUPPORTED,
-				 "pixels take their light through a box unless the technique is pt");
+	if (r->filter != candil_Filter_FILTER_BOX && !can(r->technique, TECHNIQUE_LENS))
+		return refuse_trait("a pixel filter", TECHNIQUE_LENS, "other techniques take light through a box", err);
 	return STATUS_OK;
 }
 
@@ -254,9 +258,9 @@ static enum status check_end(const candil_Render *r, struct error *err)
 {
 	if (!(r->target_error >= 0 && isfinite(r->target_error)))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a target error is a relative MSE above 0, or 0 for none");
-	if (r->target_error > 0 && has_no_noise(r->technique))
-		return error_set(err, STATUS_UNSUPPORTED,
-				 "only pt knows its error while it renders: leave the target error out");
+	if (r->target_error > 0 && !can(r->technique, TECHNIQUE_NOISE))
+		return refuse_trait("a target error", TECHNIQUE_NOISE,
+				    "other techniques do not know their error while they render", err);
 	if (r->deadline_ms > LIMIT_DEADLINE_MS)
 		return error_set(err, STATUS_LIMIT, "a deadline is at most %u ms away", LIMIT_DEADLINE_MS);
 	return STATUS_OK;
@@ -331,18 +335,6 @@ static bool is_option_value(const char *value)
 	return *value && value[strspn(value, letters)] == 0;
 }
 
-// A limit is kept here, before anything is allocated for the job; the worker knows the other options.
-static enum status check_depth(const char *value, struct error *err)
-{
-	size_t digits = strspn(value, "0123456789");
-	unsigned long depth = strtoul(value, NULL, 10);
-	if (digits == 0 || value[digits] || depth < 1)
-		return error_set(err, STATUS_BAD_ARGUMENT, "pt.depth is a whole number from 1 to %u", LIMIT_DEPTH);
-	if (digits > 9 || depth > LIMIT_DEPTH)
-		return error_set(err, STATUS_LIMIT, "pt.depth is at most %u", LIMIT_DEPTH);
-	return STATUS_OK;
-}
-
 static enum status check_options(const candil_Render *r, struct error *err)
 {
 	for (pb_size_t i = 0; i < r->options_count; i++) {
@@ -353,9 +345,6 @@ static enum status check_options(const candil_Render *r, struct error *err)
 		for (pb_size_t j = 0; j < i; j++)
 			if (!strcmp(o->name, r->options[j].name))
 				return error_set(err, STATUS_BAD_ARGUMENT, "option %s is given twice", o->name);
-		enum status status = strcmp(o->name, "pt.depth") ? STATUS_OK : check_depth(o->value, err);
-		if (status != STATUS_OK)
-			return status;
 	}
 	return STATUS_OK;
 }

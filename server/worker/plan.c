@@ -6,62 +6,12 @@
 #include <string.h>
 
 #include "protocol/limits.h"
+#include "protocol/names.h"
 #include "server/base/vec3.h"
 #include "server/worker/plan_options.h"
 #include "shaders/shared/vct_show.h"
 
 #define PI 3.14159265358979323846
-
-struct effect_rule {
-	candil_Effect effect;
-	const char *name;
-	const char *simulated; // why it runs
-	const char *absent; // why it does not
-	const char *substitute; // what is drawn instead when it is switched off
-};
-
-static const struct effect_rule rules[] = {
-    {candil_Effect_EFFECT_TEXTURES, "textures", "materials have textures", "no material has a texture",
-     "materials show their factors alone"},
-    {candil_Effect_EFFECT_EMITTERS, "emitters", "surfaces emit light", "no surface emits light",
-     "emissive surfaces are black"},
-    {candil_Effect_EFFECT_LIGHTS, "lights", "the scene has point, spot or directional lights",
-     "the scene has no point, spot or directional light", "point, spot and directional lights are dark"},
-    {candil_Effect_EFFECT_ENVIRONMENT, "environment", "the background is not black", "the background is black",
-     "whatever the background is, it is drawn black"},
-    {candil_Effect_EFFECT_BOUNCES, "bounces", "light scatters more than once",
-     "light cannot scatter twice: pt.depth or vct.bounces says so, nothing reflects or nothing shines",
-     "direct light alone"},
-    {candil_Effect_EFFECT_GLOSSY, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic",
-     "surfaces are diffuse with their base colour"},
-    {candil_Effect_EFFECT_NORMAL_MAPS, "normal-maps", "materials have normal maps", "no material has a normal map",
-     "surfaces have the mesh's own normals"},
-    {candil_Effect_EFFECT_ALPHA_MASK, "alpha-mask", "materials are cut out by alpha", "no material is cut out by alpha",
-     "surfaces have no holes"},
-    {candil_Effect_EFFECT_VERTEX_COLORS, "vertex-colors", "vertices have colours", "no vertex has a colour",
-     "vertices are white"},
-    {candil_Effect_EFFECT_UNLIT, "unlit", "materials are unlit", "no material is unlit",
-     "unlit surfaces are lit like any other"},
-    {candil_Effect_EFFECT_GLASS, "glass", "surfaces let light through", "no surface lets light through",
-     "clear surfaces are opaque with their base colour"},
-    {candil_Effect_EFFECT_ALPHA_BLEND, "alpha-blend", "materials are partly there", "no material is partly there",
-     "blended surfaces are whole"},
-    {candil_Effect_EFFECT_CLEARCOAT, "clearcoat", "materials have a clear coat", "no material has a clear coat",
-     "coats are left out"},
-    {candil_Effect_EFFECT_ROUGH_DIFFUSE, "rough-diffuse", "diffuse surfaces are rough", "no diffuse surface is rough",
-     "diffuse surfaces are smooth: Lambert's"},
-    {candil_Effect_EFFECT_CAUSTICS, "caustics", "polished surfaces throw lamps' light about",
-     "light cannot come from a lamp by way of a polished surface and then scatter",
-     "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror"},
-};
-
-const char *effect_name(candil_Effect effect)
-{
-	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
-		if (rules[i].effect == effect)
-			return rules[i].name;
-	return "unknown";
-}
 
 static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts);
 
@@ -165,35 +115,36 @@ static bool sky_shines(const candil_Render *r, const struct plan *p, uint32_t fa
 }
 
 // What becomes of an effect, and the reason to tell.
-static candil_EffectState decide(const struct effect_rule *rule, const candil_Render *r, uint32_t facts,
-				 const struct plan *p, const char **why)
+static candil_EffectState decide(candil_Effect effect, const candil_Render *r, uint32_t facts, const struct plan *p,
+				 const char **why)
 {
-	const uint32_t bit = 1u << rule->effect;
-	*why = cannot(p, rule->effect);
+	const struct effect_words *words = effect_words(effect);
+	const uint32_t bit = 1u << effect;
+	*why = cannot(p, effect);
 	if (*why)
 		return candil_EffectState_EFFECT_STATE_UNSUPPORTED;
-	*why = rule->substitute;
+	*why = words->substitute;
 	if (r->effects_off & bit)
 		return candil_EffectState_EFFECT_STATE_SWITCHED_OFF;
-	*why = rule->simulated;
-	if (rule->effect == candil_Effect_EFFECT_ENVIRONMENT && p->technique == candil_Technique_TECHNIQUE_DIRECT)
+	*why = words->simulated;
+	if (effect == candil_Effect_EFFECT_ENVIRONMENT && p->technique == candil_Technique_TECHNIQUE_DIRECT)
 		*why = "the background is not black: it is seen, and only pt and vct take light from it";
-	if (called_for(rule->effect, r, p, facts))
+	if (called_for(effect, r, p, facts))
 		return candil_EffectState_EFFECT_STATE_SIMULATED;
-	*why = rule->absent;
-	if (rule->effect == candil_Effect_EFFECT_CAUSTICS && facts & FACT_POLISHED && sky_shines(r, p, facts))
+	*why = words->absent;
+	if (effect == candil_Effect_EFFECT_CAUSTICS && facts & FACT_POLISHED && sky_shines(r, p, facts))
 		*why = "only the background shines, and evenly enough that chance finds its caustics as well";
 	return r->effects_on & bit ? candil_EffectState_EFFECT_STATE_FORCED : candil_EffectState_EFFECT_STATE_ABSENT;
 }
 
 static void plan_effects(const candil_Render *r, uint32_t facts, struct plan *p)
 {
-	for (size_t i = 0; i < sizeof rules / sizeof *rules; i++) {
+	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
 		candil_EffectReport *report = &p->reports[p->report_count++];
 		const char *why;
 		*report = (candil_EffectReport)candil_EffectReport_init_zero;
-		report->effect = rules[i].effect;
-		report->state = decide(&rules[i], r, facts, p, &why);
+		report->effect = (candil_Effect)i;
+		report->state = decide((candil_Effect)i, r, facts, p, &why);
 		snprintf(report->why, sizeof report->why, "%s", why);
 		if (report->state == candil_EffectState_EFFECT_STATE_SIMULATED ||
 		    report->state == candil_EffectState_EFFECT_STATE_FORCED)

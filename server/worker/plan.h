@@ -132,7 +132,4 @@ static inline bool plan_has(const struct plan *plan, candil_Effect effect)
 	return plan->effects >> effect & 1u;
 }
 
-// "textures", …
-const char *effect_name(candil_Effect effect);
-
 #endif

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "protocol/names.h"
 #include "server/base/clock.h"
 #include "server/base/ipc.h"
 #include "server/base/log.h"

@@ -128,9 +128,6 @@ class Arguments(FakeCase):
     def test_aovs_in_a_png(self):
         self.refuse("bad-argument", format=pb.FORMAT_PNG, aovs=1)
 
-    def test_depth_past_its_limit(self):
-        self.refuse("limit", options=[pb.Option(name="pt.depth", value="5000")])
-
     def test_no_such_scene(self):
         connection = self.connect()
         self.assert_error(connection.ask(wire.RENDER, render("nowhere")), "scene-not-found")

@@ -1,0 +1,91 @@
+// Techniques and effects: their numbers, their names, and what every program has to know of them. All else is made from
+// these two lists: the library's enumerations (candil_names.h), the shaders' bits (effects.glsl), the words and the help of
+// the command line, the reasons that a reply gives. candil.proto repeats the numbers for other languages, and names.c does
+// not compile if it repeats them wrongly. Numbers are for ever; new ones go to the end.
+//
+// Any thread may call the functions; what they return is static.
+#ifndef CANDIL_PROTOCOL_NAMES_H
+#define CANDIL_PROTOCOL_NAMES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// What a technique can do, as far as a request can ask for it: bits.
+#define TECHNIQUE_RENDERS 1u // a worker has it; the others are names that are kept for it
+#define TECHNIQUE_NOISE 2u // its error falls with the number of samples, and it estimates that error
+#define TECHNIQUE_LENS 4u // it sees through a lens with a radius, through every pixel filter, and all around
+#define TECHNIQUE_VOXELS 8u // it has voxels to look at: `candil inspect`
+
+// X(NAME, number, "name", traits)
+#define CANDIL_TECHNIQUE_LIST(X) \
+	X(AUTO, 0, "auto", 0u) \
+	X(PT, 1, "pt", TECHNIQUE_RENDERS | TECHNIQUE_NOISE | TECHNIQUE_LENS) \
+	X(VCT, 2, "vct", TECHNIQUE_RENDERS | TECHNIQUE_VOXELS) \
+	X(RADIOSITY, 3, "radiosity", 0u) \
+	X(DIRECT, 4, "direct", TECHNIQUE_RENDERS)
+
+// What "auto" stands for.
+#define TECHNIQUE_OF_AUTO 1u
+
+// X(NAME, number, "name", why it is simulated, why it is left out, what is drawn instead where it is switched off)
+#define CANDIL_EFFECT_LIST(X) \
+	X(TEXTURES, 0, "textures", "materials have textures", "no material has a texture", \
+	  "materials show their factors alone") \
+	X(EMITTERS, 1, "emitters", "surfaces emit light", "no surface emits light", "emissive surfaces are black") \
+	X(LIGHTS, 2, "lights", "the scene has point, spot or directional lights", \
+	  "the scene has no point, spot or directional light", "point, spot and directional lights are dark") \
+	X(ENVIRONMENT, 3, "environment", "the background is not black", "the background is black", \
+	  "whatever the background is, it is drawn black") \
+	X(BOUNCES, 4, "bounces", "light scatters more than once", \
+	  "light cannot scatter twice: pt.depth or vct.bounces says so, nothing reflects or nothing shines", \
+	  "direct light alone") \
+	X(GLOSSY, 5, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic", \
+	  "surfaces are diffuse with their base colour") \
+	X(NORMAL_MAPS, 6, "normal-maps", "materials have normal maps", "no material has a normal map", \
+	  "surfaces have the mesh's own normals") \
+	X(ALPHA_MASK, 7, "alpha-mask", "materials are cut out by alpha", "no material is cut out by alpha", \
+	  "surfaces have no holes") \
+	X(VERTEX_COLORS, 8, "vertex-colors", "vertices have colours", "no vertex has a colour", "vertices are white") \
+	X(UNLIT, 9, "unlit", "materials are unlit", "no material is unlit", "unlit surfaces are lit like any other") \
+	X(GLASS, 10, "glass", "surfaces let light through", "no surface lets light through", \
+	  "clear surfaces are opaque with their base colour") \
+	X(ALPHA_BLEND, 11, "alpha-blend", "materials are partly there", "no material is partly there", \
+	  "blended surfaces are whole") \
+	X(CLEARCOAT, 12, "clearcoat", "materials have a clear coat", "no material has a clear coat", "coats are left out") \
+	X(ROUGH_DIFFUSE, 13, "rough-diffuse", "diffuse surfaces are rough", "no diffuse surface is rough", \
+	  "diffuse surfaces are smooth: Lambert's") \
+	X(CAUSTICS, 14, "caustics", "polished surfaces throw lamps' light about", \
+	  "light cannot come from a lamp by way of a polished surface and then scatter", \
+	  "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror")
+
+#define NAMES_ONE(...) +1
+enum {
+	TECHNIQUE_COUNT = 0 CANDIL_TECHNIQUE_LIST(NAMES_ONE), // numbers are below it
+	EFFECT_COUNT = 0 CANDIL_EFFECT_LIST(NAMES_ONE),
+};
+#undef NAMES_ONE
+
+// "pt", "textures"; "unknown" for a number that is none.
+const char *technique_name(unsigned technique);
+const char *effect_name(unsigned effect);
+
+// The number of a name; -1: there is none of that name. `name` need not end where the name does: `length` bytes count.
+int technique_number(const char *name, size_t length);
+
+// TECHNIQUE_… bits, of "auto" those of what it stands for; 0 for a number that is none.
+unsigned technique_traits(unsigned technique);
+
+// The names of the techniques that have all of `traits`, in the order of their numbers, as a list in a sentence: "pt, vct
+// and direct" if `last` is "and". Cut where `capacity` bytes are too few.
+void technique_list(unsigned traits, const char *last, char *out, size_t capacity);
+
+// The words of one effect, never NULL; those of a number that is none are "".
+struct effect_words {
+	const char *name;
+	const char *simulated; // why it runs
+	const char *absent; // why it does not
+	const char *substitute; // what is drawn instead where it is switched off
+};
+const struct effect_words *effect_words(unsigned effect);
+
+#endif
