@@ -1,6 +1,6 @@
-// make_source SYMBOL INCLUDE_DIR FILE: one GLSL file with its includes in it, as a C array on standard output. Run when we
-// are built: the worker never opens a shader file. Lines of #version and #extension for include directives are dropped;
-// include guards see to files that come twice.
+// make_source SYMBOL INCLUDE_DIR FILE HEADER DEPFILE: writes one GLSL file with its includes in it to HEADER, as a C array,
+// and the files that it read to DEPFILE, as a rule of make. Run when we are built: the worker never opens a shader file.
+// Lines of #version and #extension for include directives are dropped; include guards see to files that come twice.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,14 +9,27 @@
 #define LINE_BYTES 1024
 #define PATH_BYTES 1024
 
+static FILE *header, *depfile;
 static int column;
 
 static void put(const char *text)
 {
 	for (; *text; text++) {
-		printf("%d,", *text);
+		fprintf(header, "%d,", *text);
 		if (++column % 32 == 0)
-			putchar('\n');
+			putc('\n', header);
+	}
+}
+
+// A path as make reads it.
+static void put_path(const char *path)
+{
+	for (; *path; path++) {
+		if (strchr(" #", *path))
+			putc('\\', depfile);
+		else if (*path == '$')
+			putc('$', depfile);
+		putc(*path, depfile);
 	}
 }
 
@@ -49,6 +62,8 @@ static int expand(const char *root, const char *file, int depth)
 			fclose(f);
 		return 0;
 	}
+	fputs(" \\\n ", depfile);
+	put_path(file);
 	int ok = 1;
 	while (ok && fgets(line, sizeof line, f)) {
 		if (is_include(line, path)) {
@@ -63,13 +78,33 @@ static int expand(const char *root, const char *file, int depth)
 	return ok;
 }
 
+// Whether all of it was written.
+static int close_file(FILE *f)
+{
+	int ok = f && !ferror(f);
+	return (!f || fclose(f) == 0) && ok;
+}
+
 int main(int argc, char **argv)
 {
-	if (argc != 4)
+	if (argc != 6)
 		return 2;
-	printf("// Made by make_source out of %s.\nstatic const char %s[] = {\n", strrchr(argv[3], '/') + 1, argv[1]);
-	if (!expand(argv[2], argv[3], 0))
-		return 1;
-	puts("0};");
-	return fflush(stdout) == 0 ? 0 : 1;
+	header = fopen(argv[4], "w");
+	depfile = fopen(argv[5], "w");
+	int ok = header && depfile;
+	if (ok) {
+		put_path(argv[4]);
+		putc(':', depfile);
+		const char *slash = strrchr(argv[3], '/');
+		fprintf(header, "// Made by make_source out of %s.\nstatic const char %s[] = {\n",
+			slash ? slash + 1 : argv[3], argv[1]);
+		ok = expand(argv[2], argv[3], 0);
+		fputs("0};\n", header);
+		putc('\n', depfile);
+	}
+	ok = close_file(header) && ok;
+	ok = close_file(depfile) && ok;
+	if (!ok)
+		fprintf(stderr, "make_source: cannot write %s\n", argv[4]);
+	return ok ? 0 : 1;
 }
