@@ -76,8 +76,7 @@ const char *candil_effect_name(enum candil_effect effect)
 {
 	static const char *const names[] = {"textures", "emitters",    "lights",     "environment",   "bounces",
 					    "glossy",   "normal-maps", "alpha-mask", "vertex-colors", "unlit",
-					    "glass",    "alpha-blend", "clearcoat",  "rough-diffuse",
-					    "caustics"};
+					    "glass",    "alpha-blend", "clearcoat",  "rough-diffuse", "caustics"};
 	_Static_assert(sizeof(names) / sizeof(names[0]) == CANDIL_EFFECT_COUNT, "a name is missing");
 	return NAME_OF(names, effect);
 }

@@ -89,8 +89,8 @@ struct blob_header {
 	// Luminance of the surroundings summed over all directions, W/m² where a texel's unit is a W/(m² sr): what meets a
 	// sphere of 1 m² cross-section.
 	float environment_power;
-	// How unlike each other its directions are: 4π ∫ p² dω of the table's density p. 1: all alike; a half of its light in a
-	// share s of the sphere: 1 / (4 s) and more. 0: there are none.
+	// How unlike each other its directions are: 4π ∫ p² dω of the table's density p. 1: all alike; a half of its light
+	// in a share s of the sphere: 1 / (4 s) and more. 0: there are none.
 	float environment_contrast;
 	uint64_t hash[2]; // XXH3-128 of everything behind the header; also of the header with hash = 0
 };

@@ -94,8 +94,8 @@
 #define LAMPS_BY_POINTS 1
 #define LAMPS_BY_CHANCE 2
 
-// Where samples come from: Sobol' points of the pixel's own, numbers that know nothing of each other, or Sobol' points shared
-// out over neighbouring pixels.
+// Where samples come from: Sobol' points of the pixel's own, numbers that know nothing of each other, or Sobol' points
+// shared out over neighbouring pixels.
 #define SAMPLER_SOBOL 0
 #define SAMPLER_INDEPENDENT 1
 #define SAMPLER_BLUE 2
@@ -111,8 +111,8 @@
 // and √μ evenly spaced from 0 to 1; then two more a roughness: their averages over the hemisphere. Behind them the rough
 // dielectric's: for each of GLASS_RATIOS indices of refraction η relative to the viewer's side, (η − 1) / (η + 1) evenly
 // spaced from −1/2 to 1/2, but the last, GLASS_ROUGHNESSES by GLASS_COSINES pairs of floats: the share of light that single
-// scattering keeps there and at the next η, √r and √μ spaced as above. And as many pairs again: the share of directions that are
-// sampled on the side that they are meant for.
+// scattering keeps there and at the next η, √r and √μ spaced as above. And as many pairs again: the share of directions that
+// are sampled on the side that they are meant for.
 #define GGX_COSINES 64
 #define GGX_ROUGHNESSES 64
 #define GGX_TABLE_PAIRS (GGX_ROUGHNESSES * (GGX_COSINES + 1)) // before the dielectric's

@@ -160,8 +160,8 @@ struct emitter {
 };
 LAYOUT_ASSERT(emitter, 16)
 
-// A node of the tree over the lamps: server/scene/light_tree.h. `child` and `child` + 1 are below it; of a leaf, LIGHT_LEAF and
-// the lamp's number, in the job emitters first, then lights.
+// A node of the tree over the lamps: server/scene/light_tree.h. `child` and `child` + 1 are below it; of a leaf, LIGHT_LEAF
+// and the lamp's number, in the job emitters first, then lights.
 struct light_node {
 	float min[3]; // metres; above max: directional lights are below
 	float power; // π times what all lamps below send at the most, W/sr; directional ones W/m²

@@ -34,9 +34,9 @@ LAYOUT_ASSERT(shadow_map, 64)
 
 #define SHADOW_LAYER 9 // uniform location, uint: the map being drawn
 
-// The receiver is lifted off its surface by so many texels' breadth, for rounding's sake and because the filter, which reaches
-// a texel and a half to every side, takes the wall beside a corner for an obstacle. More would lose the shadow of what is
-// nearer than that: in Sponza, errors double with each doubling of it.
+// The receiver is lifted off its surface by so many texels' breadth, for rounding's sake and because the filter, which
+// reaches a texel and a half to every side, takes the wall beside a corner for an obstacle. More would lose the shadow of
+// what is nearer than that: in Sponza, errors double with each doubling of it.
 #define SHADOW_LIFT 0.5
 
 #endif

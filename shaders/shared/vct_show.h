@@ -11,7 +11,7 @@
 #define VCT_SHOW_EMISSION 3 // W/(m² sr)
 #define VCT_SHOW_IRRADIANCE 4 // W/m²
 #define VCT_SHOW_RADIANCE 5 // W/(m² sr), as cones find it: lamps that are aimed at one by one are dark
-#define VCT_SHOW_COVERAGE 6 // share of the cell's faces across x, y and z that surfaces hide, both ways; in red, green and blue
+#define VCT_SHOW_COVERAGE 6 // share of the cell's faces across x, y, z that surfaces hide, both ways; in red, green, blue
 
 // Uniform locations.
 #define VCT_SHOW_WHERE 8 // uvec4: level, axis of a slice, its cell along that axis or NONE, pixels along a cell's side
