@@ -1,4 +1,4 @@
-// make_source SYMBOL INCLUDE_DIR FILE HEADER DEPFILE: writes one GLSL file with its includes in it to HEADER, as a C array,
+// make_source SYMBOL FILE HEADER DEPFILE INCLUDE_DIR…: writes one GLSL file with its includes in it to HEADER, as a C array,
 // and the files that it read to DEPFILE, as a rule of make. Run when we are built: the worker never opens a shader file.
 // Lines of #version and #extension for include directives are dropped; include guards see to files that come twice.
 #include <stdio.h>
@@ -11,6 +11,7 @@
 
 static FILE *header, *depfile;
 static int column;
+static char **roots; // folders of includes, ended by NULL; the first that has a file gives it
 
 static void put(const char *text)
 {
@@ -52,7 +53,20 @@ static int is_dropped(const char *line)
 	return !strncmp(line, "#version", 8) || !strncmp(line, "#extension GL_GOOGLE_include_directive", 38);
 }
 
-static int expand(const char *root, const char *file, int depth)
+// Where an include is; the last folder's path if none has it, so that the complaint names one.
+static void find_include(const char *path, char whole[2 * PATH_BYTES])
+{
+	for (char **root = roots; *root; root++) {
+		snprintf(whole, 2 * PATH_BYTES, "%s/%s", *root, path);
+		FILE *f = fopen(whole, "r");
+		if (f) {
+			fclose(f);
+			return;
+		}
+	}
+}
+
+static int expand(const char *file, int depth)
 {
 	char line[LINE_BYTES], path[PATH_BYTES];
 	FILE *f = fopen(file, "r");
@@ -68,8 +82,8 @@ static int expand(const char *root, const char *file, int depth)
 	while (ok && fgets(line, sizeof line, f)) {
 		if (is_include(line, path)) {
 			char whole[2 * PATH_BYTES];
-			snprintf(whole, sizeof whole, "%s/%s", root, path);
-			ok = expand(root, whole, depth + 1);
+			find_include(path, whole);
+			ok = expand(whole, depth + 1);
 		} else if (!is_dropped(line)) {
 			put(line);
 		}
@@ -87,24 +101,25 @@ static int close_file(FILE *f)
 
 int main(int argc, char **argv)
 {
-	if (argc != 6)
+	if (argc < 6)
 		return 2;
-	header = fopen(argv[4], "w");
-	depfile = fopen(argv[5], "w");
+	roots = argv + 5;
+	header = fopen(argv[3], "w");
+	depfile = fopen(argv[4], "w");
 	int ok = header && depfile;
 	if (ok) {
-		put_path(argv[4]);
+		put_path(argv[3]);
 		putc(':', depfile);
-		const char *slash = strrchr(argv[3], '/');
+		const char *slash = strrchr(argv[2], '/');
 		fprintf(header, "// Made by make_source out of %s.\nstatic const char %s[] = {\n",
-			slash ? slash + 1 : argv[3], argv[1]);
-		ok = expand(argv[2], argv[3], 0);
+			slash ? slash + 1 : argv[2], argv[1]);
+		ok = expand(argv[2], 0);
 		fputs("0};\n", header);
 		putc('\n', depfile);
 	}
 	ok = close_file(header) && ok;
 	ok = close_file(depfile) && ok;
 	if (!ok)
-		fprintf(stderr, "make_source: cannot write %s\n", argv[4]);
+		fprintf(stderr, "make_source: cannot write %s\n", argv[3]);
 	return ok ? 0 : 1;
 }

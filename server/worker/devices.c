@@ -1,7 +1,9 @@
 #include "server/worker/devices.h"
 
 #include "server/worker/gl/device.h"
+#include "server/worker/gl/program.h"
 #include "server/worker/vk/device.h"
+#include "server/worker/vk/pipeline.h"
 
 enum status devices_gl(struct devices *d, struct gl_device **gl, struct error *err)
 {
@@ -20,6 +22,10 @@ enum status devices_gl(struct devices *d, struct gl_device **gl, struct error *e
 
 void devices_finish(struct devices *d)
 {
+	if (d->gl)
+		gl_program_destroy_all(d->gl);
+	if (d->vk)
+		pipeline_destroy_all(d->vk);
 	gl_device_destroy(d->gl);
 	device_destroy(d->vk);
 	*d = (struct devices){0};

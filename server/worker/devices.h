@@ -16,7 +16,7 @@ struct devices {
 // The OpenGL device, opened if it was not. STATUS_DEVICE if there is none.
 enum status devices_gl(struct devices *devices, struct gl_device **gl, struct error *err);
 
-// Close both.
+// Close both, with the programs and pipelines that they keep. Nothing else that is theirs may be left.
 void devices_finish(struct devices *devices);
 
 #endif

@@ -196,7 +196,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 {
 	struct ipc_stepped answer = {.head = {.op = IPC_STEPPED, .job = m->head.job}};
 	struct job *job = *find_job(s, m->head.job);
-	struct step_result result = {.estimated_relmse = -1};
+	struct step_result result = STEP_RESULT_NOTHING;
 	const uint64_t start = clock_us();
 	if (!job)
 		error_set(&answer.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);

@@ -4,43 +4,11 @@
 
 #include "shared/bindings.h"
 
-// What runs, of the plan. Specialization constants of a Vulkan pipeline, macros of an OpenGL program: a program that comes
-// without them has everything on.
+#include "effects.glsl"
+
 #ifdef VULKAN
-layout(constant_id = SPEC_TEXTURES) const bool EFFECT_TEXTURES = true;
-layout(constant_id = SPEC_EMITTERS) const bool EFFECT_EMITTERS = true;
-layout(constant_id = SPEC_LIGHTS) const bool EFFECT_LIGHTS = true;
-layout(constant_id = SPEC_ENVIRONMENT) const bool EFFECT_ENVIRONMENT = true;
-layout(constant_id = SPEC_BOUNCES) const bool EFFECT_BOUNCES = true;
-layout(constant_id = SPEC_GLOSSY) const bool EFFECT_GLOSSY = true;
-layout(constant_id = SPEC_NORMAL_MAPS) const bool EFFECT_NORMAL_MAPS = true;
-layout(constant_id = SPEC_ALPHA_MASK) const bool EFFECT_ALPHA_MASK = true;
-layout(constant_id = SPEC_VERTEX_COLORS) const bool EFFECT_VERTEX_COLORS = true;
-layout(constant_id = SPEC_UNLIT) const bool EFFECT_UNLIT = true;
-layout(constant_id = SPEC_GLASS) const bool EFFECT_GLASS = true;
-layout(constant_id = SPEC_ALPHA_BLEND) const bool EFFECT_ALPHA_BLEND = true;
-layout(constant_id = SPEC_CLEARCOAT) const bool EFFECT_CLEARCOAT = true;
-layout(constant_id = SPEC_ROUGH_DIFFUSE) const bool EFFECT_ROUGH_DIFFUSE = true;
-layout(constant_id = SPEC_CAUSTICS) const bool EFFECT_CAUSTICS = true;
 #define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
 #else
-#ifndef EFFECT_TEXTURES
-#define EFFECT_TEXTURES true
-#define EFFECT_EMITTERS true
-#define EFFECT_LIGHTS true
-#define EFFECT_ENVIRONMENT true
-#define EFFECT_BOUNCES true
-#define EFFECT_GLOSSY true
-#define EFFECT_NORMAL_MAPS true
-#define EFFECT_ALPHA_MASK true
-#define EFFECT_VERTEX_COLORS true
-#define EFFECT_UNLIT true
-#define EFFECT_GLASS true
-#define EFFECT_ALPHA_BLEND true
-#define EFFECT_CLEARCOAT true
-#define EFFECT_ROUGH_DIFFUSE true
-#define EFFECT_CAUSTICS true
-#endif
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #endif
 

@@ -53,40 +53,29 @@
 #define BIND_PATH_COUNT 26
 #define BIND_LIGHT_COUNT 26
 #define BIND_ERROR_FILM 18 // error: BIND_FILM's
+#define BIND_ERROR_COUNT 19
+// No pass has more bindings than these, of which so many are texel buffers.
+#define BIND_MOST 26
+#define BIND_TEXELS_MOST 3
 
-// Specialization constants, one for each effect of the plan.
-#define SPEC_TEXTURES 0
-#define SPEC_EMITTERS 1
-#define SPEC_LIGHTS 2
-#define SPEC_ENVIRONMENT 3
-#define SPEC_BOUNCES 4
-#define SPEC_GLOSSY 5
-#define SPEC_NORMAL_MAPS 6
-#define SPEC_ALPHA_MASK 7
-#define SPEC_VERTEX_COLORS 8
-#define SPEC_UNLIT 9
-#define SPEC_GLASS 10
-#define SPEC_ALPHA_BLEND 11
-#define SPEC_CLEARCOAT 12
-#define SPEC_ROUGH_DIFFUSE 13
-#define SPEC_CAUSTICS 14
-#define SPEC_EFFECTS 15
-// And of how a path is run.
-#define SPEC_RESUMED 15
-#define SPEC_PACKET 16 // walk the tree by subgroups
-#define SPEC_WIDTH 17 // lanes of a subgroup
-#define SPEC_CAMERA 18 // CAMERA_…
-#define SPEC_FILTER 19 // FILTER_…
-#define SPEC_SAMPLER 20 // SAMPLER_…
-#define SPEC_UNIFORM 21 // diffuse directions are uniform over the hemisphere, else as the cosine
-#define SPEC_LAMPS_BY 22 // LAMPS_BY_…
-#define SPEC_ROULETTE 23 // dim paths end by chance
-#define SPEC_CLAMP 24 // no sample is brighter than pt_job.clamp
-#define SPEC_SKY 25 // what is around the scene is a picture, and a light
-#define SPEC_DISCS 26 // some directional light shines from a disc
-#define SPEC_LIGHT_TREE 27 // lamps are chosen by the tree over them, else by their power alone
-#define SPEC_PRIORITIES 28 // some clear body has a priority above 0
-#define SPEC_COUNT 29
+// Specialization constants. 0 … 31 are the effects', by their number (effects.glsl, made of protocol/names.h); from
+// SPEC_EFFECTS on how a pass is run.
+#define SPEC_EFFECTS 32
+#define SPEC_RESUMED 32
+#define SPEC_PACKET 33 // walk the tree by subgroups
+#define SPEC_WIDTH 34 // lanes of a subgroup
+#define SPEC_CAMERA 35 // CAMERA_…
+#define SPEC_FILTER 36 // FILTER_…
+#define SPEC_SAMPLER 37 // SAMPLER_…
+#define SPEC_UNIFORM 38 // diffuse directions are uniform over the hemisphere, else as the cosine
+#define SPEC_LAMPS_BY 39 // LAMPS_BY_…
+#define SPEC_ROULETTE 40 // dim paths end by chance
+#define SPEC_CLAMP 41 // no sample is brighter than the job's clamp
+#define SPEC_SKY 42 // what is around the scene is a picture, and a light
+#define SPEC_DISCS 43 // some directional light shines from a disc
+#define SPEC_LIGHT_TREE 44 // lamps are chosen by the tree over them, else by their power alone
+#define SPEC_PRIORITIES 45 // some clear body has a priority above 0
+#define SPEC_END 46
 
 // How the light of emissive surfaces is found: by points chosen on them and by directions that meet them, weighted; by the
 // first alone; by the second alone.

@@ -42,7 +42,7 @@ static void turn(struct device *device, struct resident_scene *scene, const stru
 	must(technique_pt.begin(&(struct devices){.vk = device}, scene, plan, &job, &err), &err);
 	const uint64_t start = clock_us();
 	const double busy = processor_ms();
-	struct step_result result = {0};
+	struct step_result result = STEP_RESULT_NOTHING;
 	while (!result.finished)
 		must(technique_pt.step(job, SLICE_US, &result, &err), &err);
 	const double wall = 1e-3 * (double)(clock_us() - start);
@@ -103,6 +103,6 @@ int main(int argc, char **argv)
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
 		buffer_finish(&scene.buffers[i], device);
 	loaded_scene_finish(&loaded);
-	device_destroy(device);
+	devices_finish(&(struct devices){.vk = device});
 	return 0;
 }

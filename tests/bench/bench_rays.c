@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "server/base/clock.h"
+#include "server/worker/devices.h"
 #include "tests/support/cast.h"
 #include "tests/support/load_scene.h"
 
@@ -281,6 +282,6 @@ int main(int argc, char **argv)
 	for (int i = 2; i < argc; i++)
 		bench_scene(device, embree, argv[1], argv[i]);
 	rtcReleaseDevice(embree);
-	device_destroy(device);
+	devices_finish(&(struct devices){.vk = device});
 	return 0;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "server/worker/devices.h"
 #include "server/worker/technique/voxel_build.h"
 #include "tests/support/load_scene.h"
 
@@ -119,6 +120,6 @@ int main(int argc, char **argv)
 		return 2;
 	for (int i = 2; i < argc; i++)
 		bench_scene(device, argv[1], argv[i]);
-	gl_device_destroy(device);
+	devices_finish(&(struct devices){.gl = device});
 	return 0;
 }

@@ -9,6 +9,7 @@ import unittest
 SOURCE = os.environ["CANDIL_SOURCE"]
 BUILD = os.environ["CANDIL_BUILD"]
 SHADERS = os.path.join(SOURCE, "shaders")
+MADE = os.path.join(BUILD, "names", "shaders")  # by make_names
 MODULE = re.compile(r"\.(comp|vert|frag|geom)\.glsl$")
 
 
@@ -46,7 +47,8 @@ def includes(path, defined=None):
         if name and False not in taken:
             if None in taken:
                 raise ValueError(f"{path}: cannot tell whether {name[1]} is included")
-            found |= includes(os.path.join(SHADERS, name[1]), defined)
+            paths_of_it = [os.path.join(folder, name[1]) for folder in (SHADERS, MADE)]
+            found |= includes(next(path for path in paths_of_it if os.path.exists(path)), defined)
     return found
 
 
@@ -100,8 +102,8 @@ class Dependencies(unittest.TestCase):
                 self.assertEqual(files, self.needed[header])
 
     def test_an_edited_file_rebuilds_the_modules_that_include_it(self):
-        for path in sources(SHADERS):
-            with self.subTest(file=os.path.relpath(path, SOURCE)):
+        for path in sources(SHADERS, MADE):
+            with self.subTest(file=path):
                 needed = {header for header, files in self.needed.items() if path in files}
                 self.assertTrue(needed, "nothing includes it")
                 self.assertEqual({header for header, files in self.known.items() if path in files}, needed)

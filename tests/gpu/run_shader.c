@@ -1,5 +1,7 @@
 #include "tests/gpu/run_shader.h"
 
+#include "server/worker/devices.h"
+
 #include <string.h>
 
 enum status shader_run_init(struct shader_run *run, const struct shader *shader, const void *in, uint64_t in_bytes,
@@ -9,7 +11,7 @@ enum status shader_run_init(struct shader_run *run, const struct shader *shader,
 	memset(run, 0, sizeof *run);
 	enum status s = device_create(&options, &run->device, err);
 	if (s == STATUS_OK)
-		s = pipeline_get(run->device, shader, NULL, 0, &run->pipeline, err);
+		s = pipeline_get(run->device, shader, NULL, &run->pipeline, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&run->in, run->device, in, in_bytes, err);
 	if (s == STATUS_OK)
@@ -47,6 +49,6 @@ void shader_run_finish(struct shader_run *run)
 	binding_set_finish(&run->bindings, run->device);
 	buffer_finish(&run->in, run->device);
 	buffer_finish(&run->out, run->device);
-	device_destroy(run->device);
+	devices_finish(&(struct devices){.vk = run->device});
 	run->device = NULL;
 }

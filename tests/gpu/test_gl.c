@@ -11,6 +11,7 @@
 #include <cmocka.h>
 #include <epoxy/gl.h>
 
+#include "server/worker/devices.h"
 #include "server/worker/gl/buffer.h"
 #include "server/worker/gl/program.h"
 #include "server/worker/gl/texture.h"
@@ -233,6 +234,6 @@ int main(void)
 					   cmocka_unit_test(timers_count_passes),
 					   cmocka_unit_test(the_driver_is_content)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-	gl_device_destroy(device);
+	devices_finish(&(struct devices){.gl = device});
 	return failed;
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/worker/devices.h"
 #include "tests/support/cast.h"
 #include "tests/support/load_scene.h"
 
@@ -277,6 +278,6 @@ int main(int argc, char **argv)
 	for (int i = 2; i < argc; i++)
 		good = test_scene(device, embree, argv[1], argv[i]) && good;
 	rtcReleaseDevice(embree);
-	device_destroy(device);
+	devices_finish(&(struct devices){.vk = device});
 	return good ? 0 : 1;
 }

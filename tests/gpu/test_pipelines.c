@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "server/worker/devices.h"
 #include "server/worker/vk/pipeline.h"
 #include "shaders/error_comp.h"
 #include "shaders/shared/bindings.h"
@@ -19,13 +20,15 @@ static struct error err;
 static const struct shader shader = {.name = "error",
 				     .code = shader_error_comp,
 				     .bytes = sizeof shader_error_comp,
-				     .bindings = PIPELINE_BINDINGS_MAX,
+				     .bindings = BIND_MOST,
 				     .push_bytes = sizeof(struct error_push)};
 
 static struct pipeline *pipeline_of(uint32_t constant)
 {
 	struct pipeline *p = NULL;
-	assert_int_equal(pipeline_get(device, &shader, &constant, 1, &p, &err), STATUS_OK);
+	struct constants constants = {0};
+	constants_set(&constants, 0, constant);
+	assert_int_equal(pipeline_get(device, &shader, &constants, &p, &err), STATUS_OK);
 	return p;
 }
 
@@ -51,7 +54,7 @@ static void no_more_are_kept_than_the_limit(void **state)
 	struct buffer buffer;
 	struct binding_set set;
 	assert_int_equal(buffer_init(&buffer, device, 64, BUFFER_DEVICE, &err), STATUS_OK);
-	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {&buffer};
+	const struct buffer *buffers[BIND_MOST] = {&buffer};
 	struct pipeline *in_use = pipeline_of(0);
 	assert_int_equal(binding_set_init(&set, device, in_use, buffers, &buffer, &err), STATUS_OK);
 	pipeline_of(1);
@@ -77,6 +80,23 @@ static void no_more_are_kept_than_the_limit(void **state)
 	assert_int_equal(atomic_load(&device->validation_errors), 0);
 }
 
+static void what_has_no_room_is_refused(void **state)
+{
+	(void)state;
+	struct pipeline *p = NULL;
+	struct shader wide = shader;
+	wide.bindings = BIND_MOST + 1;
+	assert_int_equal(pipeline_get(device, &wide, NULL, &p, &err), STATUS_INTERNAL);
+	struct shader texels = shader;
+	texels.texels = (1u << (BIND_TEXELS_MOST + 1)) - 1;
+	assert_int_equal(pipeline_get(device, &texels, NULL, &p, &err), STATUS_INTERNAL);
+	struct constants many = {0};
+	for (uint32_t i = 0; i <= PIPELINE_CONSTANTS_MAX; i++)
+		constants_set(&many, i, 1);
+	assert_int_equal(pipeline_get(device, &shader, &many, &p, &err), STATUS_INTERNAL);
+	assert_null(p);
+}
+
 int main(void)
 {
 	const struct device_options options = {0};
@@ -85,8 +105,9 @@ int main(void)
 		return SKIPPED;
 	}
 	const struct CMUnitTest tests[] = {cmocka_unit_test(they_are_kept_by_their_constants),
-					   cmocka_unit_test(no_more_are_kept_than_the_limit)};
+					   cmocka_unit_test(no_more_are_kept_than_the_limit),
+					   cmocka_unit_test(what_has_no_room_is_refused)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-	device_destroy(device);
+	devices_finish(&(struct devices){.vk = device});
 	return failed;
 }

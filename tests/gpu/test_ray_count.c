@@ -8,6 +8,7 @@
 #include <cmocka.h>
 #include <epoxy/gl.h>
 
+#include "server/worker/devices.h"
 #include "server/worker/gl/buffer.h"
 #include "server/worker/gl/program.h"
 #include "server/worker/gl/texture.h"
@@ -84,6 +85,6 @@ int main(void)
 	}
 	const struct CMUnitTest tests[] = {cmocka_unit_test(rays_are_counted), cmocka_unit_test(more_than_32_bits_of_them)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-	gl_device_destroy(device);
+	devices_finish(&(struct devices){.gl = device});
 	return failed;
 }

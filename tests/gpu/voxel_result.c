@@ -1,5 +1,7 @@
 #include "tests/gpu/voxel_result.h"
 
+#include "server/worker/devices.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +28,7 @@ bool voxel_test_begin(void)
 int voxel_test_end(void)
 {
 	const int errors = device->errors > 0;
-	gl_device_destroy(device);
+	devices_finish(&(struct devices){.gl = device});
 	return errors + (device_bytes != 0);
 }
 

@@ -40,6 +40,16 @@ class Deadline(unittest.TestCase):
             done = replies(technique=technique, deadline_ms=FAR)[-1].body
             self.assertEqual((done.samples, done.reason), (1, "samples"))
 
+    def test_what_is_unknown_is_not_told_as_perfect(self):
+        """While voxels and shadow maps are made there is no picture, and so no error of it."""
+        for more in ({"vct.show": "radiance"}, {"vct.shadows": "map"}):
+            options = [wire.pb.Option(name=name, value=value) for name, value in ({"vct.resolution": "128"} | more).items()]
+            told = [r.body for r in replies(technique=wire.pb.TECHNIQUE_VCT, options=options) if r.kind == wire.PROGRESS]
+            unfinished = [p for p in told if p.samples_done == 0]
+            self.assertTrue(unfinished, "no slice ended before the first sample: this test shows nothing")
+            for progress in unfinished:
+                self.assertLess(progress.estimated_relmse, 0)
+
 
 if __name__ == "__main__":
     unittest.main()

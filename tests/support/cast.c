@@ -18,21 +18,22 @@ static const struct shader cast_shader = {.name = "cast",
 enum status cast_init(struct cast *c, struct device *d, struct resident_scene *scene, const struct cast_ray *rays,
 		      uint32_t count, bool packet, struct error *err)
 {
-	uint32_t constants[SPEC_COUNT] = {0};
-	constants[SPEC_PACKET] = packet;
-	constants[SPEC_WIDTH] = d->info.subgroup;
+	struct constants constants = {0};
+	constants_set_effects(&constants, 0);
+	constants_set(&constants, SPEC_PACKET, packet);
+	constants_set(&constants, SPEC_WIDTH, d->info.subgroup);
 	memset(c, 0, sizeof *c);
 	c->device = d;
 	c->count = count;
 	enum status s = resident_upload(scene, d, 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES, err);
 	if (s == STATUS_OK)
-		s = pipeline_get(d, &cast_shader, constants, SPEC_COUNT, &c->pipeline, err);
+		s = pipeline_get(d, &cast_shader, &constants, &c->pipeline, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&c->rays, d, rays, count * sizeof *rays, err);
 	if (s == STATUS_OK)
 		s = buffer_init(&c->hits, d, count * sizeof(struct cast_hit), BUFFER_DEVICE, err);
 	if (s == STATUS_OK) {
-		const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
+		const struct buffer *buffers[BIND_MOST] = {NULL};
 		for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
 			buffers[i] = &scene->buffers[i];
 		buffers[BIND_NODE_TEXELS] = buffers[BIND_NODES];

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "server/base/log.h"
-#include "server/worker/gl/program.h"
 
 #define EGL_DEVICES_MAX 16
 
@@ -191,7 +190,6 @@ void gl_device_destroy(struct gl_device *d)
 {
 	if (!d)
 		return;
-	gl_program_destroy_all(d);
 	glDeleteVertexArrays(1, &d->vertex_array);
 	context_destroy(d);
 	free(d);

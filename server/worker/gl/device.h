@@ -42,6 +42,8 @@ struct gl_device {
 // Open a context on the same GPU as `options` name where EGL can tell, else on the default one of the kind asked for.
 // STATUS_DEVICE with what is missing. CANDIL_VALIDATION=1 asks for a debug context, whose messages are counted and logged.
 enum status gl_device_create(const struct gl_device_options *options, struct gl_device **device, struct error *err);
+
+// NULL is allowed. Its programs must be gone: devices_finish sees to that.
 void gl_device_destroy(struct gl_device *device);
 
 // What went wrong since the last call, if anything: STATUS_MEMORY, or STATUS_DEVICE with `what` in the sentence.

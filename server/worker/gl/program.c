@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "candil.pb.h"
+#include "protocol/names.h"
 #include "server/base/log.h"
-#include "shaders/shared/bindings.h"
 
 static const char version[] = "#version 450 core\n";
 
@@ -26,23 +25,9 @@ void gl_define(struct gl_defines *d, const char *name, const char *format, ...)
 
 void gl_define_effects(struct gl_defines *d, uint32_t effects)
 {
-	static const char *const names[SPEC_EFFECTS] = {[SPEC_TEXTURES] = "EFFECT_TEXTURES",
-							[SPEC_EMITTERS] = "EFFECT_EMITTERS",
-							[SPEC_LIGHTS] = "EFFECT_LIGHTS",
-							[SPEC_ENVIRONMENT] = "EFFECT_ENVIRONMENT",
-							[SPEC_BOUNCES] = "EFFECT_BOUNCES",
-							[SPEC_GLOSSY] = "EFFECT_GLOSSY",
-							[SPEC_NORMAL_MAPS] = "EFFECT_NORMAL_MAPS",
-							[SPEC_ALPHA_MASK] = "EFFECT_ALPHA_MASK",
-							[SPEC_VERTEX_COLORS] = "EFFECT_VERTEX_COLORS",
-							[SPEC_UNLIT] = "EFFECT_UNLIT",
-							[SPEC_GLASS] = "EFFECT_GLASS",
-							[SPEC_ALPHA_BLEND] = "EFFECT_ALPHA_BLEND",
-							[SPEC_CLEARCOAT] = "EFFECT_CLEARCOAT",
-							[SPEC_ROUGH_DIFFUSE] = "EFFECT_ROUGH_DIFFUSE",
-							[SPEC_CAUSTICS] = "EFFECT_CAUSTICS"};
-	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
-		gl_define(d, names[i], "%s", effects >> i & 1u ? "true" : "false");
+#define DEFINE_EFFECT(NAME, number, ...) gl_define(d, "EFFECT_" #NAME, "%s", effects >> (number)&1u ? "true" : "false");
+	CANDIL_EFFECT_LIST(DEFINE_EFFECT)
+#undef DEFINE_EFFECT
 }
 
 static enum status compile(GLenum stage, const struct gl_program *p, const char *text, GLuint *shader, struct error *err)

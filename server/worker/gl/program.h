@@ -34,7 +34,7 @@ struct gl_defines {
 
 void gl_define(struct gl_defines *defines, const char *name, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-// The EFFECT_… of common/scene.glsl by the plan's bits, 1 << effect.
+// The EFFECT_… of effects.glsl by the plan's bits, 1 << effect.
 void gl_define_effects(struct gl_defines *defines, uint32_t effects);
 
 // Programs of different macros that are kept; beyond that the one unused for longest goes, for requests can ask for very
@@ -50,6 +50,7 @@ enum status gl_program_get(struct gl_device *device, const struct gl_source *sou
 void gl_program_hold(struct gl_program *program);
 void gl_program_release(struct gl_program *program);
 
+// All that the device keeps, with its context current: before the device itself.
 void gl_program_destroy_all(struct gl_device *device);
 
 #endif

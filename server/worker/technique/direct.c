@@ -230,7 +230,6 @@ static enum status direct_step(struct technique_job *job, uint32_t budget_us, st
 	struct direct_lighting *l = &job->lighting;
 	if (direct_lighting_ready(l))
 		return deferred_step(job->deferred, budget_us, result, err);
-	*result = (struct step_result){.estimated_relmse = -1};
 	return direct_lighting_step(l, deferred_timer(job->deferred), budget_us, err);
 }
 

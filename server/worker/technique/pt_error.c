@@ -13,7 +13,7 @@
 static const struct shader error_shader = {.name = "error",
 					   .code = shader_error_comp,
 					   .bytes = sizeof shader_error_comp,
-					   .bindings = BIND_ERROR_FILM + 1,
+					   .bindings = BIND_ERROR_COUNT,
 					   .push_bytes = sizeof(struct error_push)};
 
 uint32_t pt_error_checkpoint(uint32_t samples)
@@ -27,7 +27,7 @@ uint32_t pt_error_checkpoint(uint32_t samples)
 
 static enum status bind_band(struct technique_job *j, struct pt_band *band, struct error *err)
 {
-	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
+	const struct buffer *buffers[BIND_MOST] = {NULL};
 	buffers[BIND_JOB] = &j->job;
 	buffers[BIND_ACCUMULATOR] = &band->accumulator;
 	buffers[BIND_ERRORS] = &j->errors;
@@ -77,8 +77,7 @@ static enum status run(struct technique_job *j, struct error *err)
 enum status pt_error_init(struct technique_job *j, struct error *err)
 {
 	const uint64_t start = clock_us();
-	static const uint32_t constants[1] = {0}; // none is read
-	enum status s = pipeline_get(j->device, &error_shader, constants, 0, &j->error, err);
+	enum status s = pipeline_get(j->device, &error_shader, NULL, &j->error, err);
 	if (s == STATUS_OK)
 		s = buffer_init(&j->errors, j->device, (uint64_t)j->tiles * sizeof(float), BUFFER_DEVICE, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)

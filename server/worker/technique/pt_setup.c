@@ -26,26 +26,9 @@
 // Loop rounds of an invocation that a batch is meant to stay below, where a driver ends loops after 65,535.
 #define ROUNDS_SAFE 24000u
 
-// The plan's bits become the shaders' constants one for one.
-_Static_assert((int)SPEC_TEXTURES == (int)candil_Effect_EFFECT_TEXTURES, "one constant an effect");
-_Static_assert((int)SPEC_EMITTERS == (int)candil_Effect_EFFECT_EMITTERS, "one constant an effect");
-_Static_assert((int)SPEC_LIGHTS == (int)candil_Effect_EFFECT_LIGHTS, "one constant an effect");
-_Static_assert((int)SPEC_ENVIRONMENT == (int)candil_Effect_EFFECT_ENVIRONMENT, "one constant an effect");
-_Static_assert((int)SPEC_BOUNCES == (int)candil_Effect_EFFECT_BOUNCES, "one constant an effect");
-_Static_assert((int)SPEC_GLOSSY == (int)candil_Effect_EFFECT_GLOSSY, "one constant an effect");
-_Static_assert((int)SPEC_NORMAL_MAPS == (int)candil_Effect_EFFECT_NORMAL_MAPS, "one constant an effect");
-_Static_assert((int)SPEC_ALPHA_MASK == (int)candil_Effect_EFFECT_ALPHA_MASK, "one constant an effect");
-_Static_assert((int)SPEC_VERTEX_COLORS == (int)candil_Effect_EFFECT_VERTEX_COLORS, "one constant an effect");
-_Static_assert((int)SPEC_UNLIT == (int)candil_Effect_EFFECT_UNLIT, "one constant an effect");
-_Static_assert((int)SPEC_GLASS == (int)candil_Effect_EFFECT_GLASS, "one constant an effect");
-_Static_assert((int)SPEC_ALPHA_BLEND == (int)candil_Effect_EFFECT_ALPHA_BLEND, "one constant an effect");
-_Static_assert((int)SPEC_CLEARCOAT == (int)candil_Effect_EFFECT_CLEARCOAT, "one constant an effect");
-_Static_assert((int)SPEC_ROUGH_DIFFUSE == (int)candil_Effect_EFFECT_ROUGH_DIFFUSE, "one constant an effect");
-_Static_assert((int)SPEC_CAUSTICS == (int)candil_Effect_EFFECT_CAUSTICS, "one constant an effect");
 _Static_assert(FILTER_BOX == (int)candil_Filter_FILTER_BOX && FILTER_GAUSSIAN == (int)candil_Filter_FILTER_GAUSSIAN &&
 		   FILTER_BLACKMAN_HARRIS == (int)candil_Filter_FILTER_BLACKMAN_HARRIS,
 	       "one number a filter");
-_Static_assert((int)SPEC_EFFECTS == (int)_candil_Effect_ARRAYSIZE, "no effect without a constant");
 
 static const struct shader path_shader = {.name = "path",
 					  .code = shader_path_comp,
@@ -220,7 +203,7 @@ static bool walks_in_packets(const struct technique_job *j)
 enum status pt_job_bind(struct technique_job *j, struct pipeline *pipeline, const struct buffer *result,
 			struct binding_set *set, struct error *err)
 {
-	const struct buffer *buffers[PIPELINE_BINDINGS_MAX] = {NULL};
+	const struct buffer *buffers[BIND_MOST] = {NULL};
 	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
 		buffers[i] = resident_buffer(j->scene, i);
 	buffers[BIND_NODE_TEXELS] = buffers[BIND_NODES];
@@ -273,26 +256,26 @@ static bool has_priorities(const struct resident_scene *scene)
 enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *shader, uint32_t effects,
 				 struct pipeline **pipeline, struct error *err)
 {
-	uint32_t constants[SPEC_COUNT];
-	for (uint32_t i = 0; i < SPEC_EFFECTS; i++)
-		constants[i] = effects >> i & 1u;
-	constants[SPEC_RESUMED] = j->segments > 1;
-	constants[SPEC_PACKET] = walks_in_packets(j);
-	constants[SPEC_WIDTH] = j->device->info.subgroup;
-	constants[SPEC_CAMERA] = j->plan.camera.panorama          ? CAMERA_PANORAMA
-				 : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
-								  : CAMERA_PINHOLE;
-	constants[SPEC_FILTER] = j->plan.filter;
-	constants[SPEC_SAMPLER] = j->plan.sampler;
-	constants[SPEC_UNIFORM] = j->plan.hemisphere == HEMISPHERE_UNIFORM;
-	constants[SPEC_LAMPS_BY] = j->plan.lamps;
-	constants[SPEC_ROULETTE] = j->plan.roulette == ROULETTE_ON;
-	constants[SPEC_CLAMP] = j->plan.clamp > 0;
-	constants[SPEC_SKY] = j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u;
-	constants[SPEC_DISCS] = effects >> candil_Effect_EFFECT_LIGHTS & 1u && scene_has_discs(j->scene);
-	constants[SPEC_LIGHT_TREE] = j->tree != NULL;
-	constants[SPEC_PRIORITIES] = effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene);
-	return pipeline_get(j->device, shader, constants, SPEC_COUNT, pipeline, err);
+	struct constants c = {0};
+	constants_set_effects(&c, effects);
+	constants_set(&c, SPEC_RESUMED, j->segments > 1);
+	constants_set(&c, SPEC_PACKET, walks_in_packets(j));
+	constants_set(&c, SPEC_WIDTH, j->device->info.subgroup);
+	constants_set(&c, SPEC_CAMERA,
+		      j->plan.camera.panorama          ? CAMERA_PANORAMA
+		      : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
+						       : CAMERA_PINHOLE);
+	constants_set(&c, SPEC_FILTER, j->plan.filter);
+	constants_set(&c, SPEC_SAMPLER, j->plan.sampler);
+	constants_set(&c, SPEC_UNIFORM, j->plan.hemisphere == HEMISPHERE_UNIFORM);
+	constants_set(&c, SPEC_LAMPS_BY, j->plan.lamps);
+	constants_set(&c, SPEC_ROULETTE, j->plan.roulette == ROULETTE_ON);
+	constants_set(&c, SPEC_CLAMP, j->plan.clamp > 0);
+	constants_set(&c, SPEC_SKY, j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
+	constants_set(&c, SPEC_DISCS, effects >> candil_Effect_EFFECT_LIGHTS & 1u && scene_has_discs(j->scene));
+	constants_set(&c, SPEC_LIGHT_TREE, j->tree != NULL);
+	constants_set(&c, SPEC_PRIORITIES, effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene));
+	return pipeline_get(j->device, shader, &c, pipeline, err);
 }
 
 enum status pt_job_pipeline(struct technique_job *j, uint32_t effects, struct pipeline **pipeline, struct binding_set *set,

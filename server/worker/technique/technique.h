@@ -29,6 +29,9 @@ struct step_result {
 	double fraction; // of all the job's work, 0…1
 };
 
+// Nothing is done, and the error is unknown.
+#define STEP_RESULT_NOTHING ((struct step_result){.estimated_relmse = -1})
+
 struct technique {
 	const char *name; // "pt"
 
@@ -49,7 +52,8 @@ struct technique {
 				    struct error *err);
 
 	// Work for about budget_us of device time, at least one indivisible piece. Calls continue where the last one
-	// stopped. After STATUS_MEMORY too, if more of it has become free.
+	// stopped. *result comes as STEP_RESULT_NOTHING; what is known is filled in. After STATUS_MEMORY too, if more of it
+	// has become free.
 	enum status (*step)(struct technique_job *job, uint32_t budget_us, struct step_result *result, struct error *err);
 
 	// Copy what has been accumulated into `frame` (host memory, made by this call, freed by the caller with

@@ -255,16 +255,16 @@ static enum status vct_step(struct technique_job *j, uint32_t budget_us, struct 
 	enum status s = STATUS_OK;
 	if (j->show && !vct_show_finished(j->show)) {
 		s = vct_show_step(j->show, deferred_timer(j->deferred), budget_us, err);
-		*result = (struct step_result){.fraction = BUILD_SHARE * vct_show_fraction(j->show)};
+		result->fraction = BUILD_SHARE * vct_show_fraction(j->show);
 		return s;
 	}
 	if (j->volume && !vct_volume_finished(j->volume)) {
 		s = vct_volume_step(j->volume, deferred_timer(j->deferred), budget_us, err);
-		*result = (struct step_result){.fraction = BUILD_SHARE * vct_volume_fraction(j->volume)};
+		result->fraction = BUILD_SHARE * vct_volume_fraction(j->volume);
 		return s;
 	}
 	if (!direct_lighting_ready(&j->lighting)) {
-		*result = (struct step_result){.estimated_relmse = -1, .fraction = j->volume ? BUILD_SHARE : 0};
+		result->fraction = j->volume ? BUILD_SHARE : 0;
 		return direct_lighting_step(&j->lighting, deferred_timer(j->deferred), budget_us, err);
 	}
 	s = deferred_step(j->deferred, budget_us, result, err);

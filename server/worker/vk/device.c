@@ -7,9 +7,10 @@
 #include <sys/sysinfo.h>
 
 #include "server/base/log.h"
-#include "server/worker/vk/pipeline.h"
+#include "shaders/shared/bindings.h"
 
-#define STORAGE_BUFFERS_NEEDED 24u
+// Of the pass that has most; its texel buffers do not count.
+#define STORAGE_BUFFERS_NEEDED (BIND_MOST - BIND_TEXELS_MOST)
 
 enum status device_error(VkResult result, const char *what, struct error *err)
 {
@@ -103,7 +104,7 @@ static void check_usable(VkPhysicalDevice physical, const VkPhysicalDeviceProper
 	else if (!compute_family(physical, &family))
 		snprintf(info->why_not, sizeof info->why_not, "it has no compute queue");
 	else if (p->limits.maxPerStageDescriptorStorageBuffers < STORAGE_BUFFERS_NEEDED)
-		snprintf(info->why_not, sizeof info->why_not, "%u storage buffers a stage are needed, it has %u",
+		snprintf(info->why_not, sizeof info->why_not, "%d storage buffers a stage are needed, it has %u",
 			 STORAGE_BUFFERS_NEEDED, p->limits.maxPerStageDescriptorStorageBuffers);
 	else if ((info->subgroup_operations & needed_subgroup) != needed_subgroup)
 		snprintf(info->why_not, sizeof info->why_not, "its subgroups cannot vote and shuffle in compute shaders");
@@ -327,7 +328,6 @@ void device_destroy(struct device *d)
 		return;
 	if (d->handle) {
 		vkDeviceWaitIdle(d->handle);
-		pipeline_destroy_all(d);
 		vkDestroyFence(d->handle, d->fence, NULL);
 		vkDestroyCommandPool(d->handle, d->pool, NULL);
 		vkDestroyDevice(d->handle, NULL);

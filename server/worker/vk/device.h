@@ -70,6 +70,8 @@ enum status device_choose(const struct device_info *infos, uint32_t count, const
 // Open the chosen device. With CANDIL_VALIDATION=1 in the environment the Khronos validation layer watches every call; a
 // missing layer is then an error, not a silence.
 enum status device_create(const struct device_options *options, struct device **device, struct error *err);
+
+// NULL is allowed. Its pipelines must be gone: devices_finish sees to that.
 void device_destroy(struct device *device);
 
 // Put a VkResult in words. VK_ERROR_OUT_OF_*_MEMORY is STATUS_MEMORY, all else STATUS_DEVICE.

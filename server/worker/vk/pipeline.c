@@ -3,6 +3,29 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/names.h"
+
+_Static_assert(BIND_PATH_COUNT <= BIND_MOST && BIND_LIGHT_COUNT <= BIND_MOST && BIND_TRACE_COUNT <= BIND_MOST &&
+		   BIND_ERROR_COUNT <= BIND_MOST,
+	       "a binding set has room for every pass");
+_Static_assert(EFFECT_COUNT <= SPEC_EFFECTS && EFFECT_COUNT + SPEC_END - SPEC_EFFECTS <= PIPELINE_CONSTANTS_MAX,
+	       "a pipeline has room for every effect and every way");
+
+void constants_set(struct constants *c, uint32_t id, uint32_t value)
+{
+	if (c->count < PIPELINE_CONSTANTS_MAX) {
+		c->of[c->count].id = id;
+		c->of[c->count].value = value;
+	}
+	c->count++;
+}
+
+void constants_set_effects(struct constants *c, uint32_t effects)
+{
+	for (uint32_t i = 0; i < EFFECT_COUNT; i++)
+		constants_set(c, i, effects >> i & 1u);
+}
+
 static VkDescriptorType type_of(const struct shader *shader, uint32_t binding)
 {
 	return shader->texels >> binding & 1u ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
@@ -10,7 +33,7 @@ static VkDescriptorType type_of(const struct shader *shader, uint32_t binding)
 
 static enum status make_layout(struct device *d, struct pipeline *p, struct error *err)
 {
-	VkDescriptorSetLayoutBinding bindings[PIPELINE_BINDINGS_MAX];
+	VkDescriptorSetLayoutBinding bindings[BIND_MOST];
 	for (uint32_t i = 0; i < p->shader->bindings; i++)
 		bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
 							     .descriptorType = type_of(p->shader, i),
@@ -35,12 +58,16 @@ static enum status make_layout(struct device *d, struct pipeline *p, struct erro
 static enum status make_pipeline(struct device *d, struct pipeline *p, struct error *err)
 {
 	VkSpecializationMapEntry entries[PIPELINE_CONSTANTS_MAX];
-	for (uint32_t i = 0; i < p->constant_count; i++)
-		entries[i] = (VkSpecializationMapEntry){.constantID = i, .offset = i * 4u, .size = 4};
-	const VkSpecializationInfo special = {.mapEntryCount = p->constant_count,
-					      .pMapEntries = entries,
-					      .dataSize = p->constant_count * 4u,
-					      .pData = p->constants};
+	const struct constants *c = &p->constants;
+	const uint32_t stride = sizeof c->of[0];
+	for (uint32_t i = 0; i < c->count; i++)
+		entries[i] =
+		    (VkSpecializationMapEntry){.constantID = c->of[i].id,
+					       .offset = i * stride + (uint32_t)offsetof(struct constants, of[0].value) -
+							 (uint32_t)offsetof(struct constants, of[0]),
+					       .size = sizeof c->of[i].value};
+	const VkSpecializationInfo special = {
+	    .mapEntryCount = c->count, .pMapEntries = entries, .dataSize = c->count * stride, .pData = c->of};
 	VkShaderModule module;
 	const VkShaderModuleCreateInfo code = {
 	    .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = p->shader->bytes, .pCode = p->shader->code};
@@ -59,7 +86,7 @@ static enum status make_pipeline(struct device *d, struct pipeline *p, struct er
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "compiling a pipeline", err);
 }
 
-static void destroy(struct device *d, struct pipeline *p)
+static void pipeline_destroy(struct device *d, struct pipeline *p)
 {
 	vkDestroyPipeline(d->handle, p->handle, NULL);
 	vkDestroyPipelineLayout(d->handle, p->layout, NULL);
@@ -68,7 +95,7 @@ static void destroy(struct device *d, struct pipeline *p)
 }
 
 // Make room for one more.
-static void trim(struct device *d)
+static void pipeline_trim(struct device *d)
 {
 	struct pipeline **oldest = NULL;
 	unsigned count = 0;
@@ -81,15 +108,33 @@ static void trim(struct device *d)
 		return;
 	struct pipeline *p = *oldest;
 	*oldest = p->next;
-	destroy(d, p);
+	pipeline_destroy(d, p);
 }
 
-enum status pipeline_get(struct device *d, const struct shader *shader, const uint32_t *constants, uint32_t count,
+static bool same_constants(const struct constants *a, const struct constants *b)
+{
+	return a->count == b->count && !memcmp(a->of, b->of, a->count * sizeof a->of[0]);
+}
+
+static bool fits(const struct shader *shader, const struct constants *constants)
+{
+	uint32_t texels = 0;
+	for (uint32_t i = 0; i < BIND_MOST; i++)
+		texels += shader->texels >> i & 1u;
+	return shader->bindings <= BIND_MOST && texels <= BIND_TEXELS_MOST && constants->count <= PIPELINE_CONSTANTS_MAX;
+}
+
+enum status pipeline_get(struct device *d, const struct shader *shader, const struct constants *constants,
 			 struct pipeline **pipeline, struct error *err)
 {
+	static const struct constants none = {0};
+	if (!constants)
+		constants = &none;
+	if (!fits(shader, constants))
+		return error_set(err, STATUS_INTERNAL, "the shader %s has more bindings or constants than a pipeline",
+				 shader->name);
 	for (struct pipeline *p = d->pipelines; p; p = p->next)
-		if (p->shader == shader && p->constant_count == count &&
-		    (count == 0 || !memcmp(p->constants, constants, count * 4u))) {
+		if (p->shader == shader && same_constants(&p->constants, constants)) {
 			p->used = ++d->pipeline_turn;
 			*pipeline = p;
 			return STATUS_OK;
@@ -98,17 +143,15 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const ui
 	if (!p)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	p->shader = shader;
-	p->constant_count = count;
-	if (count > 0)
-		memcpy(p->constants, constants, count * 4u);
+	p->constants = *constants;
 	enum status s = make_layout(d, p, err);
 	if (s == STATUS_OK)
 		s = make_pipeline(d, p, err);
 	if (s != STATUS_OK) {
-		destroy(d, p);
+		pipeline_destroy(d, p);
 		return s;
 	}
-	trim(d);
+	pipeline_trim(d);
 	p->used = ++d->pipeline_turn;
 	p->next = d->pipelines;
 	d->pipelines = p;
@@ -118,10 +161,12 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const ui
 
 void pipeline_destroy_all(struct device *d)
 {
+	if (d->handle)
+		vkDeviceWaitIdle(d->handle);
 	while (d->pipelines) {
 		struct pipeline *p = d->pipelines;
 		d->pipelines = p->next;
-		destroy(d, p);
+		pipeline_destroy(d, p);
 	}
 }
 
@@ -163,8 +208,8 @@ enum status binding_set_init(struct binding_set *set, struct device *d, struct p
 			     const struct buffer *const *buffers, const struct buffer *filler, struct error *err)
 {
 	const uint32_t count = p->shader->bindings;
-	VkDescriptorBufferInfo ranges[PIPELINE_BINDINGS_MAX];
-	VkWriteDescriptorSet writes[PIPELINE_BINDINGS_MAX];
+	VkDescriptorBufferInfo ranges[BIND_MOST];
+	VkWriteDescriptorSet writes[BIND_MOST];
 	uint32_t views = 0;
 	memset(set, 0, sizeof *set);
 	set->pipeline = p;
@@ -193,7 +238,7 @@ enum status binding_set_init(struct binding_set *set, struct device *d, struct p
 
 void binding_set_finish(struct binding_set *set, struct device *d)
 {
-	for (uint32_t i = 0; i < PIPELINE_TEXELS_MAX; i++)
+	for (uint32_t i = 0; i < BIND_TEXELS_MOST; i++)
 		if (set->views[i])
 			vkDestroyBufferView(d->handle, set->views[i], NULL);
 	if (set->pool)
