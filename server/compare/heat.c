@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "server/base/angle.h"
 #include "server/worker/image/view.h"
 
 static double mix(double a, double b, double t)
@@ -36,7 +37,7 @@ void heat_colour(double t, uint8_t codes[3])
 {
 	t = t > 0 ? (t < 1 ? t : 1) : 0;
 	double lightness = mix(0.13, 0.97, t);
-	double hue = mix(-75, 105, t) * 3.14159265358979323846 / 180; // violet through red to yellow
+	double hue = mix(-75, 105, t) * PI / 180; // violet through red to yellow
 	double rgb[3];
 	// The most colourful one of this lightness and hue that a screen has, up to a chroma of 0.2.
 	for (double chroma = 0.2; chroma >= 0; chroma -= 0.002) {

@@ -4,11 +4,10 @@
 #include <stdlib.h>
 
 #include "protocol/limits.h"
+#include "server/base/angle.h"
 #include "server/base/luminance.h"
 #include "server/loader/image_read.h"
 #include "server/scene/alias.h"
-
-static const double pi = 3.14159265358979323846;
 
 // ---- mending ----------------------------------------------------------------------------------------------------------
 
@@ -66,8 +65,8 @@ static void mend_all(struct import *im, float *values, size_t count)
 // Of a texel in that row, sr: its width in longitude times the difference of its edges' heights on the unit sphere.
 static double solid_angle(const struct import *im, uint32_t row)
 {
-	const double step = pi / im->environment_height;
-	return 2 * pi / im->environment_width * 2 * sin((row + 0.5) * step) * sin(0.5 * step);
+	const double step = PI / im->environment_height;
+	return 2 * PI / im->environment_width * 2 * sin((row + 0.5) * step) * sin(0.5 * step);
 }
 
 // The mean over a texel of what is bilinear: along each axis its own value counts six eighths, its neighbours' one each.
@@ -129,7 +128,7 @@ static double contrast(const struct import *im)
 			sum += pdf * pdf * solid;
 		}
 	}
-	return 4 * pi * sum;
+	return 4 * PI * sum;
 }
 
 enum status environment_build(struct import *im, const float *rgb, struct error *err)

@@ -4,18 +4,17 @@
 #include <cstring>
 
 extern "C" {
+#include "server/base/angle.h"
 #include "server/scene/nodes.h"
 }
 
 namespace
 {
 
-const double pi = 3.14159265358979323846;
-
 bool set_lens(struct blob_camera *out, const tinygltf::Camera &camera)
 {
 	if (camera.type == "perspective") {
-		out->vfov_degrees = camera.perspective.yfov * 180.0 / pi;
+		out->vfov_degrees = camera.perspective.yfov * 180.0 / PI;
 		out->aspect = camera.perspective.aspectRatio > 0 ? camera.perspective.aspectRatio : 0.0;
 		return out->vfov_degrees > 0 && out->vfov_degrees < 180 && std::isfinite(out->aspect);
 	}
@@ -55,7 +54,7 @@ bool set_intensity(struct punctual_light *out, const tinygltf::Light &light)
 bool set_cone(struct punctual_light *out, const tinygltf::SpotLight &spot)
 {
 	const double inner = spot.innerConeAngle, outer = spot.outerConeAngle;
-	if (!(inner >= 0) || !(outer > inner) || !(outer <= pi / 2 + 1e-6))
+	if (!(inner >= 0) || !(outer > inner) || !(outer <= PI / 2 + 1e-6))
 		return false;
 	out->cos_inner = (float)std::cos(inner);
 	out->cos_outer = (float)std::fmax(std::cos(outer), 0.0);

@@ -6,13 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/angle.h"
 #include "server/base/luminance.h"
 #include "server/base/vec3.h"
 
 #define BINS 12
 #define DEPTH_MAX 31u
-
-static const double pi = 3.14159265358979323846;
 
 // Where lamps are, and which way they look: every normal is within `spread` radians of the axis. Of directional lights the
 // place is the tip of their direction, on the unit sphere.
@@ -49,11 +48,11 @@ static void cone_add(struct bound *to, const struct bound *from)
 	struct bound wide = to->spread >= from->spread ? *to : *from;
 	const struct bound *other = to->spread >= from->spread ? from : to;
 	const double apart = clamped_acos(vec3_dot(wide.axis, other->axis));
-	if (fmin(apart + other->spread, pi) > wide.spread) {
+	if (fmin(apart + other->spread, PI) > wide.spread) {
 		const double spread = 0.5 * (wide.spread + apart + other->spread);
 		const double turn = spread - wide.spread, s = sin(apart);
-		if (spread >= pi || s < 1e-9) {
-			wide.spread = pi;
+		if (spread >= PI || s < 1e-9) {
+			wide.spread = PI;
 		} else {
 			for (int i = 0; i < 3; i++)
 				wide.axis[i] = (sin(apart - turn) * wide.axis[i] + sin(turn) * other->axis[i]) / s;
@@ -82,9 +81,9 @@ static void bound_add(struct bound *to, const struct bound *from)
 // sphere that a surface emits into.
 static double cone_measure(double spread)
 {
-	const double w = fmin(spread + pi / 2, pi);
-	return 2 * pi * (1 - cos(spread)) +
-	       pi / 2 * (2 * w * sin(spread) - cos(spread - 2 * w) - 2 * spread * sin(spread) + cos(spread));
+	const double w = fmin(spread + PI / 2, PI);
+	return 2 * PI * (1 - cos(spread)) +
+	       PI / 2 * (2 * w * sin(spread) - cos(spread - 2 * w) - 2 * spread * sin(spread) + cos(spread));
 }
 
 // What choosing among a node's lamps is expected to cost in noise: their equation 2, but for its regularising factor.
@@ -102,7 +101,7 @@ static struct lamp emitter_lamp(const struct light_tree_lamps *in, uint32_t numb
 	const struct triangle *t = &in->triangles[in->emitters[number].triangle];
 	const struct material *m = &in->materials[t->material];
 	const bool both = m->flags & MATERIAL_EMITS_BOTH_SIDES;
-	struct lamp l = {.bound.spread = both ? pi : 0, .number = number};
+	struct lamp l = {.bound.spread = both ? PI : 0, .number = number};
 	const float *p[3];
 	double n[3];
 	for (int c = 0; c < 3; c++)
@@ -130,10 +129,10 @@ static struct lamp light_lamp(const struct light_tree_lamps *in, uint32_t i)
 		l.bound.min[k] = l.bound.max[k] = l.centre[k] = place[k];
 		l.bound.axis[k] = light->kind == LIGHT_POINT ? k == 2 : (double)light->direction[k];
 	}
-	l.bound.spread = light->kind == LIGHT_POINT         ? pi
+	l.bound.spread = light->kind == LIGHT_POINT         ? PI
 			 : light->kind == LIGHT_DIRECTIONAL ? acos(1 - (double)light->spread)
 							    : 0;
-	l.bound.power = pi * luminance(light->intensity);
+	l.bound.power = PI * luminance(light->intensity);
 	return l;
 }
 

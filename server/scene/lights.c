@@ -4,11 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "server/base/angle.h"
 #include "server/base/luminance.h"
 #include "server/base/vec3.h"
 #include "server/scene/alias.h"
-
-static const double pi = 3.14159265358979323846;
 
 // The sum of all weights must stay a float, and a weight that is no normal double has lost its digits.
 static bool is_weight(double w)
@@ -45,7 +44,7 @@ float lights_power_density(const struct material *m, const struct texture_info *
 		mean_colour(&textures[m->emission_texture], texels, colour);
 	for (int c = 0; c < 3; c++)
 		colour[c] *= m->emission[c];
-	return (float)(pi * luminance_of(colour[0], colour[1], colour[2]) *
+	return (float)(PI * luminance_of(colour[0], colour[1], colour[2]) *
 		       (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
 }
 
@@ -117,10 +116,10 @@ static double light_weight(const struct punctual_light *l, double radius)
 {
 	const double value = luminance(l->intensity);
 	if (l->kind == LIGHT_DIRECTIONAL)
-		return value * pi * radius * radius;
+		return value * PI * radius * radius;
 	if (l->kind == LIGHT_SPOT)
-		return value * 2.0 * pi * (1.0 - 0.5 * ((double)l->cos_inner + (double)l->cos_outer));
-	return value * 4.0 * pi;
+		return value * 2.0 * PI * (1.0 - 0.5 * ((double)l->cos_inner + (double)l->cos_outer));
+	return value * 4.0 * PI;
 }
 
 double lights_bounding_radius(const float min[3], const float max[3])

@@ -39,7 +39,7 @@ static bool move_position(const struct passage *p, const double origin[3], float
 	return true;
 }
 
-static void make_unit(float v[3])
+static void edit_make_unit(float v[3])
 {
 	double square = 0;
 	for (int c = 0; c < 3; c++)
@@ -57,12 +57,12 @@ static bool move_vertex(const struct passage *p, struct geometry *g, uint32_t ve
 	struct vertex *v = &g->vertices[vertex];
 	const double normal[3] = {(double)v->normal[0], (double)v->normal[1], (double)v->normal[2]};
 	transform_normal(&p->normals, normal, v->normal);
-	make_unit(v->normal);
+	edit_make_unit(v->normal);
 	if (g->tangents) {
 		float *t = g->tangents[vertex].xyzw;
 		const double tangent[4] = {(double)t[0], (double)t[1], (double)t[2], (double)t[3]};
 		transform_tangent(&p->map, &p->normals, tangent, t);
-		make_unit(t);
+		edit_make_unit(t);
 	}
 	return move_position(p, g->origin, v->position);
 }

@@ -2,11 +2,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/angle.h"
 #include "server/scene/lights.h"
 #include "server/scene/nodes.h"
 #include "server/worker/edit.h"
-
-#define PI 3.14159265358979323846
 
 enum status edit_cameras(struct edited *e, const struct transform *world, struct error *err)
 {

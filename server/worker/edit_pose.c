@@ -60,7 +60,7 @@ static struct transform local_of(const struct scene_node *node, const struct tra
 	return local;
 }
 
-static enum status place(struct edited *e, const struct pose *pose, struct transform *world, struct error *err)
+static enum status pose_place(struct edited *e, const struct pose *pose, struct transform *world, struct error *err)
 {
 	const struct scene_node *nodes = e->view.sections[BLOB_SCENE_NODES];
 	for (uint32_t i = 0; i < e->view.counts[BLOB_SCENE_NODES]; i++) {
@@ -97,7 +97,7 @@ enum status edit_pose(struct edited *e, const candil_Edits *edits, struct transf
 		pose.parts[i] = nodes[i].parts;
 	status = strike(&e->view, edits, &pose, err);
 	if (status == STATUS_OK)
-		status = place(e, &pose, world, err);
+		status = pose_place(e, &pose, world, err);
 out:
 	free(pose.parts);
 	free(pose.moved);

@@ -7,11 +7,10 @@
 
 #include "protocol/limits.h"
 #include "protocol/names.h"
+#include "server/base/angle.h"
 #include "server/base/vec3.h"
 #include "server/worker/plan_options.h"
 #include "shaders/shared/vct_show.h"
-
-#define PI 3.14159265358979323846
 
 static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts);
 

@@ -138,7 +138,7 @@ static enum status option_real(const struct option_rule *rule, const char *text,
 	return STATUS_OK;
 }
 
-static enum status take(const struct option_rule *rule, const char *text, struct plan *p, struct error *err)
+static enum status option_take(const struct option_rule *rule, const char *text, struct plan *p, struct error *err)
 {
 	uint32_t whole = 0;
 	float real = 0;
@@ -195,7 +195,7 @@ enum status plan_option(const candil_Option *o, struct plan *p, struct error *er
 		if (strcmp(options[i].name, o->name))
 			continue;
 		const enum status s = check_technique(o->name, p->technique, err);
-		return s == STATUS_OK ? take(&options[i], o->value, p, err) : s;
+		return s == STATUS_OK ? option_take(&options[i], o->value, p, err) : s;
 	}
 	return no_such_option(o->name, err);
 }

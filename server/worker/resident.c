@@ -87,7 +87,7 @@ static struct resident_scene *first_variant(const struct resident_scenes *scenes
 }
 
 // A scene without jobs has no variant with any.
-static void destroy(struct resident_scenes *scenes, struct resident_scene *scene)
+static void scene_destroy(struct resident_scenes *scenes, struct resident_scene *scene)
 {
 	struct resident_scene *variant;
 	while (!scene->base && (variant = first_variant(scenes, scene)))
@@ -124,7 +124,7 @@ bool resident_evict(struct resident_scenes *scenes)
 		return trim_derived(scenes);
 	log_line(LOG_INFO, "scene %llu%s makes room", (unsigned long long)oldest->id, oldest->base ? ", edited," : "");
 	if (oldest->base) {
-		destroy(scenes, oldest);
+		scene_destroy(scenes, oldest);
 		return true;
 	}
 	leave_device(oldest, scenes->device);
@@ -143,7 +143,7 @@ uint64_t resident_idle_bytes(const struct resident_scenes *scenes)
 	return bytes;
 }
 
-static struct resident_scene *find(const struct resident_scenes *scenes, uint64_t id)
+static struct resident_scene *scene_find(const struct resident_scenes *scenes, uint64_t id)
 {
 	struct resident_scene *s = scenes->first;
 	while (s && (s->base || s->id != id))
@@ -153,12 +153,12 @@ static struct resident_scene *find(const struct resident_scenes *scenes, uint64_
 
 void resident_forget(struct resident_scenes *scenes, uint64_t id)
 {
-	struct resident_scene *s = find(scenes, id);
+	struct resident_scene *s = scene_find(scenes, id);
 	if (!s)
 		return;
 	s->forgotten = true;
 	if (s->jobs == 0)
-		destroy(scenes, s);
+		scene_destroy(scenes, s);
 }
 
 static enum status map_blob(struct resident_scene *s, struct error *err)
@@ -275,14 +275,14 @@ static void trim_variants(struct resident_scenes *scenes)
 		}
 		if (idle <= LIMIT_VARIANTS)
 			return;
-		destroy(scenes, oldest);
+		scene_destroy(scenes, oldest);
 	}
 }
 
 enum status resident_acquire(struct resident_scenes *scenes, uint64_t id, const candil_Edits *edits,
 			     struct resident_scene **scene, struct error *err)
 {
-	struct resident_scene *base = find(scenes, id), *s;
+	struct resident_scene *base = scene_find(scenes, id), *s;
 	if (!base)
 		return error_set(err, STATUS_INTERNAL, "the worker does not know this scene");
 	if (map_blob(base, err) != STATUS_OK || acquire_variant(scenes, base, edits, &s, err) != STATUS_OK)
@@ -303,7 +303,7 @@ void resident_release(struct resident_scenes *scenes, struct resident_scene *sce
 	if (scene != base)
 		scene->jobs--;
 	if (--base->jobs == 0 && base->forgotten)
-		destroy(scenes, base);
+		scene_destroy(scenes, base);
 	else
 		trim_variants(scenes);
 }
@@ -378,5 +378,5 @@ enum status resident_upload(struct resident_scene *s, struct device *device, uin
 void resident_finish(struct resident_scenes *scenes)
 {
 	while (scenes->first)
-		destroy(scenes, scenes->first->base ? scenes->first->base : scenes->first);
+		scene_destroy(scenes, scenes->first->base ? scenes->first->base : scenes->first);
 }

@@ -16,7 +16,7 @@
 #include "server/worker/image/encoder.h"
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "server/worker/technique/technique.h"
 #include "server/worker/vk/device.h"
 

@@ -4,6 +4,7 @@
 
 #include "shared/bindings.h"
 
+#include "common/pi.glsl"
 #include "effects.glsl"
 
 #ifdef VULKAN
@@ -77,12 +78,10 @@ SCENE_BUFFER(BIND_GGX_TABLE) readonly buffer GgxTable {
 };
 #endif
 SCENE_BUFFER(BIND_JOB) readonly buffer Job {
-	pt_job job;
+	scene_params job;
 };
 
 #define INFINITY uintBitsToFloat(0x7f800000u)
-
-const float PI = 3.14159265358979323846;
 
 vec3 to_vec3(float v[3])
 {

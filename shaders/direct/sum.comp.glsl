@@ -9,7 +9,7 @@
 layout(local_size_x = TILE_PIXELS) in;
 
 layout(std430, binding = BIND_COUNTERS) buffer Counters {
-	pt_counters counters;
+	pass_counters counters;
 };
 
 void main()

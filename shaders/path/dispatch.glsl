@@ -13,7 +13,7 @@ layout(std430, set = 0, binding = BIND_PATHS) buffer Paths {
 	path_state paths[];
 };
 layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
-	pt_counters counters;
+	pass_counters counters;
 };
 
 // Whether a path may be longer than a dispatch. If not, it needs no place to wait.

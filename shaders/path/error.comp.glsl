@@ -14,7 +14,7 @@ layout(push_constant) uniform Push {
 	error_push push;
 };
 layout(std430, set = 0, binding = BIND_JOB) readonly buffer Job {
-	pt_job job;
+	scene_params job;
 };
 layout(std430, set = 0, binding = BIND_ERROR_FILM) readonly buffer Film {
 	film_pixel film[];

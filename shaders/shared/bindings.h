@@ -26,8 +26,8 @@
 #define UNIT_NODES 14
 #define UNIT_LEAF_TRIANGLES 15
 // The job.
-#define BIND_JOB 14 // struct pt_job
-#define BIND_COUNTERS 15 // struct pt_counters
+#define BIND_JOB 14 // struct scene_params
+#define BIND_COUNTERS 15 // struct pass_counters
 #ifndef BIND_ACCUMULATOR
 #define BIND_ACCUMULATOR 16 // path: 12 floats a pixel: half A then half B, R G B each as (hi, lo)
 #endif
@@ -117,7 +117,7 @@
 #define TILES_PER_LIGHT_TILE 4 // a light path for so many pixels' samples
 
 // Everything about a job that stays the same from dispatch to dispatch.
-struct pt_job {
+struct scene_params {
 	uint width;
 	uint height;
 	uint tiles_x; // tiles in a row of the image
@@ -151,7 +151,7 @@ struct pt_job {
 	float film_unit; // W/(m² sr): a film's whole numbers count it, times the light paths of a sample
 	float sky_paths; // share of the light paths that begin at the picture around the scene
 };
-LAYOUT_ASSERT(pt_job, 188)
+LAYOUT_ASSERT(scene_params, 188)
 
 // Where a dispatch works.
 struct path_push {
@@ -181,16 +181,16 @@ struct error_push {
 };
 LAYOUT_ASSERT(error_push, 40)
 
-struct pt_counters {
+struct pass_counters {
 	uint rays;
 	uint non_finite; // samples with a NaN or an infinity, taken as zero
 	uint cut; // loops that the driver ended before their condition did
 	uint loop_rounds; // the most that an invocation went round in its loops
 	uint clamped; // samples that were too bright
-	uint removed[2]; // what they lost in luminance, low word first, in CLAMP_UNITS to pt_job.clamp
+	uint removed[2]; // what they lost in luminance, low word first, in CLAMP_UNITS to scene_params.clamp
 	uint rays_high; // of the deferred techniques: 2³² rays; the path tracer's host reads often enough
 };
-LAYOUT_ASSERT(pt_counters, 32)
+LAYOUT_ASSERT(pass_counters, 32)
 #define CLAMP_UNITS 256
 
 struct path_state {
@@ -209,7 +209,8 @@ struct path_state {
 LAYOUT_ASSERT(path_state, 88)
 #define PATH_DONE 0xFFFFFFFFu
 
-// What light paths brought to a pixel: whole numbers of pt_job.film_unit's, so that their sum does not depend on the order.
+// What light paths brought to a pixel: whole numbers of scene_params.film_unit's, so that their sum does not depend on the
+// order.
 struct film_pixel {
 	uint parts[12]; // half A R G B, half B R G B; each 64 bits, low word first
 };

@@ -33,7 +33,7 @@ struct vct_params {
 	float ambient; // radiance that comes from everywhere, but where surfaces are near; W/(m² sr)
 	float falloff; // 1/m: how soon they are no longer near
 	float shadow_tangent; // of a shadow cone's half aperture
-	float sky_turn; // of the picture around the scene, as in struct pt_job
+	float sky_turn; // of the picture around the scene, as in struct scene_params
 	float sky_scale;
 	float unused;
 	float cone[VCT_CONES_MAX][4]; // direction in a frame whose z is the normal; its weight of the cosine's integral

@@ -2,6 +2,7 @@
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
+#include "common/pi.glsl"
 #include "vct/cone.glsl"
 #include "voxel/lookup.glsl"
 
@@ -14,8 +15,6 @@ layout(std430, binding = BIND_VCT_DIRECT) readonly buffer VctDirect {
 layout(std430, binding = BIND_VCT_TOTAL) writeonly buffer VctTotal {
 	float vct_total[];
 };
-
-const float PI = 3.14159265358979323846;
 
 void frame_of(vec3 n, out vec3 x, out vec3 y)
 {

@@ -5,6 +5,7 @@
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
+#include "common/pi.glsl"
 #include "vct/cells.glsl"
 #include "vct/pair.glsl"
 
@@ -28,8 +29,6 @@ layout(std430, binding = BIND_VCT_CELLS) readonly buffer VctCells {
 layout(std430, binding = BIND_VCT_TOTAL) readonly buffer VctTotal {
 	float vct_total[];
 };
-
-const float PI = 3.14159265358979323846;
 
 // Coverage (a) and coverage × radiance (scaled) of a voxel both ways along an axis.
 struct ways {

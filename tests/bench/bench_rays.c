@@ -14,6 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "server/base/angle.h"
 #include "server/base/clock.h"
 #include "server/worker/devices.h"
 #include "tests/support/cast.h"
@@ -48,7 +49,7 @@ static void primary_ray(const struct blob_header *b, uint32_t i, struct cast_ray
 	}
 	const double u = (2 * (x + 0.5) / SIDE - 1), v = (1 - 2 * (y + 0.5) / SIDE);
 	if (blob_count(b, BLOB_CAMERAS) > 0 && camera->vfov_degrees > 0) {
-		const double half = tan(camera->vfov_degrees * 3.14159265358979 / 360);
+		const double half = tan(camera->vfov_degrees * PI / 360);
 		const double *f = camera->forward, *up = camera->up;
 		const double right[3] = {f[1] * up[2] - f[2] * up[1], f[2] * up[0] - f[0] * up[2],
 					 f[0] * up[1] - f[1] * up[0]};

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "ggx_table.h"
+#include "server/base/angle.h"
 #include "shaders/bsdf_comp.h"
 #include "tests/gpu/run_shader.h"
 
@@ -77,7 +78,7 @@ static enum status run(struct shader_run *r, const struct config *c, uint32_t se
 static uint32_t bin_of(double z, double phi)
 {
 	const uint32_t zi = (uint32_t)fmin(fmax(z, 0) * Z_BINS, Z_BINS - 1);
-	double turn = phi / (2 * 3.14159265358979);
+	double turn = phi / (2 * PI);
 	turn -= floor(turn);
 	return zi * PHI_BINS + (uint32_t)fmin(turn * PHI_BINS, PHI_BINS - 1);
 }
@@ -88,11 +89,11 @@ static void integrate(const struct config *c, double share[BINS], double *densit
 {
 	const bool clear = c->eta != 0;
 	const double eta2 = c->eta > 0 ? (double)c->eta * (double)c->eta : 1;
-	const double solid_angle = (clear ? 4 : 2) * 3.14159265358979 / ((double)SIDE * SIDE);
+	const double solid_angle = (clear ? 4 : 2) * PI / ((double)SIDE * SIDE);
 	memset(share, 0, BINS * sizeof *share);
 	*density = *value = *energy = 0;
 	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
-		const double z = (i / SIDE + 0.5) / SIDE, phi = 2 * 3.14159265358979 * (i % SIDE + 0.5) / SIDE;
+		const double z = (i / SIDE + 0.5) / SIDE, phi = 2 * PI * (i % SIDE + 0.5) / SIDE;
 		share[bin_of(z, phi)] += (double)results[i][3] * solid_angle;
 		*density += (double)results[i][3] * solid_angle;
 		*value += (double)results[i][0] * solid_angle;

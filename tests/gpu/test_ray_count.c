@@ -24,7 +24,7 @@ static struct gl_device *device;
 static struct error err;
 
 // The count after `times` sums over one tile, from what `before` holds on.
-static uint64_t counted(struct pt_counters before, int times)
+static uint64_t counted(struct pass_counters before, int times)
 {
 	static const struct gl_source source = {.name = "sum", .compute = source_sum_comp};
 	static const struct gl_defines none;
@@ -51,7 +51,7 @@ static uint64_t counted(struct pt_counters before, int times)
 		glDispatchCompute(1, 1, 1);
 		glMemoryBarrier(GL_ALL_BARRIER_BITS);
 	}
-	struct pt_counters after;
+	struct pass_counters after;
 	assert_int_equal(gl_buffer_read(&counters, device, 0, sizeof after, &after, &err), STATUS_OK);
 	assert_int_equal(after.cut, 0);
 	assert_int_equal(after.non_finite, 0);
@@ -64,16 +64,16 @@ static uint64_t counted(struct pt_counters before, int times)
 static void rays_are_counted(void **state)
 {
 	(void)state;
-	assert_int_equal(counted((struct pt_counters){0}, 1), (uint64_t)TILE_PIXELS * RAYS);
+	assert_int_equal(counted((struct pass_counters){0}, 1), (uint64_t)TILE_PIXELS * RAYS);
 }
 
 static void more_than_32_bits_of_them(void **state)
 {
 	(void)state;
 	const uint64_t tile = (uint64_t)TILE_PIXELS * RAYS;
-	assert_int_equal(counted((struct pt_counters){0}, 150), 150 * tile);
+	assert_int_equal(counted((struct pass_counters){0}, 150), 150 * tile);
 	assert_true(150 * tile > UINT32_MAX);
-	assert_int_equal(counted((struct pt_counters){.rays = UINT32_MAX, .rays_high = 6}, 1), (7ull << 32) - 1 + tile);
+	assert_int_equal(counted((struct pass_counters){.rays = UINT32_MAX, .rays_high = 6}, 1), (7ull << 32) - 1 + tile);
 }
 
 int main(void)

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "server/base/angle.h"
 #include "shaders/sampling_comp.h"
 #include "tests/gpu/run_shader.h"
 
@@ -46,7 +47,7 @@ static double mean_of(uint32_t count)
 	double sum = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		double x = (points[i][0] + 0.5) / 4294967296.0, y = (points[i][1] + 0.5) / 4294967296.0;
-		sum += sin(3.14159265358979 * x) * y * y;
+		sum += sin(PI * x) * y * y;
 	}
 	return sum / count;
 }
@@ -67,7 +68,7 @@ int main(void)
 	}
 	// Estimated over true squared error, over many pixels, of 16 samples a half.
 	double estimated = 0, actual = 0, correlation = 0;
-	const double truth = 2 / (3 * 3.14159265358979);
+	const double truth = 2 / (3 * PI);
 	for (uint32_t pixel = 0; pixel < 400 && s == STATUS_OK; pixel++) {
 		s = get(&run, pixel, 0, 3, &err);
 		double a = mean_of(16) - truth;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
+#include "server/base/angle.h"
 
 void model_init(struct model *m)
 {
@@ -72,7 +72,7 @@ void model_add_quad(struct model *m, const double corner[3], const double u[3], 
 
 static void on_sphere(const double middle[3], double radius, uint32_t i, uint32_t j, uint32_t rings, double out[3])
 {
-	const double theta = pi * i / rings, phi = pi * (j % (2 * rings)) / rings;
+	const double theta = PI * i / rings, phi = PI * (j % (2 * rings)) / rings;
 	out[0] = middle[0] + radius * sin(theta) * cos(phi);
 	out[1] = middle[1] + radius * sin(theta) * sin(phi);
 	out[2] = middle[2] + radius * cos(theta);

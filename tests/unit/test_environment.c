@@ -11,11 +11,12 @@
 
 #include "server/loader/environment.h"
 
+#include "server/base/angle.h"
+
 #define WIDTH 48u
 #define HEIGHT 24u
 #define TEXELS (WIDTH * HEIGHT)
 
-static const double pi = 3.14159265358979323846;
 static float rgb[3 * TEXELS];
 static double drawn[TEXELS];
 static struct files files;
@@ -41,7 +42,7 @@ static int end(void **state)
 
 static double solid_angle(uint32_t row)
 {
-	return 2 * pi / WIDTH * (cos(pi * row / HEIGHT) - cos(pi * (row + 1) / HEIGHT));
+	return 2 * PI / WIDTH * (cos(PI * row / HEIGHT) - cos(PI * (row + 1) / HEIGHT));
 }
 
 static void set(uint32_t x, uint32_t y, float value)
@@ -77,8 +78,8 @@ static void an_even_sky_is_drawn_evenly(void **state)
 		rgb[i] = 2;
 	check_table();
 	for (uint32_t i = 0; i < TEXELS; i++)
-		assert_true(fabs((double)import.environment[i].pdf * 4 * pi - 1) < 1e-5);
-	assert_true(fabs((double)import.environment_power / (8 * pi) - 1) < 1e-6);
+		assert_true(fabs((double)import.environment[i].pdf * 4 * PI - 1) < 1e-5);
+	assert_true(fabs((double)import.environment_power / (8 * PI) - 1) < 1e-6);
 	assert_true(fabs((double)import.environment_contrast - 1) < 1e-5);
 }
 
@@ -99,7 +100,7 @@ static void a_spot_has_its_neighbours(void **state)
 	double squares = 0;
 	for (uint32_t i = 0; i < TEXELS; i++)
 		squares += drawn[i] * drawn[i] / solid_angle(i / WIDTH);
-	assert_true(fabs((double)import.environment_contrast / (4 * pi * squares) - 1) < 1e-5);
+	assert_true(fabs((double)import.environment_contrast / (4 * PI * squares) - 1) < 1e-5);
 }
 
 static void many_decades(void **state)

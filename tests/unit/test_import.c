@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "server/base/angle.h"
 #include "server/loader/geometry.h"
 #include "server/loader/import.h"
 #include "server/scene/lights.h"
@@ -179,8 +180,8 @@ static void emitters_go_by_power(void **state)
 	}
 	assert_int_equal(geometry_build(&import, &g, NULL), STATUS_OK);
 	weigh_materials();
-	assert_true(fabsf(import.materials[1].power_density - 3.14159265f) < 1e-5f);
-	assert_true(fabsf(import.materials[3].power_density - 6 * 3.14159265f) < 1e-5f);
+	assert_true(fabsf(import.materials[1].power_density - (float)PI) < 1e-5f);
+	assert_true(fabsf(import.materials[3].power_density - 6 * (float)PI) < 1e-5f);
 	assert_int_equal(lights_collect_emitters(import.materials, g.vertices, g.triangles, g.triangle_count, &once, &count,
 						 &power, NULL),
 			 STATUS_OK);
@@ -188,7 +189,7 @@ static void emitters_go_by_power(void **state)
 	// area · radiance · sides: 2·1, 4.5·2, 8·3·2, of 59 in all
 	assert_true(fabs(once[0].pmf - 2 / 59.0) < 1e-6 && fabs(once[1].pmf - 9 / 59.0) < 1e-6 &&
 		    fabs(once[2].pmf - 48 / 59.0) < 1e-6);
-	assert_true(fabs(power - 59 * 3.14159265) < 1e-3);
+	assert_true(fabs(power - 59 * PI) < 1e-3);
 	for (int i = 0; i < 4; i++)
 		for (int c = 0; c < 3; c++)
 			import.materials[i].emission[c] *= 2;
@@ -222,7 +223,7 @@ static void punctual_lights_go_by_power(void **state)
 		assert_true(place[1 + i] == i && table[i].kind == i);
 	for (int i = 0; i < 3; i++)
 		assert_true(fabs(table[i].pmf - weights[i] / 13.5) < 1e-6);
-	assert_true(fabs(power - 13.5 * 3.14159265) < 1e-4);
+	assert_true(fabs(power - 13.5 * PI) < 1e-4);
 }
 
 int main(void)

@@ -30,7 +30,8 @@ void gl_define_effects(struct gl_defines *d, uint32_t effects)
 #undef DEFINE_EFFECT
 }
 
-static enum status compile(GLenum stage, const struct gl_program *p, const char *text, GLuint *shader, struct error *err)
+static enum status gl_program_compile(GLenum stage, const struct gl_program *p, const char *text, GLuint *shader,
+				      struct error *err)
 {
 	const char *const parts[] = {version, p->defines, text};
 	*shader = glCreateShader(stage);
@@ -73,7 +74,7 @@ static enum status build(struct gl_program *p, struct error *err)
 		if (!stages[i].text)
 			continue;
 		GLuint shader;
-		s = compile(stages[i].stage, p, stages[i].text, &shader, err);
+		s = gl_program_compile(stages[i].stage, p, stages[i].text, &shader, err);
 		if (s == STATUS_OK)
 			glAttachShader(p->name, shader);
 		// Lives on as long as it is attached.
@@ -95,7 +96,7 @@ void gl_program_release(struct gl_program *p)
 }
 
 // Make room for one more.
-static void trim(struct gl_device *d)
+static void gl_program_trim(struct gl_device *d)
 {
 	struct gl_program **oldest = NULL;
 	unsigned count = 0;
@@ -136,7 +137,7 @@ enum status gl_program_get(struct gl_device *d, const struct gl_source *source, 
 		free(p);
 		return s;
 	}
-	trim(d);
+	gl_program_trim(d);
 	p->used = ++d->program_turn;
 	p->next = d->programs;
 	d->programs = p;

@@ -7,7 +7,7 @@ static const char kind; // its address names gl_scene among the derived
 
 #define TEXEL_BYTES 16u
 
-static void destroy(struct derived *derived)
+static void gl_scene_destroy(struct derived *derived)
 {
 	struct gl_scene *s = (struct gl_scene *)derived;
 	glDeleteTextures(1, &s->node_texels);
@@ -41,7 +41,8 @@ static enum status view_as_texels(struct gl_scene *s, uint32_t binding, unsigned
 	return gl_check(s->device, "viewing a buffer as texels", err);
 }
 
-static enum status upload(struct gl_scene *s, const struct resident_scene *scene, uint32_t bindings, struct error *err)
+static enum status gl_scene_upload(struct gl_scene *s, const struct resident_scene *scene, uint32_t bindings,
+				   struct error *err)
 {
 	enum status r = STATUS_OK;
 	for (uint32_t i = 0; r == STATUS_OK && i < BIND_SCENE_COUNT; i++) {
@@ -68,7 +69,7 @@ enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device,
 		if (!s)
 			return error_set(err, STATUS_MEMORY, "out of memory");
 		s->device = device;
-		s->derived = (struct derived){.kind = &kind, .destroy = destroy, .bytes = bytes_of};
+		s->derived = (struct derived){.kind = &kind, .destroy = gl_scene_destroy, .bytes = bytes_of};
 		resident_derive(scene, &s->derived);
 	}
 	*out = s;
@@ -81,7 +82,7 @@ enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device,
 			return err->code;
 		s->base = base;
 	}
-	return upload(s, scene, bindings, err);
+	return gl_scene_upload(s, scene, bindings, err);
 }
 
 void gl_scene_bind(const struct gl_scene *s)

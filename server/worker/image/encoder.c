@@ -104,7 +104,7 @@ static void work(const struct encoder *e, const struct encoder_task *task)
 }
 
 // The next task, waiting for one; false when it is time to stop and nothing is queued.
-static bool take(struct encoder *e, struct encoder_task *task)
+static bool encoder_take(struct encoder *e, struct encoder_task *task)
 {
 	pthread_mutex_lock(&e->mutex);
 	while (e->count == 0 && !e->stopping)
@@ -120,11 +120,11 @@ static bool take(struct encoder *e, struct encoder_task *task)
 	return got;
 }
 
-static void *run(void *argument)
+static void *encoder_run(void *argument)
 {
 	struct encoder *e = argument;
 	struct encoder_task task;
-	while (take(e, &task)) {
+	while (encoder_take(e, &task)) {
 		work(e, &task);
 		frame_destroy(task.frame);
 	}
@@ -145,7 +145,7 @@ enum status encoder_create(int socket, const char *device, struct encoder **enco
 	sigset_t all, before;
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
-	int failed = pthread_create(&e->thread, NULL, run, e);
+	int failed = pthread_create(&e->thread, NULL, encoder_run, e);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	if (failed) {
 		pthread_cond_destroy(&e->changed);

@@ -14,8 +14,9 @@
 
 #include "shaders/shared/bindings.h"
 
+#include "server/base/angle.h"
+
 #define SAMPLES 2048u
-#define PI 3.14159265358979323846
 
 static double radical_inverse(uint32_t i)
 {

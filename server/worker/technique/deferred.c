@@ -7,7 +7,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/deferred_cover.h"
 #include "server/worker/technique/deferred_job.h"
-#include "server/worker/technique/pt_resolve.h"
+#include "server/worker/technique/resolve.h"
 
 #define FIRST_TILES 64u
 #define FIRST_COST 1e6 // of triangles: DEFERRED_TRIANGLE_COST
@@ -53,9 +53,9 @@ static uint32_t affordable(const struct deferred *d, const struct deferred_work 
 	return n;
 }
 
-static enum status take_counters(struct deferred *d, struct error *err)
+static enum status deferred_take_counters(struct deferred *d, struct error *err)
 {
-	struct pt_counters now;
+	struct pass_counters now;
 	enum status s = gl_buffer_read(&d->counters, d->device, 0, sizeof now, &now, err);
 	if (s != STATUS_OK)
 		return s;
@@ -78,7 +78,7 @@ static enum status run_piece(struct deferred *d, double us, struct error *err)
 	deferred_record(d, units);
 	enum status s = gl_wait(d->device, w->stage, err);
 	if (s == STATUS_OK && w->kind == DEFERRED_SUM)
-		s = take_counters(d, err);
+		s = deferred_take_counters(d, err);
 	if (units > 0) {
 		const double measured = (double)(clock_us() - start) / cost;
 		w->unit_us = w->unit_us > 0 ? 0.5 * (w->unit_us + measured) : measured;
@@ -127,7 +127,8 @@ static enum status read_pixels(const struct gl_buffer *b, struct gl_device *devi
 	return gl_buffer_read(b, device, before * each, count * each, out, err);
 }
 
-static enum status read_band(struct deferred *d, uint32_t index, struct frame *f, struct pt_resolver *r, struct error *err)
+static enum status deferred_read_band(struct deferred *d, uint32_t index, struct frame *f, struct resolver *r,
+				      struct error *err)
 {
 	const struct deferred_band *b = &d->bands[index];
 	const uint64_t before = (uint64_t)(b->own.first_row - b->outer.first_row) * d->plan.width;
@@ -137,12 +138,12 @@ static enum status read_band(struct deferred *d, uint32_t index, struct frame *f
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	enum status s = read_pixels(&b->sums, d->device, before, pixels, ACCUMULATOR_FLOATS * sizeof(float), host, err);
 	if (s == STATUS_OK)
-		pt_resolve(r, host, b->own.first_row, b->own.rows, f);
+		resolve_sums(r, host, b->own.first_row, b->own.rows, f);
 	if (s == STATUS_OK && b->aov.bytes > 0) {
 		// Smaller than the sums, which are no longer needed.
 		s = read_pixels(&b->aov, d->device, before, pixels, AOV_WORDS * sizeof(uint32_t), host, err);
 		if (s == STATUS_OK)
-			pt_resolve_aov(host, b->own.first_row, b->own.rows, f);
+			resolve_aovs(host, b->own.first_row, b->own.rows, f);
 	}
 	free(host);
 	return s;
@@ -157,7 +158,7 @@ static uint32_t tiles_ahead(const struct deferred *d)
 	return b->own.first_tile + (d->work == d->work_count - 1 ? d->unit : 0);
 }
 
-static void account(struct deferred *d, struct frame *f, uint64_t resolve_us)
+static void deferred_account(struct deferred *d, struct frame *f, uint64_t resolve_us)
 {
 	f->samples = d->sample;
 	f->non_finite_samples = d->non_finite;
@@ -178,16 +179,16 @@ enum status deferred_read(struct deferred *d, struct frame **frame, struct error
 	enum status s = frame_create(d->plan.width, d->plan.height, d->plan.aovs, &f, err);
 	if (s != STATUS_OK)
 		return s;
-	struct pt_resolver resolver;
-	pt_resolver_init(&resolver, d->plan.first_sample, d->sample, tiles_ahead(d), 1);
+	struct resolver resolver;
+	resolver_init(&resolver, d->plan.first_sample, d->sample, tiles_ahead(d), 1);
 	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++)
-		s = read_band(d, i, f, &resolver, err);
+		s = deferred_read_band(d, i, f, &resolver, err);
 	if (s != STATUS_OK) {
 		frame_destroy(f);
 		return s;
 	}
-	f->estimated_relmse = pt_resolver_error(&resolver);
-	account(d, f, clock_us() - start);
+	f->estimated_relmse = resolver_error(&resolver);
+	deferred_account(d, f, clock_us() - start);
 	*frame = f;
 	return STATUS_OK;
 }

@@ -41,8 +41,8 @@ struct deferred {
 	struct deferred_pass passes[DEFERRED_PASSES_MAX];
 	uint32_t pass_count;
 
-	struct gl_buffer job; // struct pt_job
-	struct gl_buffer counters; // struct pt_counters, growing
+	struct gl_buffer job; // struct scene_params
+	struct gl_buffer counters; // struct pass_counters, growing
 	struct gl_texture visibility, depth, radiance; // of a band
 	unsigned framebuffer;
 	struct deferred_band *bands;
@@ -57,7 +57,7 @@ struct deferred {
 	bool aov_done;
 	uint32_t sample, band, work, unit;
 
-	struct pt_counters seen;
+	struct pass_counters seen;
 	uint64_t rays, non_finite;
 	struct gl_timer timer;
 	uint64_t upload_us;

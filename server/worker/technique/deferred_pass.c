@@ -82,7 +82,7 @@ static void bind_common(const struct deferred *d, const struct gl_program *progr
 }
 
 // Depth grows towards the eye; of equal depths the first drawn stays.
-static void set_raster(const struct deferred *d)
+static void deferred_set_raster(const struct deferred *d)
 {
 	const struct deferred_band *b = &d->bands[d->band];
 	glBindFramebuffer(GL_FRAMEBUFFER, d->framebuffer);
@@ -113,7 +113,7 @@ static void record_draw(const struct deferred *d, const struct deferred_work *wo
 	const GLuint nothing[4] = {0};
 	const GLfloat far = 0.0f;
 	bind_common(d, work->program);
-	set_raster(d);
+	deferred_set_raster(d);
 	if (first == 0) {
 		glClearBufferuiv(GL_COLOR, 0, nothing);
 		glClearBufferfv(GL_DEPTH, 0, &far);

@@ -5,7 +5,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/technique/deferred_job.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "shaders/gl/aov_comp.h"
 #include "shaders/gl/sum_comp.h"
 #include "shaders/gl/visibility_frag.h"
@@ -51,7 +51,7 @@ uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan)
 {
 	const uint64_t pixels = (uint64_t)plan->width * plan->height;
 	const uint64_t texels = (uint64_t)plan->width * deferred_band_rows(devices->gl, plan);
-	uint64_t bytes = sizeof(struct pt_job) + sizeof(struct pt_counters), summed = pixels;
+	uint64_t bytes = sizeof(struct scene_params) + sizeof(struct pass_counters), summed = pixels;
 	const uint32_t most = band_tile_rows(devices->gl, plan), all = tile_rows(plan);
 	if (most > 2 && most < all)
 		summed += 2ull * ((all - 1) / (most - 2)) * TILE_SIDE * plan->width; // rows that two bands work on
@@ -74,7 +74,7 @@ static struct deferred_rows rows_of(const struct plan *p, uint32_t first, uint32
 				      .tiles = (end - first) * tile_columns(p)};
 }
 
-static enum status cut_bands(struct deferred *d, struct error *err)
+static enum status deferred_cut_bands(struct deferred *d, struct error *err)
 {
 	const struct plan *p = &d->plan;
 	const uint32_t fit = band_tile_rows(d->device, p), all = tile_rows(p);
@@ -94,13 +94,13 @@ static enum status cut_bands(struct deferred *d, struct error *err)
 	return STATUS_OK;
 }
 
-static enum status make_buffers(struct deferred *d, struct error *err)
+static enum status deferred_make_buffers(struct deferred *d, struct error *err)
 {
-	struct pt_job params;
-	scene_job_fill(&d->plan, &d->scene->view, &params);
+	struct scene_params params;
+	scene_params_fill(&d->plan, &d->scene->view, &params);
 	enum status s = gl_buffer_init(&d->job, d->device, sizeof params, &params, err);
 	if (s == STATUS_OK)
-		s = gl_buffer_init(&d->counters, d->device, sizeof(struct pt_counters), NULL, err);
+		s = gl_buffer_init(&d->counters, d->device, sizeof(struct pass_counters), NULL, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++) {
 		struct deferred_band *b = &d->bands[i];
 		const uint64_t pixels = (uint64_t)b->outer.rows * d->plan.width;
@@ -191,9 +191,9 @@ static enum status make_all(struct deferred *d, uint32_t bindings, struct error 
 	const uint64_t start = clock_us();
 	enum status s = gl_scene_get(d->scene, d->device, bindings | scene_bindings_shade(&d->plan), &d->gl_scene, err);
 	if (s == STATUS_OK)
-		s = cut_bands(d, err);
+		s = deferred_cut_bands(d, err);
 	if (s == STATUS_OK)
-		s = make_buffers(d, err);
+		s = deferred_make_buffers(d, err);
 	if (s == STATUS_OK)
 		s = make_textures(d, err);
 	d->upload_us += clock_us() - start;

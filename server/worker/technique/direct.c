@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "shaders/gl/light_comp.h"
 #include "shaders/gl/soften_comp.h"
 #include "shaders/shared/deferred.h"

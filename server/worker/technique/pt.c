@@ -17,14 +17,14 @@
 #include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_light.h"
-#include "server/worker/technique/pt_resolve.h"
+#include "server/worker/technique/resolve.h"
 #include "server/worker/vk/command.h"
 
 #define DISPATCHES_PER_SUBMIT 256u
 #define FIRST_TILES 16u
 #define AOV_TILES 16u // one ray a pixel where a path has many: the same time does about so many times the tiles
 
-static void bind(const struct technique_job *j, const struct pipeline *pipeline, const struct binding_set *set)
+static void pt_bind(const struct technique_job *j, const struct pipeline *pipeline, const struct binding_set *set)
 {
 	VkCommandBuffer c = j->device->commands;
 	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
@@ -63,7 +63,7 @@ static uint64_t record_paths(struct technique_job *j, uint64_t count)
 					 .round_count = j->segment * j->batch,
 					 .band_rows = band->rows,
 					 .light_tiles = pt_light_tiles(band->tiles)};
-		bind(j, j->path, &band->path_bindings);
+		pt_bind(j, j->path, &band->path_bindings);
 		for (uint32_t s = 0; s < j->segments; s++) {
 			push.resumes = s > 0;
 			dispatch(j, j->path, &push);
@@ -90,7 +90,7 @@ static void record_aov(struct technique_job *j, uint64_t count)
 	const struct pt_band *band = pt_job_band(j, j->aov_tile);
 	const struct path_push push = {
 	    .first_tile = j->aov_tile, .tile_count = run_of_tiles(band, j->aov_tile, count), .first_row = band->first_row};
-	bind(j, j->aov, &band->aov_bindings);
+	pt_bind(j, j->aov, &band->aov_bindings);
 	dispatch(j, j->aov, &push);
 	j->aov_tile += push.tile_count;
 }
@@ -115,9 +115,9 @@ static enum status on_cut(struct technique_job *j, struct error *err)
 	return pt_job_restart(j, j->segment / 2, j->batch_most, err);
 }
 
-static enum status take_counters(struct technique_job *j, struct error *err)
+static enum status pt_take_counters(struct technique_job *j, struct error *err)
 {
-	struct pt_counters now;
+	struct pass_counters now;
 	memcpy(&now, j->counters_host.map, sizeof now);
 	j->rays += now.rays - j->seen.rays; // modulo 2^32, which no submission reaches
 	j->non_finite += now.non_finite - j->seen.non_finite;
@@ -130,10 +130,10 @@ static enum status take_counters(struct technique_job *j, struct error *err)
 }
 
 // Run what is recorded, and add the time that it took.
-static enum status finish(struct technique_job *j, uint64_t *us, struct error *err)
+static enum status pt_finish(struct technique_job *j, uint64_t *us, struct error *err)
 {
 	struct device *d = j->device;
-	const VkBufferCopy all = {.size = sizeof(struct pt_counters)};
+	const VkBufferCopy all = {.size = sizeof(struct pass_counters)};
 	vkCmdCopyBuffer(d->commands, j->counters.handle, j->counters_host.handle, 1, &all);
 	command_barrier(d);
 	const uint64_t start = clock_us();
@@ -156,7 +156,7 @@ static enum status submit_lights(struct technique_job *j, uint32_t first_tile, u
 		pt_light_record(j, j->light, &band->light_bindings, band, tile, count);
 		tile += count;
 	}
-	s = finish(j, us, err);
+	s = pt_finish(j, us, err);
 	j->light_us += *us - before;
 	return s;
 }
@@ -170,7 +170,7 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	if (s != STATUS_OK)
 		return s;
 	// The greatest count is of one submission; the others grow.
-	vkCmdFillBuffer(d->commands, j->counters.handle, offsetof(struct pt_counters, loop_rounds), sizeof(uint), 0);
+	vkCmdFillBuffer(d->commands, j->counters.handle, offsetof(struct pass_counters, loop_rounds), sizeof(uint), 0);
 	command_barrier(d);
 	const uint32_t first_tile = j->tile;
 	if (aov)
@@ -178,7 +178,7 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	else
 		recorded = record_paths(j, count);
 	uint64_t us = 0;
-	s = finish(j, &us, err);
+	s = pt_finish(j, &us, err);
 	if (s != STATUS_OK)
 		return s;
 	if (aov) {
@@ -193,7 +193,7 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	}
 	const double measured = (double)us / (double)recorded;
 	j->tile_us = j->tile_us > 0 ? 0.5 * (j->tile_us + measured) : measured;
-	s = take_counters(j, err);
+	s = pt_take_counters(j, err);
 	if (s == STATUS_OK)
 		end_batch(j);
 	return s;
@@ -255,8 +255,8 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 
 // ---- read ---------------------------------------------------------------------------------------------------------------
 
-static enum status read_band(struct technique_job *j, const struct pt_band *b, struct pt_resolver *resolver, struct frame *f,
-			     struct error *err)
+static enum status pt_read_band(struct technique_job *j, const struct pt_band *b, struct resolver *resolver, struct frame *f,
+				struct error *err)
 {
 	const size_t bytes = (size_t)b->accumulator.bytes;
 	void *host = malloc(bytes);
@@ -269,13 +269,13 @@ static enum status read_band(struct technique_job *j, const struct pt_band *b, s
 	resolver->film = film;
 	pt_light_units(j, b, resolver->film_units);
 	if (s == STATUS_OK)
-		pt_resolve(resolver, host, b->first_row, b->rows, f);
+		resolve_sums(resolver, host, b->first_row, b->rows, f);
 	free(film);
 	if (s == STATUS_OK && b->aov.bytes > 0) {
 		// Smaller than the sums, which are no longer needed.
 		s = buffer_read(&b->aov, j->device, 0, b->aov.bytes, host, err);
 		if (s == STATUS_OK)
-			pt_resolve_aov(host, b->first_row, b->rows, f);
+			resolve_aovs(host, b->first_row, b->rows, f);
 	}
 	free(host);
 	return s;
@@ -296,7 +296,7 @@ static void account_clamp(const struct technique_job *j, struct frame *f)
 	frame_add_figure(f, "clamp.share", removed > 0 ? removed / (removed + kept) : 0, "");
 }
 
-static void account(const struct technique_job *j, struct frame *f)
+static void pt_account(const struct technique_job *j, struct frame *f)
 {
 	f->samples = j->sample;
 	f->non_finite_samples = j->non_finite;
@@ -325,10 +325,10 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	enum status s = frame_create(j->plan.width, j->plan.height, j->plan.aovs, &f, err);
 	if (s != STATUS_OK)
 		return s;
-	struct pt_resolver resolver;
-	pt_resolver_init(&resolver, j->plan.first_sample, j->sample, j->tile, j->batch);
+	struct resolver resolver;
+	resolver_init(&resolver, j->plan.first_sample, j->sample, j->tile, j->batch);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
-		s = read_band(j, &j->bands[i], &resolver, f, err);
+		s = pt_read_band(j, &j->bands[i], &resolver, f, err);
 	if (s == STATUS_OK && (j->error_sample != j->sample || j->tile > 0))
 		s = pt_error_measure(j, err);
 	if (s != STATUS_OK) {
@@ -336,7 +336,7 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 		return s;
 	}
 	f->estimated_relmse = j->estimated_relmse;
-	account(j, f);
+	pt_account(j, f);
 	if (j->plan.clamp > 0)
 		account_clamp(j, f);
 	frame_add_stage(f, "resolve", clock_us() - start);

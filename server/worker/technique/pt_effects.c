@@ -6,7 +6,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_light.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "server/worker/vk/command.h"
 
 #define PROBE_TILES 64u // 4,096 pixels
@@ -49,7 +49,7 @@ static enum status prepare(struct technique_job *j, uint32_t effects, struct con
 	return s;
 }
 
-static void finish(struct technique_job *j, struct contestant *c)
+static void pt_effects_finish(struct technique_job *j, struct contestant *c)
 {
 	binding_set_finish(&c->bindings, j->device);
 	binding_set_finish(&c->light_bindings, j->device);
@@ -120,7 +120,7 @@ static enum status time_one(struct technique_job *j, struct contestant *as_plann
 		report->share = !report->has_share ? 0 : runs ? -more : more;
 		report->cost_us = (int64_t)(report->share * as_planned->best_us * j->tiles * j->plan.samples);
 	}
-	finish(j, &other);
+	pt_effects_finish(j, &other);
 	return s;
 }
 
@@ -140,7 +140,7 @@ enum status pt_time_effects(struct technique_job *j, candil_EffectReport *report
 		for (uint32_t i = 0; s == STATUS_OK && i < count && clock_us() - start < PROBE_US; i++)
 			if (plan_has(&j->plan, reports[i].effect) == (pass == 0) && can_time(j, reports[i].effect))
 				s = time_one(j, &as_planned, &reports[i], err);
-	finish(j, &as_planned);
+	pt_effects_finish(j, &as_planned);
 	j->effects_us = clock_us() - start;
 	return s == STATUS_OK ? pt_job_restart(j, j->segment, j->batch_most, err) : s;
 }

@@ -63,7 +63,7 @@ static void record(const struct technique_job *j, const struct pt_band *band)
 	}
 }
 
-static enum status run(struct technique_job *j, struct error *err)
+static enum status pt_error_run(struct technique_job *j, struct error *err)
 {
 	enum status s = command_begin(j->device, err);
 	if (s != STATUS_OK)
@@ -86,7 +86,7 @@ enum status pt_error_init(struct technique_job *j, struct error *err)
 	if (s != STATUS_OK || j->error->warm)
 		return s;
 	// What it writes of a picture without samples is not read.
-	s = run(j, err);
+	s = pt_error_run(j, err);
 	j->error->warm = s == STATUS_OK;
 	j->compile_us += clock_us() - start;
 	return s;
@@ -111,7 +111,7 @@ enum status pt_error_measure(struct technique_job *j, struct error *err)
 	float *parts = malloc(bytes);
 	if (!parts)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = run(j, err);
+	enum status s = pt_error_run(j, err);
 	if (s == STATUS_OK)
 		s = buffer_read(&j->errors, j->device, 0, bytes, parts, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->tiles; i++)

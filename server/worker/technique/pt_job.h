@@ -31,8 +31,8 @@ struct technique_job {
 	uint32_t segments; // dispatches that a batch takes
 	uint32_t batch_most; // samples of a batch at most
 	const struct pt_light_tree *tree; // the tree over lamps, the scene's; NULL: they are chosen by power
-	struct buffer job; // struct pt_job
-	struct buffer counters; // struct pt_counters, growing
+	struct buffer job; // struct scene_params
+	struct buffer counters; // struct pass_counters, growing
 	struct buffer counters_host; // what the last submission left in them
 	struct buffer paths; // only if segments > 1
 	struct pipeline *path;
@@ -41,7 +41,7 @@ struct technique_job {
 	struct pipeline *light; // only with light paths
 	struct buffer casters; // struct emitter; only if there are any
 	struct buffer caster_density; // a float a material; only with light paths
-	double film_unit; // pt_job's
+	double film_unit; // scene_params's
 	struct buffer errors; // a float a tile
 	struct pt_band *bands;
 	uint32_t band_count;
@@ -53,7 +53,7 @@ struct technique_job {
 	uint32_t loop_rounds; // the most that an invocation went round in this batch's dispatches
 	uint32_t aov_tile;
 	double tile_us; // measured time of a tile of one sample; 0: not yet
-	struct pt_counters seen; // counters at the last look
+	struct pass_counters seen; // counters at the last look
 	uint64_t rays, non_finite, clamped;
 	uint64_t removed; // luminance that clamping took, in CLAMP_UNITS to the clamp
 	double estimated_relmse; // of the picture after error_sample samples; negative: unknown

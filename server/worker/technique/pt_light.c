@@ -5,7 +5,7 @@
 
 #include "server/scene/casters.h"
 #include "server/scene/lights.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "server/worker/vk/command.h"
 #include "shaders/light_comp.h"
 
@@ -34,7 +34,7 @@ uint64_t pt_light_bytes(const struct blob_view *scene, const struct plan *plan)
 	       (uint64_t)casters_count(scene) * sizeof(struct emitter) + scene->counts[BLOB_MATERIALS] * sizeof(float);
 }
 
-static enum status make_casters(struct technique_job *j, struct pt_job *params, struct error *err)
+static enum status make_casters(struct technique_job *j, struct scene_params *params, struct error *err)
 {
 	const struct blob_view *scene = &j->scene->view;
 	const uint32_t materials = scene->counts[BLOB_MATERIALS];
@@ -52,7 +52,7 @@ static enum status make_casters(struct technique_job *j, struct pt_job *params, 
 	return s;
 }
 
-enum status pt_light_init(struct technique_job *j, struct pt_job *params, struct error *err)
+enum status pt_light_init(struct technique_job *j, struct scene_params *params, struct error *err)
 {
 	const struct blob_view *scene = &j->scene->view;
 	if (!wanted(&j->plan))

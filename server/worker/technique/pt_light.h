@@ -10,7 +10,7 @@
 uint64_t pt_light_bytes(const struct blob_view *scene, const struct plan *plan);
 
 // Make its buffers, and fill in what its shader reads of `params`. Without the effect, nothing. The job's bands are cut.
-enum status pt_light_init(struct technique_job *job, struct pt_job *params, struct error *err);
+enum status pt_light_init(struct technique_job *job, struct scene_params *params, struct error *err);
 
 // Make its pipeline and bindings, again if they are there; *compiles becomes true if the driver had to compile. Without the
 // effect, nothing.

@@ -57,7 +57,7 @@ uint64_t pt_light_tree_bytes(const struct resident_scene *scene, const struct pl
 	       (uint64_t)lamps.emitter_count * sizeof(uint32_t);
 }
 
-static void destroy(struct derived *derived)
+static void light_tree_destroy(struct derived *derived)
 {
 	struct tree *t = (struct tree *)derived;
 	buffer_finish(&t->buffers.nodes, t->device);
@@ -65,7 +65,7 @@ static void destroy(struct derived *derived)
 	free(t);
 }
 
-static uint64_t idle_bytes(const struct derived *derived)
+static uint64_t light_tree_idle_bytes(const struct derived *derived)
 {
 	const struct tree *t = (const struct tree *)derived;
 	return t->buffers.nodes.allocated + t->buffers.trails.allocated;
@@ -105,13 +105,13 @@ enum status pt_light_tree_get(struct device *device, struct resident_scene *scen
 		t = calloc(1, sizeof *t);
 		if (!t)
 			return error_set(err, STATUS_MEMORY, "out of memory");
-		t->derived = (struct derived){.kind = kind, .destroy = destroy, .bytes = idle_bytes};
+		t->derived = (struct derived){.kind = kind, .destroy = light_tree_destroy, .bytes = light_tree_idle_bytes};
 		t->device = device;
 		s = make(t, &lamps, err);
 		if (s == STATUS_OK)
 			resident_derive(scene, &t->derived);
 		else
-			destroy(&t->derived);
+			light_tree_destroy(&t->derived);
 		*us += clock_us() - start;
 	}
 	if (s == STATUS_OK)

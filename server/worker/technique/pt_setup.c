@@ -8,7 +8,7 @@
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_light.h"
 #include "server/worker/technique/pt_light_tree.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "server/worker/vk/command.h"
 #include "shaders/aov_comp.h"
 #include "shaders/path_comp.h"
@@ -102,7 +102,7 @@ static uint64_t paths_bytes(const struct plan *plan)
 
 uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
-	uint64_t bytes = sizeof(struct pt_job) + 2 * sizeof(struct pt_counters);
+	uint64_t bytes = sizeof(struct scene_params) + 2 * sizeof(struct pass_counters);
 	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
 	if (pt_light_tree_wanted(devices, scene, plan))
@@ -120,7 +120,7 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 // ---- bands --------------------------------------------------------------------------------------------------------------
 
 // Cut the image into as few bands of whole tile rows as the device's largest binding allows.
-static enum status cut_bands(struct technique_job *j, struct error *err)
+static enum status pt_cut_bands(struct technique_job *j, struct error *err)
 {
 	const struct plan *p = &j->plan;
 	const uint64_t row_bytes = (uint64_t)p->width * TILE_SIDE * ACCUMULATOR_FLOATS * sizeof(float);
@@ -164,18 +164,18 @@ static enum status clear_bands(struct technique_job *j, struct error *err)
 	return s;
 }
 
-static enum status make_buffers(struct technique_job *j, struct error *err)
+static enum status pt_make_buffers(struct technique_job *j, struct error *err)
 {
 	struct device *d = j->device;
-	struct pt_job params;
-	scene_job_fill(&j->plan, &j->scene->view, &params);
+	struct scene_params params;
+	scene_params_fill(&j->plan, &j->scene->view, &params);
 	enum status s = pt_light_init(j, &params, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&j->job, d, &params, sizeof params, err);
 	if (s == STATUS_OK)
-		s = buffer_init(&j->counters, d, sizeof(struct pt_counters), BUFFER_DEVICE, err);
+		s = buffer_init(&j->counters, d, sizeof(struct pass_counters), BUFFER_DEVICE, err);
 	if (s == STATUS_OK)
-		s = buffer_init(&j->counters_host, d, sizeof(struct pt_counters), BUFFER_READBACK, err);
+		s = buffer_init(&j->counters_host, d, sizeof(struct pass_counters), BUFFER_READBACK, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
 		struct pt_band *b = &j->bands[i];
 		const uint64_t pixels = (uint64_t)b->rows * j->plan.width;
@@ -348,9 +348,9 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	if (s == STATUS_OK && plan_has_sky(plan))
 		s = pt_sky_get(plan->environment.scene, device, &j->sky, err);
 	if (s == STATUS_OK)
-		s = cut_bands(j, err);
+		s = pt_cut_bands(j, err);
 	if (s == STATUS_OK)
-		s = make_buffers(j, err);
+		s = pt_make_buffers(j, err);
 	j->upload_us = clock_us() - start;
 	if (s == STATUS_OK && pt_light_tree_wanted(devices, scene, plan))
 		s = pt_light_tree_get(device, scene, plan, &j->tree, &j->tree_us, err);
@@ -374,7 +374,7 @@ enum status pt_job_restart(struct technique_job *j, uint32_t segment, uint32_t b
 	j->batch_most = batch;
 	j->sample = 0;
 	j->tile = 0;
-	j->seen = (struct pt_counters){0};
+	j->seen = (struct pass_counters){0};
 	j->rays = 0;
 	j->non_finite = 0;
 	j->clamped = 0;

@@ -4,7 +4,7 @@
 
 static const char kind; // its address names pt_sky among the derived
 
-static void destroy(struct derived *derived)
+static void pt_sky_destroy(struct derived *derived)
 {
 	struct pt_sky *s = (struct pt_sky *)derived;
 	buffer_finish(&s->texels, s->device);
@@ -12,14 +12,14 @@ static void destroy(struct derived *derived)
 	free(s);
 }
 
-static uint64_t idle_bytes(const struct derived *derived)
+static uint64_t pt_sky_idle_bytes(const struct derived *derived)
 {
 	const struct pt_sky *s = (const struct pt_sky *)derived;
 	return s->texels.allocated + s->rows.allocated;
 }
 
-static enum status upload(struct resident_scene *picture, enum blob_section section, struct device *device,
-			  struct buffer *buffer, struct error *err)
+static enum status pt_sky_upload(struct resident_scene *picture, enum blob_section section, struct device *device,
+				 struct buffer *buffer, struct error *err)
 {
 	const uint64_t bytes = (uint64_t)scene_count(picture, section) * blob_stride(section);
 	return buffer_init_with(buffer, device, scene_section(picture, section), bytes, err);
@@ -34,13 +34,13 @@ enum status pt_sky_get(struct resident_scene *picture, struct device *device, co
 	s = calloc(1, sizeof *s);
 	if (!s)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	s->derived = (struct derived){.kind = &kind, .destroy = destroy, .bytes = idle_bytes};
+	s->derived = (struct derived){.kind = &kind, .destroy = pt_sky_destroy, .bytes = pt_sky_idle_bytes};
 	s->device = device;
-	enum status status = upload(picture, BLOB_ENVIRONMENT, device, &s->texels, err);
+	enum status status = pt_sky_upload(picture, BLOB_ENVIRONMENT, device, &s->texels, err);
 	if (status == STATUS_OK)
-		status = upload(picture, BLOB_ENVIRONMENT_ROWS, device, &s->rows, err);
+		status = pt_sky_upload(picture, BLOB_ENVIRONMENT_ROWS, device, &s->rows, err);
 	if (status != STATUS_OK) {
-		destroy(&s->derived);
+		pt_sky_destroy(&s->derived);
 		return status;
 	}
 	resident_derive(picture, &s->derived);

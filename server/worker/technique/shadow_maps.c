@@ -6,7 +6,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/gl/scene.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "server/worker/technique/shadow_views.h"
 #include "shaders/gl/shadow_frag.h"
 #include "shaders/gl/shadow_vert.h"
@@ -35,7 +35,7 @@ static void finish_drawing(struct shadow_maps *m)
 	m->scene = NULL;
 }
 
-static void destroy(struct shelved *shelved, bool scene_goes)
+static void shadow_maps_destroy(struct shelved *shelved, bool scene_goes)
 {
 	struct shadow_maps *m = (struct shadow_maps *)shelved;
 	(void)scene_goes;
@@ -46,18 +46,19 @@ static void destroy(struct shelved *shelved, bool scene_goes)
 	free(m);
 }
 
-static bool is_finished(const struct shelved *shelved)
+static bool shadow_maps_is_finished(const struct shelved *shelved)
 {
 	return shadow_maps_finished((const struct shadow_maps *)shelved);
 }
 
-static uint64_t idle_bytes(const struct shelved *shelved)
+static uint64_t shadow_maps_idle_bytes(const struct shelved *shelved)
 {
 	const struct shadow_maps *m = (const struct shadow_maps *)shelved;
 	return m->depths.bytes + m->views.bytes + m->lights.bytes;
 }
 
-static const struct shelf_kind kind = {.kept = 2, .finished = is_finished, .bytes = idle_bytes, .destroy = destroy};
+static const struct shelf_kind kind = {
+    .kept = 2, .finished = shadow_maps_is_finished, .bytes = shadow_maps_idle_bytes, .destroy = shadow_maps_destroy};
 
 // ---- what a plan wants --------------------------------------------------------------------------------------------------
 
@@ -113,12 +114,12 @@ uint64_t shadow_maps_bytes(const struct plan *plan, const struct resident_scene 
 
 // ---- making -------------------------------------------------------------------------------------------------------------
 
-static enum status make_buffers(struct shadow_maps *m, const struct plan *plan, struct error *err)
+static enum status shadow_maps_make_buffers(struct shadow_maps *m, const struct plan *plan, struct error *err)
 {
 	struct shadow_views views;
-	struct pt_job job;
+	struct scene_params job;
 	enum status s = shadow_views_init(&views, &m->scene->view, m->key.side, err);
-	scene_job_fill(plan, &m->scene->view, &job);
+	scene_params_fill(plan, &m->scene->view, &job);
 	m->count = views.count;
 	const struct gl_texture_desc desc = depths_desc(m->key.side, m->count);
 	if (s == STATUS_OK)
@@ -145,7 +146,7 @@ static enum status make_framebuffer(struct shadow_maps *m, struct error *err)
 	return gl_check(m->device, "making a framebuffer", err);
 }
 
-static void set_raster(const struct shadow_maps *m)
+static void shadow_maps_set_raster(const struct shadow_maps *m)
 {
 	glBindFramebuffer(GL_FRAMEBUFFER, m->framebuffer);
 	glViewport(0, 0, (GLsizei)m->key.side, (GLsizei)m->key.side);
@@ -191,7 +192,7 @@ static enum status draw(const struct shadow_maps *m, uint32_t count, struct erro
 	gl_buffer_bind(&m->job, BIND_JOB);
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_SHADOW_MAPS, m->views.name);
 	glNamedFramebufferTextureLayer(m->framebuffer, GL_DEPTH_ATTACHMENT, m->depths.name, 0, (GLint)m->layer);
-	set_raster(m);
+	shadow_maps_set_raster(m);
 	if (m->triangle == 0)
 		glClearBufferfv(GL_DEPTH, 0, &nothing);
 	for (uint32_t at = m->triangle, next; at < end; at = next) {
@@ -240,8 +241,9 @@ static enum status make_programs(struct shadow_maps *m, const struct plan *plan,
 	return s;
 }
 
-static enum status create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			  const struct shadow_key *key, uint64_t *compile_us, struct shadow_maps **out, struct error *err)
+static enum status shadow_maps_create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
+				      const struct shadow_key *key, uint64_t *compile_us, struct shadow_maps **out,
+				      struct error *err)
 {
 	struct shadow_maps *m = calloc(1, sizeof *m);
 	if (!m)
@@ -250,7 +252,7 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	m->scene = scene;
 	m->key = *key;
 	m->bindings = scene_bindings_shade(plan);
-	enum status s = make_buffers(m, plan, err);
+	enum status s = shadow_maps_make_buffers(m, plan, err);
 	if (s == STATUS_OK)
 		s = make_framebuffer(m, err);
 	if (s == STATUS_OK)
@@ -258,12 +260,13 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	if (s == STATUS_OK)
 		*out = m;
 	else
-		destroy(&m->shelved, false);
+		shadow_maps_destroy(&m->shelved, false);
 	return s;
 }
 
 // Those on the shelf. What is being drawn reads its scene, and is for that scene's jobs alone.
-static struct shadow_maps *find(const struct shelf *s, const struct shadow_key *key, const struct resident_scene *scene)
+static struct shadow_maps *shadow_maps_find(const struct shelf *s, const struct shadow_key *key,
+					    const struct resident_scene *scene)
 {
 	for (struct shelved *at = s->first; at; at = at->next) {
 		struct shadow_maps *m = (struct shadow_maps *)at;
@@ -280,11 +283,11 @@ enum status shadow_maps_acquire(struct resident_scene *scene, struct gl_device *
 	struct shelf *shelf = shelf_of(scene, &kind);
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	struct shadow_maps *m = find(shelf, &key, scene);
+	struct shadow_maps *m = shadow_maps_find(shelf, &key, scene);
 	if (!m) {
-		enum status s = create(scene, device, plan, &key, compile_us, &m, err);
+		enum status s = shadow_maps_create(scene, device, plan, &key, compile_us, &m, err);
 		while (s == STATUS_MEMORY && shelf_drop_idle(shelf, 0))
-			s = create(scene, device, plan, &key, compile_us, &m, err);
+			s = shadow_maps_create(scene, device, plan, &key, compile_us, &m, err);
 		if (s != STATUS_OK)
 			return s;
 		shelf_put(shelf, &m->shelved);

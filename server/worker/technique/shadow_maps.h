@@ -33,7 +33,7 @@ struct shadow_maps {
 	struct resident_scene *scene; // NULL: finished
 	uint32_t bindings;
 	struct gl_program *programs[2]; // held: for whole triangles; for those with holes, if there may be any
-	struct gl_buffer job; // struct pt_job
+	struct gl_buffer job; // struct scene_params
 	unsigned framebuffer;
 	uint32_t layer, triangle; // next
 	uint32_t last; // triangles of the last piece

@@ -14,7 +14,7 @@ struct frame3 {
 	double eye[3], x[3], y[3], z[3];
 };
 
-static void make_unit(double v[3])
+static void shadow_views_make_unit(double v[3])
 {
 	if (!vec3_normalize(v))
 		memcpy(v, (const double[3]){0, 0, 1}, 3 * sizeof *v);
@@ -24,10 +24,10 @@ static void make_unit(double v[3])
 static void look(struct frame3 *f, const double z[3])
 {
 	memcpy(f->z, z, sizeof f->z);
-	make_unit(f->z);
+	shadow_views_make_unit(f->z);
 	const double aside[3] = {fabs(f->z[0]) < 0.6, fabs(f->z[0]) >= 0.6, 0};
 	vec3_cross(aside, f->z, f->x);
-	make_unit(f->x);
+	shadow_views_make_unit(f->x);
 	vec3_cross(f->z, f->x, f->y);
 }
 
@@ -58,7 +58,8 @@ static void corner_in(const struct frame3 *f, const struct blob_view *scene, uns
 	out[2] = vec3_dot(d, f->z);
 }
 
-static void put(struct shadow_map *m, const struct frame3 *f, const double half[2], double near, double range, uint32_t side)
+static void shadow_views_put(struct shadow_map *m, const struct frame3 *f, const double half[2], double near, double range,
+			     uint32_t side)
 {
 	const double margin = 1 + 4.0 / side;
 	for (int i = 0; i < 3; i++) {
@@ -92,11 +93,11 @@ static void put_directional(struct shadow_map *m, const struct punctual_light *l
 	deep *= 1.01;
 	for (int i = 0; i < 3; i++)
 		f.eye[i] -= deep * f.z[i];
-	put(m, &f, half, 0, 2 * deep, side);
+	shadow_views_put(m, &f, half, 0, 2 * deep, side);
 }
 
 // The tangents of what is seen of the scene from f->eye. False: too wide for one map.
-static bool fits(struct frame3 *f, const struct blob_view *scene, double half[2])
+static bool shadow_views_fits(struct frame3 *f, const struct blob_view *scene, double half[2])
 {
 	double to[3];
 	middle(scene, to);
@@ -122,7 +123,7 @@ static void put_faces(struct shadow_map *m, struct frame3 *f, double near, uint3
 		double z[3] = {0};
 		z[face / 2] = face % 2 ? -1 : 1;
 		look(f, z);
-		put(&m[face], f, half, near, 0, side);
+		shadow_views_put(&m[face], f, half, near, 0, side);
 	}
 }
 
@@ -137,8 +138,8 @@ static uint32_t put_point(struct shadow_map *m, const struct punctual_light *lig
 	double half[2];
 	for (int i = 0; i < 3; i++)
 		f.eye[i] = (double)light->position[i];
-	if (fits(&f, scene, half) && fmax(half[0], half[1]) <= cone) {
-		put(m, &f, half, near, 0, side);
+	if (shadow_views_fits(&f, scene, half) && fmax(half[0], half[1]) <= cone) {
+		shadow_views_put(m, &f, half, near, 0, side);
 		return 1;
 	}
 	if (!(cone <= SHADOW_WIDEST)) {
@@ -148,7 +149,7 @@ static uint32_t put_point(struct shadow_map *m, const struct punctual_light *lig
 	const double z[3] = {(double)light->direction[0], (double)light->direction[1], (double)light->direction[2]};
 	half[0] = half[1] = fmax(cone, 1e-6);
 	look(&f, z);
-	put(m, &f, half, near, 0, side);
+	shadow_views_put(m, &f, half, near, 0, side);
 	return 1;
 }
 

@@ -38,12 +38,12 @@ bool shelf_drop_idle(struct shelf *s, uint32_t kept)
 	return true;
 }
 
-static bool trim(struct derived *derived)
+static bool shelf_trim(struct derived *derived)
 {
 	return shelf_drop_idle((struct shelf *)derived, 0);
 }
 
-static uint64_t idle_bytes(const struct derived *derived)
+static uint64_t shelf_idle_bytes(const struct derived *derived)
 {
 	const struct shelf *s = (const struct shelf *)derived;
 	uint64_t bytes = 0;
@@ -61,7 +61,8 @@ struct shelf *shelf_of(struct resident_scene *of, const struct shelf_kind *kind)
 	s = calloc(1, sizeof *s);
 	if (s) {
 		s->kind = kind;
-		s->derived = (struct derived){.kind = kind, .destroy = shelf_destroy, .trim = trim, .bytes = idle_bytes};
+		s->derived =
+		    (struct derived){.kind = kind, .destroy = shelf_destroy, .trim = shelf_trim, .bytes = shelf_idle_bytes};
 		resident_derive(scene, &s->derived);
 	}
 	return s;

@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846f
+#include "server/base/angle.h"
+
+static const float pi = (float)PI;
 #define CELLS ((uint32_t)SKY_CONES_WIDTH * SKY_CONES_HEIGHT)
 
 static const char kind; // its address names sky_map among the derived
@@ -17,7 +19,7 @@ struct cell {
 	float radiance[3];
 };
 
-static void destroy(struct derived *derived)
+static void sky_map_destroy(struct derived *derived)
 {
 	struct sky_map *m = (struct sky_map *)derived;
 	gl_texture_finish(&m->picture, m->device);
@@ -25,7 +27,7 @@ static void destroy(struct derived *derived)
 	free(m);
 }
 
-static uint64_t idle_bytes(const struct derived *derived)
+static uint64_t sky_map_idle_bytes(const struct derived *derived)
 {
 	const struct sky_map *m = (const struct sky_map *)derived;
 	return m->picture.bytes + m->cones.bytes;
@@ -33,12 +35,12 @@ static uint64_t idle_bytes(const struct derived *derived)
 
 static void place_cell(struct cell *c, uint32_t x, uint32_t y)
 {
-	const float longitude = ((float)x + 0.5f) / SKY_CONES_WIDTH * 2 * PI - PI;
-	const float polar = ((float)y + 0.5f) / SKY_CONES_HEIGHT * PI;
+	const float longitude = ((float)x + 0.5f) / SKY_CONES_WIDTH * 2 * pi - pi;
+	const float polar = ((float)y + 0.5f) / SKY_CONES_HEIGHT * pi;
 	c->direction[0] = sinf(polar) * sinf(longitude);
 	c->direction[1] = cosf(polar);
 	c->direction[2] = -sinf(polar) * cosf(longitude);
-	c->solid = 2 * PI / SKY_CONES_WIDTH * 2 * sinf(polar) * sinf(0.5f * PI / SKY_CONES_HEIGHT);
+	c->solid = 2 * pi / SKY_CONES_WIDTH * 2 * sinf(polar) * sinf(0.5f * pi / SKY_CONES_HEIGHT);
 }
 
 static uint32_t at_most(float value, uint32_t most)
@@ -70,7 +72,7 @@ static void add_up(const struct environment_texel *t, uint32_t w, uint32_t h, st
 	if (!sums)
 		return;
 	for (uint32_t y = 0; y < h; y++) {
-		const double weight = sin((y + 0.5) * (double)PI / h);
+		const double weight = sin((y + 0.5) * (double)pi / h);
 		double(*row)[4] = sums + (size_t)((uint64_t)y * SKY_CONES_HEIGHT / h) * SKY_CONES_WIDTH;
 		for (uint32_t x = 0; x < w; x++) {
 			double *sum = row[(uint64_t)x * SKY_CONES_WIDTH / w];
@@ -104,7 +106,7 @@ static void fill_cells(const struct resident_scene *picture, struct cell *cells)
 // The mean over the cone about `middle`. Its edge is as soft as a cell is wide, so that cells do not show.
 static void see(const struct cell *cells, const float middle[3], float half, float out[4])
 {
-	const float soft = 0.5f * PI / SKY_CONES_HEIGHT;
+	const float soft = 0.5f * pi / SKY_CONES_HEIGHT;
 	const float outer = cosf(half + soft), inner = cosf(fmaxf(half - soft, 0));
 	float sum[3] = {0, 0, 0}, solid = 0;
 	for (uint32_t i = 0; i < CELLS; i++) {
@@ -145,7 +147,8 @@ static void wrap(const struct gl_texture *t)
 	glTextureParameteri(t->name, GL_TEXTURE_WRAP_S, GL_REPEAT);
 }
 
-static enum status upload(struct sky_map *m, const struct resident_scene *picture, const float *cones, struct error *err)
+static enum status sky_map_upload(struct sky_map *m, const struct resident_scene *picture, const float *cones,
+				  struct error *err)
 {
 	const struct gl_texture_desc whole = {.target = GL_TEXTURE_2D,
 					      .format = GL_RGBA32F,
@@ -186,12 +189,12 @@ enum status sky_map_get(struct resident_scene *picture, struct gl_device *device
 		free(m);
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	}
-	m->derived = (struct derived){.kind = &kind, .destroy = destroy, .bytes = idle_bytes};
+	m->derived = (struct derived){.kind = &kind, .destroy = sky_map_destroy, .bytes = sky_map_idle_bytes};
 	m->device = device;
-	enum status s = upload(m, picture, cones, err);
+	enum status s = sky_map_upload(m, picture, cones, err);
 	free(cones);
 	if (s != STATUS_OK) {
-		destroy(&m->derived);
+		sky_map_destroy(&m->derived);
 		return s;
 	}
 	resident_derive(picture, &m->derived);

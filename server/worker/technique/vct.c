@@ -6,9 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/angle.h"
 #include "server/worker/technique/deferred.h"
 #include "server/worker/technique/direct.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "server/worker/technique/vct_cones.h"
 #include "server/worker/technique/vct_figures.h"
 #include "server/worker/technique/vct_show.h"
@@ -70,7 +71,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->lambert = plan->vct_lambert;
 	o->volume_shadows = plan->vct_shadows;
 	if (plan->vct_shadows == VCT_SHADOWS_CONES)
-		o->shadow_tangent = tanf(0.5f * plan->vct_shadow_aperture * (float)(3.14159265358979323846 / 180));
+		o->shadow_tangent = tanf(0.5f * plan->vct_shadow_aperture * (float)(PI / 180));
 	o->reach = plan->vct_distance;
 	o->ambient = plan->vct_ambient;
 	o->falloff = plan->vct_ambient > 0 ? plan->vct_ao : 0;
@@ -87,7 +88,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 		memcpy(o->background, plan->background, sizeof o->background);
 }
 
-static bool needs_volume(const struct plan *plan, const struct resident_scene *scene)
+static bool vct_needs_volume(const struct plan *plan, const struct resident_scene *scene)
 {
 	return plan_has(plan, candil_Effect_EFFECT_BOUNCES) || plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) ||
 	       plan_has(plan, candil_Effect_EFFECT_GLASS) || direct_lamps_in_volume(plan, scene) ||
@@ -166,7 +167,7 @@ static uint64_t vct_bytes(const struct devices *devices, const struct resident_s
 	if (plan->vct_show != VCT_SHOW_NONE)
 		return bytes + vct_show_bytes_guess(scene, plan, &options);
 	bytes += direct_lighting_bytes(devices, scene, plan);
-	if (needs_volume(plan, scene))
+	if (vct_needs_volume(plan, scene))
 		bytes += vct_volume_bytes_guess(scene, &options);
 	return bytes;
 }
@@ -214,7 +215,7 @@ static enum status make_passes(struct technique_job *j, struct devices *devices,
 		return s;
 	*count = j->lighting.pass_count;
 	memcpy(passes, j->lighting.passes, *count * sizeof *passes);
-	if (!needs_volume(plan, j->scene))
+	if (!vct_needs_volume(plan, j->scene))
 		return STATUS_OK;
 	s = vct_volume_acquire(j->scene, j->device, plan, &options, &j->volume, err);
 	if (s == STATUS_OK)

@@ -165,8 +165,8 @@ static void bind_images(const struct vct_volume *v, enum vct_stage stage)
 }
 
 // All that the stage's program reads and writes, as far as it is there, with the program in use.
-static enum status bind(const struct vct_volume *v, enum vct_stage stage, const struct gl_program *program,
-			struct error *err)
+static enum status vct_build_bind(const struct vct_volume *v, enum vct_stage stage, const struct gl_program *program,
+				  struct error *err)
 {
 	glUseProgram(program->name);
 	if (stage == VCT_LIGHT) {
@@ -192,11 +192,11 @@ static enum status bind(const struct vct_volume *v, enum vct_stage stage, const 
 	return STATUS_OK;
 }
 
-static enum status use(const struct vct_volume *v, enum vct_stage stage, struct error *err)
+static enum status vct_build_use(const struct vct_volume *v, enum vct_stage stage, struct error *err)
 {
 	struct gl_program *program;
 	enum status s = program_of(v, stage, &program, err);
-	return s == STATUS_OK ? bind(v, stage, program, err) : s;
+	return s == STATUS_OK ? vct_build_bind(v, stage, program, err) : s;
 }
 
 // One program, run over no item: that is when drivers compile.
@@ -207,7 +207,7 @@ static enum status warm_up(const struct vct_volume *v, enum vct_stage stage, str
 	enum status s = program_of(v, stage, &program, err);
 	if (s != STATUS_OK || program->warm)
 		return s;
-	s = bind(v, stage, program, err);
+	s = vct_build_bind(v, stage, program, err);
 	if (s != STATUS_OK)
 		return s;
 	glUniform2ui(VCT_RANGE, 0, 0);
@@ -284,7 +284,7 @@ static void enter_lighting(struct vct_volume *v)
 }
 
 // The programs of one more stage.
-static enum status compile(struct vct_volume *v, struct gl_timer *timer, struct error *err)
+static enum status vct_build_compile(struct vct_volume *v, struct gl_timer *timer, struct error *err)
 {
 	while (v->compiled < VCT_DONE && !source_of(v, (enum vct_stage)v->compiled))
 		v->compiled++;
@@ -350,7 +350,7 @@ static enum status keep_cells(struct vct_volume *v, struct error *err)
 static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, VCT_LIST, err);
+	enum status s = vct_build_use(v, VCT_LIST, err);
 	if (s != STATUS_OK)
 		return s;
 	s = run_items(v, timer, "voxelise", v->voxels->grid.entries, budget_us, &done, err);
@@ -402,7 +402,7 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	bool done;
 	if (v->maps && !shadow_maps_finished(v->maps))
 		return shadow_maps_step(v->maps, timer, budget_us, err);
-	enum status s = use(v, VCT_LIGHT, err);
+	enum status s = vct_build_use(v, VCT_LIGHT, err);
 	if (s != STATUS_OK)
 		return s;
 	s = run_items(v, timer, "voxel-light", v->voxels->grid.entries, budget_us, &done, err);
@@ -423,7 +423,7 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, (enum vct_stage)v->stage, err);
+	enum status s = vct_build_use(v, (enum vct_stage)v->stage, err);
 	if (s != STATUS_OK)
 		return s;
 	s = run_items(v, timer, "pyramid", 3ull * v->voxels->cell_count, budget_us, &done, err);
@@ -449,7 +449,7 @@ static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 		after_pyramid(v);
 		return STATUS_OK;
 	}
-	enum status s = use(v, VCT_LEVELS, err);
+	enum status s = vct_build_use(v, VCT_LEVELS, err);
 	if (s != STATUS_OK)
 		return s;
 	glUniform1ui(VCT_LEVEL, v->level);
@@ -467,7 +467,7 @@ static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
-	enum status s = use(v, VCT_GATHER, err);
+	enum status s = vct_build_use(v, VCT_GATHER, err);
 	if (s != STATUS_OK)
 		return s;
 	s = run_items(v, timer, "voxel-gather", 2ull * v->voxels->grid.entries, budget_us, &done, err);
@@ -482,7 +482,7 @@ enum status vct_build_piece(struct vct_volume *v, struct gl_timer *timer, uint32
 {
 	switch ((enum vct_stage)v->stage) {
 	case VCT_COMPILE:
-		return compile(v, timer, err);
+		return vct_build_compile(v, timer, err);
 	case VCT_VOXELISE:
 		return voxelise(v, timer, budget_us, err);
 	case VCT_LIST:

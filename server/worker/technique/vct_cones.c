@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
+#include "server/base/angle.h"
+
 #define RINGS_MAX 4
 
 static const struct {
@@ -19,7 +20,7 @@ uint32_t vct_cones_count(uint32_t wanted)
 	return sets[last].count;
 }
 
-static void put(float cone[4], float tangent[4], double radius, double phi, double weight, double tan_half)
+static void cones_put(float cone[4], float tangent[4], double radius, double phi, double weight, double tan_half)
 {
 	cone[0] = (float)(radius * cos(phi));
 	cone[1] = (float)(radius * sin(phi));
@@ -31,9 +32,9 @@ static void put(float cone[4], float tangent[4], double radius, double phi, doub
 
 static void fill_six(float cone[VCT_CONES_MAX][4], float tangent[VCT_CONES_MAX][4])
 {
-	put(cone[0], tangent[0], 0, 0, 0.25, tan(PI / 6));
+	cones_put(cone[0], tangent[0], 0, 0, 0.25, tan(PI / 6));
 	for (uint32_t i = 1; i < 6; i++)
-		put(cone[i], tangent[i], sin(PI / 3), 2 * PI * i / 5, 0.15, tan(PI / 6));
+		cones_put(cone[i], tangent[i], sin(PI / 3), 2 * PI * i / 5, 0.15, tan(PI / 6));
 }
 
 // `inner` of `count` shares lie within the ring of `n`.
@@ -45,7 +46,7 @@ static void fill_ring(uint32_t inner, uint32_t n, uint32_t count, uint32_t ring,
 	const double omega = (sqrt(1 - area0) - sqrt(1 - area1)) / n;
 	const double tan_half = tan(acos(1 - omega));
 	for (uint32_t i = 0; i < n; i++)
-		put(cone[i], tangent[i], radius, 2 * PI * (i + 0.5 * (ring & 1)) / n, 1.0 / count, tan_half);
+		cones_put(cone[i], tangent[i], radius, 2 * PI * (i + 0.5 * (ring & 1)) / n, 1.0 / count, tan_half);
 }
 
 void vct_cones_fill(uint32_t count, float cone[VCT_CONES_MAX][4], float tangent[VCT_CONES_MAX][4])

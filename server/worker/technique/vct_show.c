@@ -25,7 +25,7 @@ static bool in_the_dark(const struct plan *plan)
 	return plan->vct_show == VCT_SHOW_COVERAGE && plan->vct_level > 0;
 }
 
-static bool needs_volume(const struct plan *plan)
+static bool vct_show_needs_volume(const struct plan *plan)
 {
 	return plan->vct_show == VCT_SHOW_RADIANCE || plan->vct_show == VCT_SHOW_IRRADIANCE || in_the_dark(plan);
 }
@@ -71,7 +71,7 @@ static enum status place_slice(struct vct_show *s, struct error *err)
 	return STATUS_OK;
 }
 
-static enum status place(struct vct_show *s, struct error *err)
+static enum status vct_show_place(struct vct_show *s, struct error *err)
 {
 	const struct plan *p = &s->plan;
 	if (p->vct_level > top_of(s))
@@ -89,7 +89,7 @@ static enum status acquire(struct vct_show *s, struct gl_device *device, const s
 {
 	struct plan plan = s->plan;
 	struct vct_options o = *options;
-	if (!needs_volume(&plan))
+	if (!vct_show_needs_volume(&plan))
 		return voxels_acquire(s->scene, device, &plan, &o.voxels, &s->voxels, err);
 	if (in_the_dark(&plan))
 		darken(&plan, &o);
@@ -109,7 +109,7 @@ enum status vct_show_create(struct resident_scene *scene, struct gl_device *devi
 	s->scene = scene;
 	enum status r = acquire(s, device, options, err);
 	if (r == STATUS_OK)
-		r = place(s, err);
+		r = vct_show_place(s, err);
 	if (r == STATUS_OK)
 		*show = s;
 	else
@@ -143,7 +143,7 @@ double vct_show_fraction(const struct vct_show *s)
 	return s->volume ? vct_volume_fraction(s->volume) : voxels_fraction(s->voxels);
 }
 
-static void bind(void *user, const struct deferred_area *area)
+static void vct_show_bind(void *user, const struct deferred_area *area)
 {
 	const struct vct_show *s = user;
 	(void)area;
@@ -160,7 +160,7 @@ static void bind(void *user, const struct deferred_area *area)
 
 void vct_show_pass(struct vct_show *s, struct deferred_pass *pass)
 {
-	*pass = (struct deferred_pass){.source = &show_source, .stage = "show", .bind = bind, .user = s};
+	*pass = (struct deferred_pass){.source = &show_source, .stage = "show", .bind = vct_show_bind, .user = s};
 	gl_define(&pass->defines, "VCT_SHOW", "%u", s->plan.vct_show);
 	gl_define(&pass->defines, "VCT_SHOW_PYRAMID", "%s", s->plan.vct_level > 0 ? "true" : "false");
 	if (s->volume)
@@ -178,5 +178,6 @@ enum status vct_show_figures(const struct vct_show *s, struct frame *frame, stru
 
 uint64_t vct_show_bytes_guess(const struct resident_scene *scene, const struct plan *plan, const struct vct_options *options)
 {
-	return needs_volume(plan) ? vct_volume_bytes_guess(scene, options) : voxels_bytes_guess(scene, &options->voxels);
+	return vct_show_needs_volume(plan) ? vct_volume_bytes_guess(scene, options)
+					   : voxels_bytes_guess(scene, &options->voxels);
 }

@@ -6,10 +6,10 @@
 
 #include "server/base/clock.h"
 #include "server/worker/technique/direct.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "server/worker/technique/vct_build.h"
 
-static void destroy(struct shelved *shelved, bool scene_goes)
+static void volume_destroy(struct shelved *shelved, bool scene_goes)
 {
 	struct vct_volume *v = (struct vct_volume *)shelved;
 	gl_buffer_finish(&v->params_block, v->device);
@@ -26,7 +26,7 @@ static void destroy(struct shelved *shelved, bool scene_goes)
 	free(v);
 }
 
-static bool is_finished(const struct shelved *shelved)
+static bool volume_is_finished(const struct shelved *shelved)
 {
 	return vct_volume_finished((const struct vct_volume *)shelved);
 }
@@ -54,13 +54,14 @@ static uint64_t voxel_share(const struct vct_volume *of)
 	return last && holders == of->voxels->shelved.users ? voxels_bytes(of->voxels) + of->voxels->cells.bytes : 0;
 }
 
-static uint64_t idle_bytes(const struct shelved *shelved)
+static uint64_t volume_idle_bytes(const struct shelved *shelved)
 {
 	const struct vct_volume *v = (const struct vct_volume *)shelved;
 	return volume_bytes(v) + voxel_share(v);
 }
 
-static const struct shelf_kind kind = {.kept = 2, .finished = is_finished, .bytes = idle_bytes, .destroy = destroy};
+static const struct shelf_kind kind = {
+    .kept = 2, .finished = volume_is_finished, .bytes = volume_idle_bytes, .destroy = volume_destroy};
 
 static float brightest(const struct resident_scene *scene)
 {
@@ -102,7 +103,7 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	struct plan of_light = *plan;
 	// The volume outlives the job: what samples there are is the picture's business.
 	of_light.samples = 1;
-	struct pt_job job;
+	struct scene_params job;
 	if (scene_count(v->scene, BLOB_EMITTERS) > LAMPS_MANY && of_light.direct_points < POINTS_OF_MANY)
 		of_light.direct_points = POINTS_OF_MANY;
 	// The volume serves requests of any seed, so that it may not depend on who came first.
@@ -122,7 +123,7 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	of_bounces.ambient = 0;
 	vct_define(&v->cone_defines, &of_bounces);
 	gl_define(&v->cone_defines, "VCT_REFLECTS", "%s", v->options.bounces > 0 ? "true" : "false");
-	scene_job_fill(&of_light, &v->scene->view, &job);
+	scene_params_fill(&of_light, &v->scene->view, &job);
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }
 
@@ -132,8 +133,8 @@ static bool sends_by_cones(const struct vct_options *o)
 	return o->emission || o->sky || o->background[0] > 0 || o->background[1] > 0 || o->background[2] > 0;
 }
 
-static enum status create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			  const struct vct_options *options, struct vct_volume **out, struct error *err)
+static enum status volume_create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
+				 const struct vct_options *options, struct vct_volume **out, struct error *err)
 {
 	struct vct_volume *v = calloc(1, sizeof *v);
 	if (!v)
@@ -157,12 +158,13 @@ static enum status create(struct resident_scene *scene, struct gl_device *device
 	if (s == STATUS_OK)
 		*out = v;
 	else
-		destroy(&v->shelved, false);
+		volume_destroy(&v->shelved, false);
 	return s;
 }
 
 // What is being made is shared by the jobs of one variant alone: it reads that one's buffers.
-static struct vct_volume *find(const struct shelf *s, const struct resident_scene *scene, const struct vct_options *options)
+static struct vct_volume *volume_find(const struct shelf *s, const struct resident_scene *scene,
+				      const struct vct_options *options)
 {
 	for (struct shelved *at = s->first; at; at = at->next) {
 		struct vct_volume *v = (struct vct_volume *)at;
@@ -185,12 +187,12 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 		s = sky_map_get(plan->environment.scene, device, &sky, err);
 	if (s != STATUS_OK)
 		return s;
-	struct vct_volume *v = find(shelf, scene, options);
+	struct vct_volume *v = volume_find(shelf, scene, options);
 	if (!v) {
 		while (shelf_drop_idle(shelf, kind.kept - 1))
 			;
 		do
-			s = create(scene, device, plan, options, &v, err);
+			s = volume_create(scene, device, plan, options, &v, err);
 		while (s == STATUS_MEMORY && shelf_drop_idle(shelf, 0));
 		if (s != STATUS_OK)
 			return s;

@@ -32,7 +32,7 @@ struct vct_options {
 	float ambient, falloff;
 	float step, start, dither, reach; // as in struct vct_params; reach 0: no end
 	float background[3];
-	float sky_turn, sky_scale; // as in struct pt_job
+	float sky_turn, sky_scale; // as in struct scene_params
 	uint64_t sky; // id of the scene that is the picture around it; 0: none
 };
 
@@ -48,7 +48,7 @@ struct vct_volume {
 	struct gl_buffer params_block; // struct vct_params
 	struct gl_buffer cells; // BIND_VCT_CELLS, until the voxels have it: occupied cells of the pyramid's finest level
 	struct gl_buffer direct, total; // BIND_VCT_DIRECT, BIND_VCT_TOTAL
-	struct gl_buffer job; // struct pt_job, for the lights
+	struct gl_buffer job; // struct scene_params, for the lights
 	struct gl_texture pyramid;
 	struct gl_texture shares; // with VCT_SHADOWS_VOLUME: VCT_SHARES_UNIT
 	struct shadow_maps *maps; // until the lights have been through; NULL: none are wanted

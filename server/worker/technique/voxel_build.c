@@ -7,7 +7,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 #include "shaders/gl/voxel_count_comp.h"
 #include "shaders/gl/voxel_finish_comp.h"
 #include "shaders/gl/voxel_mark_comp.h"
@@ -57,12 +57,12 @@ static double emission_max(const struct blob_view *scene)
 }
 
 // The words, and what the passes need beside them.
-static enum status make_buffers(struct voxels *v, const struct plan *plan, struct error *err)
+static enum status voxel_build_make_buffers(struct voxels *v, const struct plan *plan, struct error *err)
 {
 	struct voxel_build *b = v->build;
-	struct pt_job job;
+	struct scene_params job;
 	const uint64_t words = voxel_grid_words(&v->grid);
-	scene_job_fill(plan, &b->scene->view, &job);
+	scene_params_fill(plan, &b->scene->view, &job);
 	enum status r = gl_buffer_init(&v->grid_block, v->device, sizeof v->grid, &v->grid, err);
 	if (r == STATUS_OK)
 		r = gl_buffer_init(&v->words, v->device, 8 * (words + 1), NULL, err);
@@ -116,7 +116,7 @@ enum status voxel_build_create(struct voxels *v, struct resident_scene *scene, c
 	fill_chunk(b);
 	r = gl_scene_get(scene, v->device, scene_bindings(plan), &b->gl, err);
 	if (r == STATUS_OK)
-		r = make_buffers(v, plan, err);
+		r = voxel_build_make_buffers(v, plan, err);
 	return r;
 }
 
@@ -134,7 +134,7 @@ void voxel_build_destroy(struct voxel_build *b, struct gl_device *device)
 	free(b);
 }
 
-static void use(const struct voxels *v, const struct gl_program *program)
+static void voxel_build_use(const struct voxels *v, const struct gl_program *program)
 {
 	gl_scene_bind(v->build->gl);
 	gl_buffer_bind(&v->build->job, BIND_JOB);
@@ -143,7 +143,7 @@ static void use(const struct voxels *v, const struct gl_program *program)
 	glUseProgram(program->name);
 }
 
-static void run(uint32_t invocations, uint32_t group)
+static void voxel_build_run(uint32_t invocations, uint32_t group)
 {
 	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 	glDispatchCompute((invocations + group - 1) / group, 1, 1);
@@ -170,12 +170,12 @@ static enum status compile_piece(struct voxels *v, struct error *err)
 	b->compiled++;
 	if (b->programs[i]->warm)
 		return STATUS_OK;
-	use(v, b->programs[i]);
+	voxel_build_use(v, b->programs[i]);
 	if (i == VOXEL_PROGRAM_MARK || i == VOXEL_PROGRAM_SUM)
 		glUniform2ui(0, 0, 0);
 	else
 		glUniform1ui(0, 0);
-	run(1, 1);
+	voxel_build_run(1, 1);
 	r = gl_wait(v->device, "compiling", err);
 	b->programs[i]->warm = r == STATUS_OK;
 	b->compile_us += clock_us() - start;
@@ -196,7 +196,7 @@ static enum status items_piece(struct voxels *v, const struct gl_program *progra
 	struct voxel_build *b = v->build;
 	const uint32_t n = portion(b->items_a_us, budget_us, FIRST_ITEMS, LEAST_ITEMS, b->chunk - b->chunk_at);
 	const uint64_t start = clock_us();
-	use(v, program);
+	voxel_build_use(v, program);
 	glProgramUniform2ui(program->name, 0, b->chunk_at, n);
 	if (b->phase == VOXEL_SUM) {
 		const double units = ldexp(1, (int)b->area_bits);
@@ -204,7 +204,7 @@ static enum status items_piece(struct voxels *v, const struct gl_program *progra
 		glProgramUniform2f(program->name, 1, (float)units, (float)emission);
 		glProgramUniform1ui(program->name, 2, voxel_grid_words(&v->grid));
 	}
-	run(n, VOXEL_GROUP);
+	voxel_build_run(n, VOXEL_GROUP);
 	const enum status r = gl_wait(v->device, "voxelising", err);
 	b->items_a_us = (double)n / (double)(clock_us() - start + 1);
 	b->chunk_at += n;
@@ -282,20 +282,20 @@ static enum status count_piece(struct voxels *v, struct error *err)
 		r = gl_buffer_init(&blocks, v->device, count * sizeof *host, NULL, err);
 	if (r != STATUS_OK)
 		goto out;
-	use(v, b->programs[VOXEL_PROGRAM_COUNT]);
+	voxel_build_use(v, b->programs[VOXEL_PROGRAM_COUNT]);
 	gl_buffer_bind(&blocks, BIND_VOXEL_BLOCKS);
 	glProgramUniform1ui(b->programs[VOXEL_PROGRAM_COUNT]->name, 0, words);
-	run(count, VOXEL_WORD_GROUP);
+	voxel_build_run(count, VOXEL_WORD_GROUP);
 	r = gl_buffer_read(&blocks, v->device, 0, count * sizeof *host, host, err);
 	if (r == STATUS_OK)
 		r = sum_blocks(v, host, count, err);
 	if (r != STATUS_OK)
 		goto out;
 	gl_buffer_write(&blocks, 0, count * sizeof *host, host);
-	use(v, b->programs[VOXEL_PROGRAM_PREFIX]);
+	voxel_build_use(v, b->programs[VOXEL_PROGRAM_PREFIX]);
 	gl_buffer_bind(&blocks, BIND_VOXEL_BLOCKS);
 	glProgramUniform1ui(b->programs[VOXEL_PROGRAM_PREFIX]->name, 0, words);
-	run(count, VOXEL_WORD_GROUP);
+	voxel_build_run(count, VOXEL_WORD_GROUP);
 	v->build->phase = v->grid.entries == 0 ? VOXEL_DONE : b->fixed ? VOXEL_MERGE : VOXEL_SUM;
 out:
 	gl_buffer_finish(&blocks, v->device);
@@ -375,7 +375,7 @@ static enum status words_piece(struct voxels *v, const struct gl_program *p, uin
 	const uint64_t start = clock_us();
 	glProgramUniform1ui(p->name, 0, b->word + n);
 	glProgramUniform1ui(p->name, 2, b->word);
-	run(n, VOXEL_WORD_GROUP);
+	voxel_build_run(n, VOXEL_WORD_GROUP);
 	const enum status r = gl_wait(v->device, "voxelising", err);
 	b->words_a_us = (double)n / (double)(clock_us() - start + 1);
 	b->word += n;
@@ -391,7 +391,7 @@ static enum status finish_piece(struct voxels *v, uint32_t budget_us, struct err
 {
 	const struct voxel_build *b = v->build;
 	const struct gl_program *p = b->programs[VOXEL_PROGRAM_FINISH];
-	use(v, p);
+	voxel_build_use(v, p);
 	glProgramUniform2f(p->name, 1, (float)ldexp(1, -(int)b->area_bits),
 			   (float)(b->emission_max * ldexp(1, -(int)b->emission_bits)));
 	return words_piece(v, p, budget_us, VOXEL_DONE, err);
@@ -404,7 +404,7 @@ static enum status merge_piece(struct voxels *v, uint32_t budget_us, struct erro
 		v->build->phase = VOXEL_SUM;
 		return STATUS_OK;
 	}
-	use(v, b->programs[VOXEL_PROGRAM_MERGE]);
+	voxel_build_use(v, b->programs[VOXEL_PROGRAM_MERGE]);
 	glProgramUniform2ui(b->programs[VOXEL_PROGRAM_MERGE]->name, 1, b->fixed->grid.entries, v->grid.entries);
 	gl_buffer_bind(&b->fixed->words, BIND_VOXEL_FIXED_WORDS);
 	for (unsigned i = 0; i < VOXEL_PARTS; i++)

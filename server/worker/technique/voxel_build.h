@@ -38,7 +38,7 @@ struct voxel_build {
 	struct voxels *fixed; // held while we build; NULL: everything is voxelised
 	struct voxel_ranges ranges; // triangles to voxelise
 	struct gl_scene *gl;
-	struct gl_buffer job; // struct pt_job, for the scene's shaders
+	struct gl_buffer job; // struct scene_params, for the scene's shaders
 	struct gl_buffer items; // up to VOXEL_ITEMS_CHUNK
 	struct voxel_item *host_items;
 	struct gl_program *programs[VOXEL_PROGRAMS]; // held

@@ -9,7 +9,7 @@
 #include "server/base/log.h"
 #include "server/worker/technique/voxel_build.h"
 
-static void destroy(struct shelved *shelved, bool scene_goes)
+static void voxels_destroy(struct shelved *shelved, bool scene_goes)
 {
 	struct voxels *v = (struct voxels *)shelved;
 	(void)scene_goes;
@@ -23,18 +23,19 @@ static void destroy(struct shelved *shelved, bool scene_goes)
 	free(v);
 }
 
-static bool is_finished(const struct shelved *shelved)
+static bool voxels_is_finished(const struct shelved *shelved)
 {
 	return voxels_finished((const struct voxels *)shelved);
 }
 
-static uint64_t idle_bytes(const struct shelved *shelved)
+static uint64_t voxels_idle_bytes(const struct shelved *shelved)
 {
 	const struct voxels *v = (const struct voxels *)shelved;
 	return voxels_bytes(v) + v->cells.bytes;
 }
 
-static const struct shelf_kind kind = {.kept = 4, .finished = is_finished, .bytes = idle_bytes, .destroy = destroy};
+static const struct shelf_kind kind = {
+    .kept = 4, .finished = voxels_is_finished, .bytes = voxels_idle_bytes, .destroy = voxels_destroy};
 
 static uint32_t effects_that_color(const struct plan *plan)
 {
@@ -65,7 +66,7 @@ static bool same_grid(const struct voxel_grid *a, const struct voxel_grid *b)
 
 // Those on the shelf like `like`. What is being made is shared by the jobs of one variant alone: it reads that one's
 // buffers.
-static struct voxels *find(const struct shelf *s, const struct voxels *like, const struct resident_scene *scene)
+static struct voxels *voxels_find(const struct shelf *s, const struct voxels *like, const struct resident_scene *scene)
 {
 	for (struct shelved *at = s->first; at; at = at->next) {
 		struct voxels *v = (struct voxels *)at;
@@ -100,8 +101,8 @@ static enum status acquire_fixed(const struct voxels *whole, struct resident_sce
 	return r;
 }
 
-static enum status create(const struct voxels *like, struct resident_scene *scene, const struct plan *plan, bool merge,
-			  struct voxels **out, struct error *err)
+static enum status voxels_create(const struct voxels *like, struct resident_scene *scene, const struct plan *plan,
+				 bool merge, struct voxels **out, struct error *err)
 {
 	struct voxels *fixed = NULL, *v = calloc(1, sizeof *v);
 	if (!v)
@@ -121,19 +122,19 @@ static enum status create(const struct voxels *like, struct resident_scene *scen
 	if (r == STATUS_OK)
 		*out = v;
 	else
-		destroy(&v->shelved, false);
+		voxels_destroy(&v->shelved, false);
 	return r;
 }
 
 static enum status acquire_like(struct shelf *shelf, const struct voxels *like, struct resident_scene *scene,
 				const struct plan *plan, struct voxels **out, struct error *err)
 {
-	struct voxels *v = find(shelf, like, scene);
+	struct voxels *v = voxels_find(shelf, like, scene);
 	enum status r = STATUS_OK;
 	if (!v) {
-		r = create(like, scene, plan, true, &v, err);
+		r = voxels_create(like, scene, plan, true, &v, err);
 		// Where memory is short the merging is what can be done without, then what is kept for later.
-		while (r == STATUS_MEMORY && (r = create(like, scene, plan, false, &v, err)) == STATUS_MEMORY &&
+		while (r == STATUS_MEMORY && (r = voxels_create(like, scene, plan, false, &v, err)) == STATUS_MEMORY &&
 		       shelf_drop_idle(shelf, 0))
 			;
 		if (r != STATUS_OK)

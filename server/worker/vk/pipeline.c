@@ -116,7 +116,7 @@ static bool same_constants(const struct constants *a, const struct constants *b)
 	return a->count == b->count && !memcmp(a->of, b->of, a->count * sizeof a->of[0]);
 }
 
-static bool fits(const struct shader *shader, const struct constants *constants)
+static bool pipeline_fits(const struct shader *shader, const struct constants *constants)
 {
 	uint32_t texels = 0;
 	for (uint32_t i = 0; i < BIND_MOST; i++)
@@ -130,7 +130,7 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const st
 	static const struct constants none = {0};
 	if (!constants)
 		constants = &none;
-	if (!fits(shader, constants))
+	if (!pipeline_fits(shader, constants))
 		return error_set(err, STATUS_INTERNAL, "the shader %s has more bindings or constants than a pipeline",
 				 shader->name);
 	for (struct pipeline *p = d->pipelines; p; p = p->next)

@@ -1,4 +1,4 @@
-#include "server/worker/technique/pt_resolve.h"
+#include "server/worker/technique/resolve.h"
 
 #include <string.h>
 
@@ -12,9 +12,9 @@ static void count_halves(uint32_t first, uint32_t samples, double counts[2])
 	counts[1] = samples - even;
 }
 
-void pt_resolver_init(struct pt_resolver *r, uint32_t first_sample, uint32_t samples, uint32_t tiles, uint32_t more)
+void resolver_init(struct resolver *r, uint32_t first_sample, uint32_t samples, uint32_t tiles, uint32_t more)
 {
-	*r = (struct pt_resolver){.tiles = tiles};
+	*r = (struct resolver){.tiles = tiles};
 	count_halves(first_sample, samples, r->counts[0]);
 	count_halves(first_sample, samples + more, r->counts[1]);
 }
@@ -25,13 +25,13 @@ static double sum_of(const float *pair)
 }
 
 // What light paths brought to a channel of a pixel in a half, W/(m² sr).
-static double film_of(const struct pt_resolver *r, const uint32_t *film, int half, int channel)
+static double film_of(const struct resolver *r, const uint32_t *film, int half, int channel)
 {
 	const uint32_t *part = film + 2 * (3 * half + channel);
 	return film ? r->film_units[half] * ((double)part[1] * 4294967296.0 + (double)part[0]) : 0;
 }
 
-static void resolve_pixel(struct pt_resolver *r, const float *sums, const uint32_t *film, const double counts[2],
+static void resolve_pixel(struct resolver *r, const float *sums, const uint32_t *film, const double counts[2],
 			  float *radiance)
 {
 	const double total = counts[0] + counts[1];
@@ -48,7 +48,7 @@ static void resolve_pixel(struct pt_resolver *r, const float *sums, const uint32
 	}
 }
 
-void pt_resolve(struct pt_resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
+void resolve_sums(struct resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
 {
 	const uint32_t tiles_x = (frame->width + TILE_SIDE - 1) / TILE_SIDE;
 	const uint32_t *film = r->film;
@@ -62,7 +62,7 @@ void pt_resolve(struct pt_resolver *r, const float *sums, uint32_t first_row, ui
 		}
 }
 
-void pt_resolve_aov(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *f)
+void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *f)
 {
 	const uint64_t first = (uint64_t)first_row * f->width, count = (uint64_t)rows * f->width;
 	for (uint64_t i = first; i < first + count; i++, words += AOV_WORDS) {
@@ -77,7 +77,7 @@ void pt_resolve_aov(const uint32_t *words, uint32_t first_row, uint32_t rows, st
 	}
 }
 
-double pt_resolver_error(const struct pt_resolver *r)
+double resolver_error(const struct resolver *r)
 {
 	return r->known ? r->error / (double)r->known : -1;
 }

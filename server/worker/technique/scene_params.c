@@ -1,8 +1,9 @@
-#include "server/worker/technique/scene_job.h"
+#include "server/worker/technique/scene_params.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "server/base/angle.h"
 #include "server/scene/lights.h"
 
 uint32_t scene_bindings_trace(void)
@@ -40,7 +41,7 @@ float scene_share(double of, double others)
 double scene_sky_power(const struct plan *plan, const struct blob_view *scene)
 {
 	const double radius = lights_bounding_radius(scene->bounds_min, scene->bounds_max);
-	return 3.14159265358979323846 * radius * radius * plan->environment.power;
+	return PI * radius * radius * plan->environment.power;
 }
 
 double scene_emitter_power(const struct plan *plan, const struct blob_view *scene)
@@ -53,7 +54,7 @@ double scene_light_power(const struct plan *plan, const struct blob_view *scene)
 	return plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
 }
 
-static void fill_shares(const struct plan *p, const struct blob_view *scene, struct pt_job *out)
+static void fill_shares(const struct plan *p, const struct blob_view *scene, struct scene_params *out)
 {
 	const double e = scene_emitter_power(p, scene), l = scene_light_power(p, scene);
 	const bool sky = p->technique == candil_Technique_TECHNIQUE_PT && plan_has_sky(p);
@@ -84,7 +85,7 @@ static uint32_t run_bits(uint32_t samples)
 	return bits;
 }
 
-void scene_job_fill(const struct plan *p, const struct blob_view *scene, struct pt_job *out)
+void scene_params_fill(const struct plan *p, const struct blob_view *scene, struct scene_params *out)
 {
 	memset(out, 0, sizeof *out);
 	out->width = p->width;

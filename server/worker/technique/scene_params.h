@@ -1,6 +1,6 @@
 // What every technique tells its shaders about a plan and a scene, and what it needs of the scene on its device.
-#ifndef CANDIL_WORKER_TECHNIQUE_SCENE_JOB_H
-#define CANDIL_WORKER_TECHNIQUE_SCENE_JOB_H
+#ifndef CANDIL_WORKER_TECHNIQUE_SCENE_PARAMS_H
+#define CANDIL_WORKER_TECHNIQUE_SCENE_PARAMS_H
 
 #include "server/worker/plan.h"
 #include "server/worker/resident.h"
@@ -11,7 +11,7 @@ uint32_t scene_bindings_shade(const struct plan *plan);
 uint32_t scene_bindings_trace(void);
 
 // The parameters in common/scene.glsl's `job`.
-void scene_job_fill(const struct plan *plan, const struct blob_view *scene, struct pt_job *out);
+void scene_params_fill(const struct plan *plan, const struct blob_view *scene, struct scene_params *out);
 
 // How random choices between two kinds of light are divided: the share of the one with power `of`, W, beside the others',
 // never less than a tenth to either that has any, for a sun's power says little about a room that it does not reach.
