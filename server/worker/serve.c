@@ -14,9 +14,8 @@
 #include "server/worker/devices.h"
 #include "server/worker/gl/device.h"
 #include "server/worker/image/encoder.h"
-#include "server/worker/plan.h"
-#include "server/worker/resident.h"
-#include "server/worker/technique/scene_params.h"
+#include "server/worker/plan/make.h"
+#include "server/worker/scenes/resident.h"
 #include "server/worker/technique/technique.h"
 #include "server/worker/vk/device.h"
 
@@ -88,10 +87,8 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 	out->depth = job->plan.depth;
 	if (job->scene->edited.note[0])
 		snprintf(out->notes[out->notes_count++], sizeof out->notes[0], "%s", job->scene->edited.note);
-	if (job->plan.technique != candil_Technique_TECHNIQUE_PT && plan_has(&job->plan, candil_Effect_EFFECT_LIGHTS) &&
-	    scene_has_discs(job->scene))
-		snprintf(out->notes[out->notes_count++], sizeof out->notes[0],
-			 "a directional light's angle is left out: its shadows are sharp, and soft by pt alone");
+	if (job->technique->notes)
+		job->technique->notes(job->scene, &job->plan, out);
 }
 
 // Of the budget, what is left if all makes room that no job needs.
@@ -143,8 +140,6 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 		return r;
 	job->plan.environment.scene = job->environment;
 	job->technique = technique_find(job->plan.technique);
-	if (!job->technique)
-		return error_set(err, STATUS_UNSUPPORTED, "this worker has no such technique");
 	// What another job of this scene holds may be shared with it: then only the attempt will tell.
 	const struct resident_scene *base = job->scene->base ? job->scene->base : job->scene;
 	const uint64_t budget = base->jobs > 1 ? s->devices->vk->budget : budget_left(s);
@@ -155,7 +150,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 		s->devices->vk->wanted = 0;
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
 	} while (r == STATUS_MEMORY && make_room(s));
-	if (r == STATUS_OK && job->plan.effect_times && job->technique->time_effects)
+	if (r == STATUS_OK && job->technique->time_effects)
 		r = job->technique->time_effects(job->work, job->plan.reports, job->plan.report_count, err);
 	return r;
 }
@@ -225,7 +220,7 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 		if (plan_has(p, p->reports[i].effect))
 			snprintf(effects + strlen(effects), sizeof effects - strlen(effects), "%s%s", effects[0] ? "," : "",
 				 effect_name(p->reports[i].effect));
-	frame_add_metadata(f, "technique", "%s", job->technique->name);
+	frame_add_metadata(f, "technique", "%s", technique_name(job->plan.technique));
 	frame_add_metadata(f, "effects", "%s", effects[0] ? effects : "none");
 	frame_add_metadata(f, "samples", "%u", f->samples);
 	frame_add_metadata(f, "first_sample", "%u", p->first_sample);

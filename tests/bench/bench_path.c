@@ -10,8 +10,8 @@
 #include "server/base/clock.h"
 #include "server/worker/devices.h"
 #include "server/worker/image/frame.h"
-#include "server/worker/plan.h"
-#include "server/worker/resident.h"
+#include "server/worker/plan/make.h"
+#include "server/worker/scenes/resident.h"
 #include "server/worker/technique/pt.h"
 #include "tests/support/load_scene.h"
 

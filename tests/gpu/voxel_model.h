@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 #include "shaders/shared/voxel.h"
 
 // A scene that owns its sections. Zeroed is empty.

@@ -81,14 +81,18 @@ class Manual(unittest.TestCase):
 
 class Readme(unittest.TestCase):
     def test_every_option_with_its_words_and_no_other(self):
-        source = read("server", "worker", "plan_options.c")
-        options = re.findall(r'^    {"(\w+\.\w+)", [^,]+, [^,]+, (\w+),', source, re.MULTILINE)
-        self.assertGreater(len(options), 30)
-        self.assertEqual(set(re.findall(r"(?<![\w-])(?:pt|direct|vct)\.[a-z_]+", README)), {name for name, _ in options})
-        for name, words in options:
-            listed = re.search(rf"\*const {words}\[\] = {{(.*), NULL}};", source)
-            for word in re.findall(r'"([^"]+)"', listed.group(1)) if listed else ():
-                self.assertRegex(README, rf"\b{word}\b", name)
+        names = set()
+        for path in glob.glob(os.path.join(SOURCE, "server", "worker", "technique", "*", "*_options.c")):
+            source = read(path)
+            options = re.findall(r'OPTION_\w+\("(\w+\.\w+)", (\w+)', source)
+            self.assertTrue(options, path)
+            names |= {name for name, _ in options}
+            for name, words in options:
+                listed = re.search(rf"\*const {words}\[\] = {{(.*?), NULL}};", source, re.DOTALL)
+                for word in re.findall(r'"([^"]+)"', listed.group(1)) if listed else ():
+                    self.assertRegex(README, rf"\b{word}\b", name)
+        self.assertGreater(len(names), 30)
+        self.assertEqual(set(re.findall(r"(?<![\w-])(?:pt|direct|vct)\.[a-z_]+", README)), names)
 
     def test_every_effect(self):
         names = [value.name for value in pb.DESCRIPTOR.enum_types_by_name["Effect"].values]

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "server/worker/trace/trace.h"
 #include "server/worker/vk/command.h"
 #include "shaders/cast_comp.h"
 
@@ -12,7 +13,7 @@ static const struct shader cast_shader = {.name = "cast",
 					  .code = shader_cast_comp,
 					  .bytes = sizeof shader_cast_comp,
 					  .bindings = BIND_TRACE_COUNT,
-					  .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS,
+					  .texels = TRACE_TEXELS,
 					  .push_bytes = 12};
 
 enum status cast_init(struct cast *c, struct device *d, struct resident_scene *scene, const struct cast_ray *rays,
@@ -20,12 +21,11 @@ enum status cast_init(struct cast *c, struct device *d, struct resident_scene *s
 {
 	struct constants constants = {0};
 	constants_set_effects(&constants, 0);
-	constants_set(&constants, SPEC_PACKET, packet);
-	constants_set(&constants, SPEC_WIDTH, d->info.subgroup);
+	trace_set_constants(&(struct trace){.packet = packet, .lanes = d->info.subgroup}, &constants);
 	memset(c, 0, sizeof *c);
 	c->device = d;
 	c->count = count;
-	enum status s = resident_upload(scene, d, 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES, err);
+	enum status s = resident_upload(scene, d, TRACE_BINDINGS, err);
 	if (s == STATUS_OK)
 		s = pipeline_get(d, &cast_shader, &constants, &c->pipeline, err);
 	if (s == STATUS_OK)
@@ -34,10 +34,7 @@ enum status cast_init(struct cast *c, struct device *d, struct resident_scene *s
 		s = buffer_init(&c->hits, d, count * sizeof(struct cast_hit), BUFFER_DEVICE, err);
 	if (s == STATUS_OK) {
 		const struct buffer *buffers[BIND_MOST] = {NULL};
-		for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
-			buffers[i] = &scene->buffers[i];
-		buffers[BIND_NODE_TEXELS] = buffers[BIND_NODES];
-		buffers[BIND_LEAF_TEXELS] = buffers[BIND_LEAF_TRIANGLES];
+		trace_fill_buffers(scene, buffers);
 		buffers[BIND_RAYS] = &c->rays;
 		buffers[BIND_HITS] = &c->hits;
 		s = binding_set_init(&c->bindings, d, c->pipeline, buffers, &c->rays, err);

@@ -4,7 +4,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 #include "server/worker/vk/pipeline.h"
 
 struct cast {

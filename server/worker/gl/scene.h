@@ -3,7 +3,7 @@
 #define CANDIL_WORKER_GL_SCENE_H
 
 #include "server/worker/gl/buffer.h"
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 
 struct gl_scene {
 	struct derived derived; // it goes when the resident scene leaves the device

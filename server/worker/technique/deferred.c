@@ -8,6 +8,7 @@
 #include "server/worker/technique/deferred_cover.h"
 #include "server/worker/technique/deferred_job.h"
 #include "server/worker/technique/resolve.h"
+#include "server/worker/technique/scene_params.h"
 
 #define FIRST_TILES 64u
 #define FIRST_COST 1e6 // of triangles: DEFERRED_TRIANGLE_COST
@@ -191,6 +192,12 @@ enum status deferred_read(struct deferred *d, struct frame **frame, struct error
 	deferred_account(d, f, clock_us() - start);
 	*frame = f;
 	return STATUS_OK;
+}
+
+void deferred_notes(const struct resident_scene *scene, const struct plan *plan, candil_Accepted *accepted)
+{
+	if (plan_has(plan, candil_Effect_EFFECT_LIGHTS) && scene_has_discs(scene))
+		technique_note(accepted, "a directional light's angle is left out: its shadows are sharp");
 }
 
 struct gl_timer *deferred_timer(struct deferred *d)

@@ -14,8 +14,8 @@
 #include "server/worker/gl/texture.h"
 #include "server/worker/gl/timer.h"
 #include "server/worker/image/frame.h"
-#include "server/worker/plan.h"
-#include "server/worker/resident.h"
+#include "server/worker/plan/plan.h"
+#include "server/worker/scenes/resident.h"
 #include "server/worker/technique/technique.h"
 
 #define DEFERRED_PASSES_MAX 8u
@@ -40,12 +40,13 @@ struct deferred_pass {
 
 struct deferred;
 
-// Device memory of a job of this plan, in bytes, without its scene.
-uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan);
+// Device memory of a job of this plan, in bytes, without its scene. `rows` of pixels are worked on at once; 0: as many as
+// the device binds.
+uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan, uint32_t rows);
 
 // Everything a job needs on the device: scene upload (what `bindings` name beside what shading by the plan needs), textures,
 // programs compiled and run once over nothing. Passes are copied. On failure nothing is left.
-enum status deferred_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
+enum status deferred_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan, uint32_t rows,
 			    uint32_t bindings, const struct deferred_pass *passes, uint32_t pass_count,
 			    struct deferred **deferred, struct error *err);
 void deferred_destroy(struct deferred *deferred); // NULL is allowed
@@ -55,7 +56,10 @@ enum status deferred_step(struct deferred *deferred, uint32_t budget_us, struct 
 enum status deferred_read(struct deferred *deferred, struct frame **frame, struct error *err);
 
 // The most rows that a pass works on at once: for a technique's own textures of a value a pixel.
-uint32_t deferred_band_rows(const struct gl_device *device, const struct plan *plan);
+uint32_t deferred_band_rows(const struct gl_device *device, const struct plan *plan, uint32_t rows);
+
+// struct technique's: a pinhole and one direction a light are all that these techniques have.
+void deferred_notes(const struct resident_scene *scene, const struct plan *plan, candil_Accepted *accepted);
 
 // For a technique's own passes before the first sample; told by deferred_read with the rest.
 struct gl_timer *deferred_timer(struct deferred *deferred);

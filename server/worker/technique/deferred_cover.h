@@ -2,8 +2,8 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_DEFERRED_COVER_H
 #define CANDIL_WORKER_TECHNIQUE_DEFERRED_COVER_H
 
-#include "server/worker/plan.h"
-#include "server/worker/resident.h"
+#include "server/worker/plan/plan.h"
+#include "server/worker/scenes/resident.h"
 
 // Cost of a triangle that covers nothing, in pixels.
 #define DEFERRED_TRIANGLE_COST 16.0

@@ -38,6 +38,7 @@ struct deferred {
 	struct resident_scene *scene;
 	struct gl_scene *gl_scene;
 	struct plan plan;
+	uint32_t rows; // that are worked on at once; 0: as many as the device binds
 	struct deferred_pass passes[DEFERRED_PASSES_MAX];
 	uint32_t pass_count;
 

@@ -29,30 +29,30 @@ static uint32_t tile_rows(const struct plan *plan)
 }
 
 // Tile rows that a band works on; fewer than the image's: with one on either side that is the next band's.
-static uint32_t band_tile_rows(const struct gl_device *device, const struct plan *plan)
+static uint32_t band_tile_rows(const struct gl_device *device, const struct plan *plan, uint32_t rows)
 {
 	uint64_t most = BAND_BYTES_MAX;
 	if (device && device->storage_bytes_max < most)
 		most = device->storage_bytes_max;
 	const uint64_t fit = most / ((uint64_t)plan->width * TILE_SIDE * ACCUMULATOR_FLOATS * sizeof(float));
 	const uint32_t all = tile_rows(plan);
-	const uint32_t asked = (plan->direct_rows + TILE_SIDE - 1) / TILE_SIDE + 2;
-	const uint32_t wanted = plan->direct_rows && asked < all ? asked : all;
+	const uint32_t asked = (rows + TILE_SIDE - 1) / TILE_SIDE + 2;
+	const uint32_t wanted = rows && asked < all ? asked : all;
 	return fit < wanted ? (uint32_t)fit : wanted;
 }
 
-uint32_t deferred_band_rows(const struct gl_device *device, const struct plan *plan)
+uint32_t deferred_band_rows(const struct gl_device *device, const struct plan *plan, uint32_t rows)
 {
-	const uint32_t rows = band_tile_rows(device, plan) * TILE_SIDE;
-	return rows < plan->height ? rows : plan->height;
+	const uint32_t most = band_tile_rows(device, plan, rows) * TILE_SIDE;
+	return most < plan->height ? most : plan->height;
 }
 
-uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan)
+uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan, uint32_t rows)
 {
 	const uint64_t pixels = (uint64_t)plan->width * plan->height;
-	const uint64_t texels = (uint64_t)plan->width * deferred_band_rows(devices->gl, plan);
+	const uint64_t texels = (uint64_t)plan->width * deferred_band_rows(devices->gl, plan, rows);
 	uint64_t bytes = sizeof(struct scene_params) + sizeof(struct pass_counters), summed = pixels;
-	const uint32_t most = band_tile_rows(devices->gl, plan), all = tile_rows(plan);
+	const uint32_t most = band_tile_rows(devices->gl, plan, rows), all = tile_rows(plan);
 	if (most > 2 && most < all)
 		summed += 2ull * ((all - 1) / (most - 2)) * TILE_SIDE * plan->width; // rows that two bands work on
 	bytes += texels * 24; // id, depth, radiance
@@ -77,7 +77,7 @@ static struct deferred_rows rows_of(const struct plan *p, uint32_t first, uint32
 static enum status deferred_cut_bands(struct deferred *d, struct error *err)
 {
 	const struct plan *p = &d->plan;
-	const uint32_t fit = band_tile_rows(d->device, p), all = tile_rows(p);
+	const uint32_t fit = band_tile_rows(d->device, p, d->rows), all = tile_rows(p);
 	if (fit < all && fit < 3)
 		return error_set(err, STATUS_MEMORY, "this device cannot bind %u rows of %u pixels: render narrower",
 				 3 * TILE_SIDE, p->width);
@@ -97,7 +97,7 @@ static enum status deferred_cut_bands(struct deferred *d, struct error *err)
 static enum status deferred_make_buffers(struct deferred *d, struct error *err)
 {
 	struct scene_params params;
-	scene_params_fill(&d->plan, &d->scene->view, &params);
+	scene_params_fill(&d->plan, &d->scene->view, false, &params);
 	enum status s = gl_buffer_init(&d->job, d->device, sizeof params, &params, err);
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&d->counters, d->device, sizeof(struct pass_counters), NULL, err);
@@ -122,7 +122,7 @@ static enum status make_textures(struct deferred *d, struct error *err)
 		const struct gl_texture_desc desc = {.target = GL_TEXTURE_2D,
 						     .format = all[i].format,
 						     .width = d->plan.width,
-						     .height = deferred_band_rows(d->device, &d->plan),
+						     .height = deferred_band_rows(d->device, &d->plan, d->rows),
 						     .depth = 1,
 						     .levels = 1};
 		s = gl_texture_init(all[i].texture, d->device, &desc, err);
@@ -200,7 +200,7 @@ static enum status make_all(struct deferred *d, uint32_t bindings, struct error 
 	return s == STATUS_OK ? make_works(d, err) : s;
 }
 
-enum status deferred_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
+enum status deferred_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan, uint32_t rows,
 			    uint32_t bindings, const struct deferred_pass *passes, uint32_t pass_count,
 			    struct deferred **deferred, struct error *err)
 {
@@ -214,6 +214,7 @@ enum status deferred_create(struct devices *devices, struct resident_scene *scen
 	d->device = device;
 	d->scene = scene;
 	d->plan = *plan;
+	d->rows = rows;
 	d->pass_count = pass_count;
 	memcpy(d->passes, passes, pass_count * sizeof *passes);
 	gl_timer_init(&d->timer);

@@ -13,6 +13,7 @@
 #include "server/base/log.h"
 #include "server/base/luminance.h"
 #include "server/worker/image/frame.h"
+#include "server/worker/technique/pt/pt_options.h"
 #include "server/worker/technique/pt_effects.h"
 #include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
@@ -98,7 +99,7 @@ static void record_aov(struct technique_job *j, uint64_t count)
 // The driver ended a loop early, and what has been summed lacks something: begin again with shorter dispatches.
 static enum status on_cut(struct technique_job *j, struct error *err)
 {
-	if (j->batch > 1 && !j->plan.batch) {
+	if (j->batch > 1 && !pt_settings(&j->plan)->batch) {
 		log_line(LOG_WARNING, "the driver ended a loop early: going on with %u samples a dispatch", j->batch / 2);
 		return pt_job_restart(j, j->segment, j->batch / 2, err);
 	}
@@ -107,7 +108,7 @@ static enum status on_cut(struct technique_job *j, struct error *err)
 		    err, STATUS_TRAVERSAL_CUT,
 		    "one ray visits more of this scene than the driver lets a loop run: split long thin triangles, or use "
 		    "a GPU or a newer driver");
-	if (j->plan.segment)
+	if (pt_settings(&j->plan)->segment)
 		return error_set(err, STATUS_TRAVERSAL_CUT,
 				 "the driver ended a loop of the path tracer early: leave pt.segment out or set it below %u",
 				 j->segment);
@@ -286,7 +287,7 @@ static void account_clamp(const struct technique_job *j, struct frame *f)
 {
 	const uint64_t pixels = (uint64_t)f->width * f->height;
 	const double samples = (double)pixels * ((double)j->sample + (double)j->batch * j->tile / j->tiles);
-	const double removed = (double)j->removed / CLAMP_UNITS * (double)j->plan.clamp / samples;
+	const double removed = (double)j->removed / CLAMP_UNITS * (double)pt_settings(&j->plan)->clamp / samples;
 	double kept = 0;
 	for (uint64_t i = 0; i < pixels; i++)
 		kept += luminance(&f->radiance[3 * i]);
@@ -337,14 +338,22 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	}
 	f->estimated_relmse = j->estimated_relmse;
 	pt_account(j, f);
-	if (j->plan.clamp > 0)
+	if (pt_settings(&j->plan)->clamp > 0)
 		account_clamp(j, f);
 	frame_add_stage(f, "resolve", clock_us() - start);
 	*frame = f;
 	return STATUS_OK;
 }
 
-const struct technique technique_pt = {.name = "pt",
+static uint32_t pt_depth(const struct plan *plan)
+{
+	return pt_settings(plan)->depth;
+}
+
+const struct technique technique_pt = {.number = candil_Technique_TECHNIQUE_PT,
+				       .options = pt_options,
+				       .defaults = pt_options_default,
+				       .depth = pt_depth,
 				       .bytes = pt_job_bytes,
 				       .begin = pt_job_create,
 				       .time_effects = pt_time_effects,

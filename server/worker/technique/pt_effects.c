@@ -4,6 +4,7 @@
 
 #include "protocol/limits.h"
 #include "server/base/clock.h"
+#include "server/worker/technique/pt/pt_options.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_light.h"
 #include "server/worker/technique/scene_params.h"
@@ -132,11 +133,13 @@ static bool can_time(const struct technique_job *j, candil_Effect effect)
 
 enum status pt_time_effects(struct technique_job *j, candil_EffectReport *reports, uint32_t count, struct error *err)
 {
+	if (pt_settings(&j->plan)->effect_times == EFFECT_TIMES_OFF)
+		return STATUS_OK;
 	const uint64_t start = clock_us();
 	struct contestant as_planned = {0};
 	enum status s = prepare(j, j->plan.effects, &as_planned, err);
 	// Those that run come first, lest time run out.
-	for (int pass = 0; pass < (j->plan.effect_times == EFFECT_TIMES_ALL ? 2 : 1); pass++)
+	for (int pass = 0; pass < (pt_settings(&j->plan)->effect_times == EFFECT_TIMES_ALL ? 2 : 1); pass++)
 		for (uint32_t i = 0; s == STATUS_OK && i < count && clock_us() - start < PROBE_US; i++)
 			if (plan_has(&j->plan, reports[i].effect) == (pass == 0) && can_time(j, reports[i].effect))
 				s = time_one(j, &as_planned, &reports[i], err);

@@ -3,9 +3,10 @@
 #define CANDIL_WORKER_TECHNIQUE_PT_JOB_H
 
 #include "server/worker/devices.h"
-#include "server/worker/plan.h"
-#include "server/worker/resident.h"
+#include "server/worker/plan/plan.h"
+#include "server/worker/scenes/resident.h"
 #include "server/worker/technique/pt_sky.h"
+#include "server/worker/trace/trace.h"
 #include "server/worker/vk/pipeline.h"
 
 // Rows of the image whose sums fit one buffer that the device can bind. Most images are one band.
@@ -25,6 +26,7 @@ struct technique_job {
 	struct device *device;
 	struct resident_scene *scene;
 	struct plan plan;
+	struct trace trace; // how its rays walk
 	const struct pt_sky *sky; // of the picture around the scene, on the device; NULL: not needed
 	uint32_t tiles;
 	uint32_t segment; // scattering events in a dispatch at most, for each of its samples

@@ -17,8 +17,7 @@ static const struct shader light_shader = {.name = "light",
 					   .code = shader_light_comp,
 					   .bytes = sizeof shader_light_comp,
 					   .bindings = BIND_LIGHT_COUNT,
-					   .texels =
-					       1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS | 1u << BIND_LIGHT_NODES,
+					   .texels = TRACE_TEXELS | 1u << BIND_LIGHT_NODES,
 					   .push_bytes = sizeof(struct path_push)};
 
 static bool wanted(const struct plan *plan)

@@ -4,6 +4,7 @@
 
 #include "server/base/clock.h"
 #include "server/scene/light_tree.h"
+#include "server/worker/technique/pt/pt_options.h"
 #include "server/worker/vk/pipeline.h"
 
 // From so many emissive triangles on the tree is worth its steps, and from so many lights: tests/bench/RESULTS.md.
@@ -39,14 +40,14 @@ bool pt_light_tree_wanted(const struct devices *devices, const struct resident_s
 {
 	const struct light_tree_lamps lamps = lamps_of(scene, plan);
 	const uint64_t count = (uint64_t)lamps.emitter_count + lamps.light_count;
-	if (plan->lamps == LAMPS_BY_CHANCE || plan->light_tree == LIGHT_TREE_OFF)
+	if (pt_settings(plan)->lamps == LAMPS_BY_CHANCE || pt_settings(plan)->light_tree == LIGHT_TREE_OFF)
 		return false;
 	if (count == 0 || count > LIGHT_TREE_LAMPS_MAX)
 		return false;
 	// Shaders read its nodes as texels.
 	if (pt_light_tree_bytes(scene, plan) / PIPELINE_TEXEL_BYTES > devices->vk->limits.maxTexelBufferElements)
 		return false;
-	return plan->light_tree == LIGHT_TREE_ON || lamps.emitter_count >= TREE_FROM_EMITTERS ||
+	return pt_settings(plan)->light_tree == LIGHT_TREE_ON || lamps.emitter_count >= TREE_FROM_EMITTERS ||
 	       lamps.light_count >= TREE_FROM_LIGHTS;
 }
 

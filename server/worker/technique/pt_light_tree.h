@@ -4,8 +4,8 @@
 #define CANDIL_WORKER_TECHNIQUE_PT_LIGHT_TREE_H
 
 #include "server/worker/devices.h"
-#include "server/worker/plan.h"
-#include "server/worker/resident.h"
+#include "server/worker/plan/plan.h"
+#include "server/worker/scenes/resident.h"
 
 struct pt_light_tree {
 	struct buffer nodes; // struct light_node

@@ -4,6 +4,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/technique/pt.h"
+#include "server/worker/technique/pt/pt_options.h"
 #include "server/worker/technique/pt_error.h"
 #include "server/worker/technique/pt_job.h"
 #include "server/worker/technique/pt_light.h"
@@ -26,21 +27,17 @@
 // Loop rounds of an invocation that a batch is meant to stay below, where a driver ends loops after 65,535.
 #define ROUNDS_SAFE 24000u
 
-_Static_assert(FILTER_BOX == (int)candil_Filter_FILTER_BOX && FILTER_GAUSSIAN == (int)candil_Filter_FILTER_GAUSSIAN &&
-		   FILTER_BLACKMAN_HARRIS == (int)candil_Filter_FILTER_BLACKMAN_HARRIS,
-	       "one number a filter");
-
 static const struct shader path_shader = {.name = "path",
 					  .code = shader_path_comp,
 					  .bytes = sizeof shader_path_comp,
 					  .bindings = BIND_PATH_COUNT,
-					  .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS | 1u << BIND_LIGHT_NODES,
+					  .texels = TRACE_TEXELS | 1u << BIND_LIGHT_NODES,
 					  .push_bytes = sizeof(struct path_push)};
 static const struct shader aov_shader = {.name = "aov",
 					 .code = shader_aov_comp,
 					 .bytes = sizeof shader_aov_comp,
 					 .bindings = BIND_TRACE_COUNT,
-					 .texels = 1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS,
+					 .texels = TRACE_TEXELS,
 					 .push_bytes = sizeof(struct path_push)};
 
 static uint32_t tile_columns(const struct plan *plan)
@@ -61,7 +58,9 @@ static uint64_t pixels_of(const struct plan *plan)
 static uint32_t segment_of(const struct device *device, const struct plan *plan)
 {
 	const uint32_t whole = plan->depth + 1;
-	const uint32_t segment = plan->segment ? plan->segment : device->info.software ? SEGMENT_SOFTWARE : whole;
+	const uint32_t segment = pt_settings(plan)->segment ? pt_settings(plan)->segment
+				 : device->info.software    ? SEGMENT_SOFTWARE
+							    : whole;
 	return segment < whole ? segment : whole;
 }
 
@@ -83,8 +82,8 @@ void pt_job_next_batch(struct technique_job *j)
 		const uint64_t safe = (uint64_t)ROUNDS_SAFE * j->batch / j->loop_rounds;
 		batch = safe < batch ? (uint32_t)safe : batch;
 	}
-	if (j->plan.batch)
-		batch = j->plan.batch;
+	if (pt_settings(&j->plan)->batch)
+		batch = pt_settings(&j->plan)->batch;
 	batch = least(least(batch, j->batch_most), j->plan.samples - j->sample);
 	if (j->plan.target_error > 0)
 		batch = least(batch, pt_error_checkpoint(j->sample) - j->sample);
@@ -168,7 +167,8 @@ static enum status pt_make_buffers(struct technique_job *j, struct error *err)
 {
 	struct device *d = j->device;
 	struct scene_params params;
-	scene_params_fill(&j->plan, &j->scene->view, &params);
+	scene_params_fill(&j->plan, &j->scene->view, plan_has_sky(&j->plan), &params);
+	params.clamp = pt_settings(&j->plan)->clamp;
 	enum status s = pt_light_init(j, &params, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&j->job, d, &params, sizeof params, err);
@@ -189,94 +189,6 @@ static enum status pt_make_buffers(struct technique_job *j, struct error *err)
 }
 
 // ---- pipelines ----------------------------------------------------------------------------------------------------------
-
-// Packets pay where a lane is a part of a CPU's vector; a GPU's lanes each fetch for themselves as quickly.
-static bool walks_in_packets(const struct technique_job *j)
-{
-	const struct device_info *info = &j->device->info;
-	const bool wanted = j->plan.traversal == TRAVERSAL_PACKET || (j->plan.traversal == TRAVERSAL_AUTO && info->software);
-	const uint64_t most = (uint64_t)j->device->limits.maxTexelBufferElements * PIPELINE_TEXEL_BYTES;
-	return wanted && info->packets && resident_buffer(j->scene, BIND_NODES)->bytes <= most &&
-	       resident_buffer(j->scene, BIND_LEAF_TRIANGLES)->bytes <= most;
-}
-
-enum status pt_job_bind(struct technique_job *j, struct pipeline *pipeline, const struct buffer *result,
-			struct binding_set *set, struct error *err)
-{
-	const struct buffer *buffers[BIND_MOST] = {NULL};
-	for (uint32_t i = 0; i < BIND_SCENE_COUNT; i++)
-		buffers[i] = resident_buffer(j->scene, i);
-	buffers[BIND_NODE_TEXELS] = buffers[BIND_NODES];
-	buffers[BIND_LEAF_TEXELS] = buffers[BIND_LEAF_TRIANGLES];
-	if (j->tree) {
-		buffers[BIND_LIGHT_NODES] = &j->tree->nodes;
-		buffers[BIND_LIGHT_TRAILS] = &j->tree->trails;
-	}
-	buffers[BIND_JOB] = &j->job;
-	buffers[BIND_COUNTERS] = &j->counters;
-	if (j->sky) {
-		buffers[BIND_ENVIRONMENT] = &j->sky->texels;
-		buffers[BIND_ENVIRONMENT_ROWS] = &j->sky->rows;
-	}
-	buffers[BIND_ACCUMULATOR] = result;
-	buffers[BIND_PATHS] = &j->paths;
-	buffers[BIND_CASTERS] = &j->casters;
-	buffers[BIND_CASTER_DENSITY] = &j->caster_density;
-	return binding_set_init(set, j->device, pipeline, buffers, &j->counters_host, err);
-}
-
-enum status pt_job_warm_up(struct technique_job *j, struct pipeline *pipeline, const struct binding_set *set,
-			   struct error *err)
-{
-	VkCommandBuffer c = j->device->commands;
-	const struct path_push nothing = {.first_tile = j->tiles};
-	if (pipeline->warm)
-		return STATUS_OK;
-	enum status s = command_begin(j->device, err);
-	if (s != STATUS_OK)
-		return s;
-	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
-	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set->set, 0, NULL);
-	vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof nothing, &nothing);
-	vkCmdDispatch(c, 1, 1, 1);
-	s = command_finish(j->device, err);
-	pipeline->warm = s == STATUS_OK;
-	return s;
-}
-
-static bool has_priorities(const struct resident_scene *scene)
-{
-	const struct material *materials = scene_section(scene, BLOB_MATERIALS);
-	for (uint32_t i = 0; i < scene_count(scene, BLOB_MATERIALS); i++)
-		if (materials[i].flags >> MATERIAL_PRIORITY_SHIFT)
-			return true;
-	return false;
-}
-
-enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *shader, uint32_t effects,
-				 struct pipeline **pipeline, struct error *err)
-{
-	struct constants c = {0};
-	constants_set_effects(&c, effects);
-	constants_set(&c, SPEC_RESUMED, j->segments > 1);
-	constants_set(&c, SPEC_PACKET, walks_in_packets(j));
-	constants_set(&c, SPEC_WIDTH, j->device->info.subgroup);
-	constants_set(&c, SPEC_CAMERA,
-		      j->plan.camera.panorama          ? CAMERA_PANORAMA
-		      : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
-						       : CAMERA_PINHOLE);
-	constants_set(&c, SPEC_FILTER, j->plan.filter);
-	constants_set(&c, SPEC_SAMPLER, j->plan.sampler);
-	constants_set(&c, SPEC_UNIFORM, j->plan.hemisphere == HEMISPHERE_UNIFORM);
-	constants_set(&c, SPEC_LAMPS_BY, j->plan.lamps);
-	constants_set(&c, SPEC_ROULETTE, j->plan.roulette == ROULETTE_ON);
-	constants_set(&c, SPEC_CLAMP, j->plan.clamp > 0);
-	constants_set(&c, SPEC_SKY, j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
-	constants_set(&c, SPEC_DISCS, effects >> candil_Effect_EFFECT_LIGHTS & 1u && scene_has_discs(j->scene));
-	constants_set(&c, SPEC_LIGHT_TREE, j->tree != NULL);
-	constants_set(&c, SPEC_PRIORITIES, effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene));
-	return pipeline_get(j->device, shader, &c, pipeline, err);
-}
 
 enum status pt_job_pipeline(struct technique_job *j, uint32_t effects, struct pipeline **pipeline, struct binding_set *set,
 			    struct error *err)
@@ -342,9 +254,11 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	j->scene = scene;
 	j->plan = *plan;
 	j->tiles = tiles_of(plan);
-	j->batch_most = plan->batch ? plan->batch : BATCH_MOST;
+	j->batch_most = pt_settings(plan)->batch ? pt_settings(plan)->batch : BATCH_MOST;
 	const uint64_t start = clock_us();
-	enum status s = resident_upload(scene, device, scene_bindings_shade(plan) | scene_bindings_trace(), err);
+	enum status s = resident_upload(scene, device, scene_bindings_shade(plan) | TRACE_BINDINGS, err);
+	if (s == STATUS_OK)
+		j->trace = trace_choose(device, scene, (enum trace_way)pt_settings(plan)->traversal);
 	if (s == STATUS_OK && plan_has_sky(plan))
 		s = pt_sky_get(plan->environment.scene, device, &j->sky, err);
 	if (s == STATUS_OK)

@@ -2,7 +2,7 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_SKY_H
 #define CANDIL_WORKER_TECHNIQUE_PT_SKY_H
 
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 
 struct pt_sky {
 	struct derived derived;

@@ -1,15 +1,12 @@
 #include "server/worker/technique/scene_params.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "server/base/angle.h"
 #include "server/scene/lights.h"
-
-uint32_t scene_bindings_trace(void)
-{
-	return 1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES;
-}
 
 uint32_t scene_bindings_shade(const struct plan *plan)
 {
@@ -54,10 +51,9 @@ double scene_light_power(const struct plan *plan, const struct blob_view *scene)
 	return plan_has(plan, candil_Effect_EFFECT_LIGHTS) ? (double)scene->light_power : 0;
 }
 
-static void fill_shares(const struct plan *p, const struct blob_view *scene, struct scene_params *out)
+static void fill_shares(const struct plan *p, const struct blob_view *scene, bool sky, struct scene_params *out)
 {
 	const double e = scene_emitter_power(p, scene), l = scene_light_power(p, scene);
-	const bool sky = p->technique == candil_Technique_TECHNIQUE_PT && plan_has_sky(p);
 	const float emitters = scene_share(e, l);
 	out->sky_share = sky ? scene_share(scene_sky_power(p, scene), e + l) : 0;
 	out->emitter_share = emitters * (1.0f - out->sky_share);
@@ -85,7 +81,7 @@ static uint32_t run_bits(uint32_t samples)
 	return bits;
 }
 
-void scene_params_fill(const struct plan *p, const struct blob_view *scene, struct scene_params *out)
+void scene_params_fill(const struct plan *p, const struct blob_view *scene, bool sky_is_lamp, struct scene_params *out)
 {
 	memset(out, 0, sizeof *out);
 	out->width = p->width;
@@ -96,7 +92,7 @@ void scene_params_fill(const struct plan *p, const struct blob_view *scene, stru
 	out->seed[1] = (uint32_t)(p->seed >> 32);
 	out->emitter_count = scene->counts[BLOB_EMITTERS];
 	out->light_count = scene->counts[BLOB_LIGHTS];
-	fill_shares(p, scene, out);
+	fill_shares(p, scene, sky_is_lamp, out);
 	out->emitter_power_inv = scene->emitter_power > 0 ? 1.0f / scene->emitter_power : 0.0f;
 	out->has_uv1 = scene->counts[BLOB_UV1] > 0;
 	out->has_colors = scene->counts[BLOB_COLORS] > 0;
@@ -109,10 +105,19 @@ void scene_params_fill(const struct plan *p, const struct blob_view *scene, stru
 		out->background[i] = p->background[i];
 	}
 	out->focus = (float)p->camera.focus;
-	out->clamp = p->clamp;
 	out->run_bits = run_bits(p->first_sample + p->samples);
 	fill_lens(&p->camera, p->camera.right, out->lens_right);
 	fill_lens(&p->camera, p->camera.up, out->lens_up);
+}
+
+void technique_note(candil_Accepted *accepted, const char *format, ...)
+{
+	va_list args;
+	if (accepted->notes_count == sizeof accepted->notes / sizeof accepted->notes[0])
+		return;
+	va_start(args, format);
+	vsnprintf(accepted->notes[accepted->notes_count++], sizeof accepted->notes[0], format, args);
+	va_end(args);
 }
 
 bool scene_has_discs(const struct resident_scene *scene)

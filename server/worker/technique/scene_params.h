@@ -2,16 +2,20 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_SCENE_PARAMS_H
 #define CANDIL_WORKER_TECHNIQUE_SCENE_PARAMS_H
 
-#include "server/worker/plan.h"
-#include "server/worker/resident.h"
+#include "server/worker/plan/plan.h"
+#include "server/worker/scenes/resident.h"
 #include "shaders/shared/bindings.h"
 
-// Bindings (bits 1 << BIND_…) that shading by this plan reads; a pass that traces rays adds scene_bindings_trace.
+// Bindings (bits 1 << BIND_…) that shading by this plan reads; a pass that traces rays adds TRACE_BINDINGS.
 uint32_t scene_bindings_shade(const struct plan *plan);
-uint32_t scene_bindings_trace(void);
 
-// The parameters in common/scene.glsl's `job`.
-void scene_params_fill(const struct plan *plan, const struct blob_view *scene, struct scene_params *out);
+// The parameters in common/scene.glsl's `job`, but for what a technique fills in by itself.
+// `sky_is_lamp`: next-event
+// estimation goes to the picture around the scene, too.
+void scene_params_fill(const struct plan *plan, const struct blob_view *scene, bool sky_is_lamp, struct scene_params *out);
+
+// Add a sentence to what a client is told of its job; one too many is dropped.
+void technique_note(candil_Accepted *accepted, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 // How random choices between two kinds of light are divided: the share of the one with power `of`, W, beside the others',
 // never less than a tenth to either that has any, for a sun's power says little about a room that it does not reach.

@@ -62,14 +62,9 @@ static const struct shelf_kind kind = {
 
 // ---- what a plan wants --------------------------------------------------------------------------------------------------
 
-bool shadow_maps_wanted(const struct plan *plan, const struct resident_scene *scene)
+bool shadow_maps_wanted(const struct plan *plan, const struct resident_scene *scene, uint32_t side)
 {
-	if (!plan_has(plan, candil_Effect_EFFECT_LIGHTS) || scene_count(scene, BLOB_LIGHTS) == 0 ||
-	    plan->direct_shadows == DIRECT_SHADOWS_NONE)
-		return false;
-	if (plan->technique != candil_Technique_TECHNIQUE_VCT || plan->vct_shadows == VCT_SHADOWS_RAYS)
-		return plan->direct_shadows == DIRECT_SHADOWS_MAP;
-	return plan->vct_shadows == VCT_SHADOWS_MAP;
+	return side > 0 && plan_has(plan, candil_Effect_EFFECT_LIGHTS) && scene_count(scene, BLOB_LIGHTS) > 0;
 }
 
 bool shadow_maps_for_all(const struct resident_scene *scene)
@@ -82,7 +77,7 @@ static bool is_cut(const struct plan *plan)
 	return plan_has(plan, candil_Effect_EFFECT_ALPHA_MASK) || plan_has(plan, candil_Effect_EFFECT_ALPHA_BLEND);
 }
 
-static struct shadow_key key_of(const struct plan *plan, const struct resident_scene *scene)
+static struct shadow_key key_of(const struct plan *plan, const struct resident_scene *scene, uint32_t side)
 {
 	const uint32_t cut = 1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_ALPHA_BLEND |
 			     1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_VERTEX_COLORS;
@@ -90,7 +85,7 @@ static struct shadow_key key_of(const struct plan *plan, const struct resident_s
 				   .lights = scene->keys.lights,
 				   .materials = is_cut(plan) ? scene->keys.materials : 0,
 				   .effects = is_cut(plan) ? plan->effects & cut : 0,
-				   .side = plan->direct_map};
+				   .side = side};
 }
 
 static struct gl_texture_desc depths_desc(uint32_t side, uint32_t count)
@@ -103,11 +98,11 @@ static struct gl_texture_desc depths_desc(uint32_t side, uint32_t count)
 					.levels = 1};
 }
 
-uint64_t shadow_maps_bytes(const struct plan *plan, const struct resident_scene *scene)
+uint64_t shadow_maps_bytes(const struct plan *plan, const struct resident_scene *scene, uint32_t side)
 {
-	if (!shadow_maps_wanted(plan, scene))
+	if (!shadow_maps_wanted(plan, scene, side))
 		return 0;
-	const struct gl_texture_desc desc = depths_desc(plan->direct_map, shadow_views_count(&scene->view));
+	const struct gl_texture_desc desc = depths_desc(side, shadow_views_count(&scene->view));
 	return gl_texture_bytes(&desc) + SHADOW_MAPS_MAX * sizeof(struct shadow_map) +
 	       scene_count(scene, BLOB_LIGHTS) * sizeof(uint32_t);
 }
@@ -119,7 +114,7 @@ static enum status shadow_maps_make_buffers(struct shadow_maps *m, const struct 
 	struct shadow_views views;
 	struct scene_params job;
 	enum status s = shadow_views_init(&views, &m->scene->view, m->key.side, err);
-	scene_params_fill(plan, &m->scene->view, &job);
+	scene_params_fill(plan, &m->scene->view, false, &job);
 	m->count = views.count;
 	const struct gl_texture_desc desc = depths_desc(m->key.side, m->count);
 	if (s == STATUS_OK)
@@ -277,9 +272,9 @@ static struct shadow_maps *shadow_maps_find(const struct shelf *s, const struct 
 }
 
 enum status shadow_maps_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-				uint64_t *compile_us, struct shadow_maps **maps, struct error *err)
+				uint32_t side, uint64_t *compile_us, struct shadow_maps **maps, struct error *err)
 {
-	const struct shadow_key key = key_of(plan, scene);
+	const struct shadow_key key = key_of(plan, scene, side);
 	struct shelf *shelf = shelf_of(scene, &kind);
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");

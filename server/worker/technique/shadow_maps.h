@@ -11,8 +11,8 @@
 #include "server/worker/gl/program.h"
 #include "server/worker/gl/texture.h"
 #include "server/worker/gl/timer.h"
-#include "server/worker/plan.h"
-#include "server/worker/technique/shelf.h"
+#include "server/worker/plan/plan.h"
+#include "server/worker/scenes/shelf.h"
 
 // All that the maps depend on. Compared by bytes.
 struct shadow_key {
@@ -40,8 +40,8 @@ struct shadow_maps {
 	double triangle_us; // measured
 };
 
-// Whether a job of this plan looks into shadow maps.
-bool shadow_maps_wanted(const struct plan *plan, const struct resident_scene *scene);
+// Whether a job of this plan, which asks for maps of `side` texels (0: none), looks into shadow maps.
+bool shadow_maps_wanted(const struct plan *plan, const struct resident_scene *scene, uint32_t side);
 
 // Whether every light has one then.
 bool shadow_maps_for_all(const struct resident_scene *scene);
@@ -49,7 +49,7 @@ bool shadow_maps_for_all(const struct resident_scene *scene);
 // The maps of a scene, new ones begun if they are not there. *compile_us grows by what compiling took. STATUS_MEMORY if they
 // cannot fit.
 enum status shadow_maps_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-				uint64_t *compile_us, struct shadow_maps **maps, struct error *err);
+				uint32_t side, uint64_t *compile_us, struct shadow_maps **maps, struct error *err);
 
 // Work on them for about budget_us; at once back if they are finished. Device time goes to the stage "shadow-maps".
 enum status shadow_maps_step(struct shadow_maps *maps, struct gl_timer *timer, uint32_t budget_us, struct error *err);
@@ -66,6 +66,6 @@ void shadow_maps_bind(const struct shadow_maps *maps);
 void shadow_maps_release(struct shadow_maps *maps);
 
 // Device memory of a plan's maps, in bytes; 0 where it wants none.
-uint64_t shadow_maps_bytes(const struct plan *plan, const struct resident_scene *scene);
+uint64_t shadow_maps_bytes(const struct plan *plan, const struct resident_scene *scene, uint32_t side);
 
 #endif

@@ -4,7 +4,7 @@
 #define CANDIL_WORKER_TECHNIQUE_SKY_MAP_H
 
 #include "server/worker/gl/texture.h"
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 #include "shaders/shared/sky.h"
 
 struct sky_map {

@@ -70,7 +70,7 @@ static void fill_gather(struct vct_params *p)
 
 static void fill_params(struct vct_volume *v)
 {
-	const struct vct_options *o = &v->options;
+	const struct vct_volume_options *o = &v->options;
 	const struct voxel_grid *grid = &v->voxels->grid;
 	struct vct_params *p = &v->params;
 	memset(p, 0, sizeof *p);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "server/base/clock.h"
+#include "server/worker/technique/vct/vct_options.h"
 #include "server/worker/technique/vct_figures.h"
 #include "shaders/gl/vct_show_comp.h"
 #include "shaders/shared/vct_show.h"
@@ -22,15 +23,16 @@ static const struct gl_source show_source = {.name = "vct_show", .compute = sour
 // The share of a level's faces that are hidden is the same in the dark.
 static bool in_the_dark(const struct plan *plan)
 {
-	return plan->vct_show == VCT_SHOW_COVERAGE && plan->vct_level > 0;
+	return vct_settings(plan)->show == VCT_SHOW_COVERAGE && vct_settings(plan)->level > 0;
 }
 
 static bool vct_show_needs_volume(const struct plan *plan)
 {
-	return plan->vct_show == VCT_SHOW_RADIANCE || plan->vct_show == VCT_SHOW_IRRADIANCE || in_the_dark(plan);
+	return vct_settings(plan)->show == VCT_SHOW_RADIANCE || vct_settings(plan)->show == VCT_SHOW_IRRADIANCE ||
+	       in_the_dark(plan);
 }
 
-static void darken(struct plan *plan, struct vct_options *o)
+static void darken(struct plan *plan, struct vct_volume_options *o)
 {
 	plan->effects &= ~(1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT |
 			   1u << candil_Effect_EFFECT_BOUNCES);
@@ -54,14 +56,15 @@ static uint32_t top_of(const struct vct_show *s)
 static enum status place_slice(struct vct_show *s, struct error *err)
 {
 	const struct plan *p = &s->plan;
+	const struct vct_settings *wish = vct_settings(p);
 	const uint32_t *all = s->voxels->grid.sides;
-	const uint32_t level = p->vct_level, axis = p->vct_axis;
+	const uint32_t level = wish->level, axis = wish->axis;
 	const uint32_t wide = all[axis == 0 ? 2 : 0] >> level, high = all[axis == 1 ? 2 : 1] >> level;
 	const uint32_t across = p->width / wide, down = p->height / high;
 	const uint32_t side = across < down ? across : down;
-	if (p->vct_slice >= all[axis] >> level)
+	if (wish->slice >= all[axis] >> level)
 		return error_set(err, STATUS_BAD_ARGUMENT, "there is no slice %u: level %u has %u along this axis, from 0",
-				 p->vct_slice, level, all[axis] >> level);
+				 wish->slice, level, all[axis] >> level);
 	if (side == 0)
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "a slice has %u x %u cells: ask for a picture of at least as many pixels", wide, high);
@@ -73,22 +76,22 @@ static enum status place_slice(struct vct_show *s, struct error *err)
 
 static enum status vct_show_place(struct vct_show *s, struct error *err)
 {
-	const struct plan *p = &s->plan;
-	if (p->vct_level > top_of(s))
+	const struct vct_settings *wish = vct_settings(&s->plan);
+	if (wish->level > top_of(s))
 		return error_set(err, STATUS_BAD_ARGUMENT, "there is no level %u: these voxels have levels 0 to %u",
-				 p->vct_level, top_of(s));
-	s->where[0] = p->vct_level;
-	s->where[1] = p->vct_axis;
-	s->where[2] = p->vct_slice;
+				 wish->level, top_of(s));
+	s->where[0] = wish->level;
+	s->where[1] = wish->axis;
+	s->where[2] = wish->slice;
 	s->where[3] = 1;
-	return p->vct_slice == NONE ? STATUS_OK : place_slice(s, err);
+	return wish->slice == NONE ? STATUS_OK : place_slice(s, err);
 }
 
-static enum status acquire(struct vct_show *s, struct gl_device *device, const struct vct_options *options,
+static enum status acquire(struct vct_show *s, struct gl_device *device, const struct vct_volume_options *options,
 			   struct error *err)
 {
 	struct plan plan = s->plan;
-	struct vct_options o = *options;
+	struct vct_volume_options o = *options;
 	if (!vct_show_needs_volume(&plan))
 		return voxels_acquire(s->scene, device, &plan, &o.voxels, &s->voxels, err);
 	if (in_the_dark(&plan))
@@ -100,7 +103,7 @@ static enum status acquire(struct vct_show *s, struct gl_device *device, const s
 }
 
 enum status vct_show_create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			    const struct vct_options *options, struct vct_show **show, struct error *err)
+			    const struct vct_volume_options *options, struct vct_show **show, struct error *err)
 {
 	struct vct_show *s = calloc(1, sizeof *s);
 	if (!s)
@@ -161,8 +164,8 @@ static void vct_show_bind(void *user, const struct deferred_area *area)
 void vct_show_pass(struct vct_show *s, struct deferred_pass *pass)
 {
 	*pass = (struct deferred_pass){.source = &show_source, .stage = "show", .bind = vct_show_bind, .user = s};
-	gl_define(&pass->defines, "VCT_SHOW", "%u", s->plan.vct_show);
-	gl_define(&pass->defines, "VCT_SHOW_PYRAMID", "%s", s->plan.vct_level > 0 ? "true" : "false");
+	gl_define(&pass->defines, "VCT_SHOW", "%u", vct_settings(&s->plan)->show);
+	gl_define(&pass->defines, "VCT_SHOW_PYRAMID", "%s", vct_settings(&s->plan)->level > 0 ? "true" : "false");
 	if (s->volume)
 		vct_define(&pass->defines, &s->volume->options);
 }
@@ -176,7 +179,8 @@ enum status vct_show_figures(const struct vct_show *s, struct frame *frame, stru
 	return r;
 }
 
-uint64_t vct_show_bytes_guess(const struct resident_scene *scene, const struct plan *plan, const struct vct_options *options)
+uint64_t vct_show_bytes_guess(const struct resident_scene *scene, const struct plan *plan,
+			      const struct vct_volume_options *options)
 {
 	return vct_show_needs_volume(plan) ? vct_volume_bytes_guess(scene, options)
 					   : voxels_bytes_guess(scene, &options->voxels);

@@ -13,7 +13,7 @@ struct vct_show;
 // `options` are those of the scene's own picture: what both need is made once. STATUS_BAD_ARGUMENT for a level or a slice
 // that the grid does not have, and for a slice that has more cells than the image has pixels.
 enum status vct_show_create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			    const struct vct_options *options, struct vct_show **show, struct error *err);
+			    const struct vct_volume_options *options, struct vct_show **show, struct error *err);
 void vct_show_destroy(struct vct_show *show); // NULL is allowed
 
 // Make what is shown, for about budget_us.
@@ -29,6 +29,6 @@ enum status vct_show_figures(const struct vct_show *show, struct frame *frame, s
 
 // Device memory of what is shown, before it is made.
 uint64_t vct_show_bytes_guess(const struct resident_scene *scene, const struct plan *plan,
-			      const struct vct_options *options);
+			      const struct vct_volume_options *options);
 
 #endif

@@ -5,9 +5,10 @@
 #include <string.h>
 
 #include "server/base/clock.h"
-#include "server/worker/technique/direct.h"
+#include "server/worker/technique/direct/lighting.h"
 #include "server/worker/technique/scene_params.h"
 #include "server/worker/technique/vct_build.h"
+#include "server/worker/trace/trace.h"
 
 static void volume_destroy(struct shelved *shelved, bool scene_goes)
 {
@@ -78,7 +79,7 @@ bool vct_shadows_in_volume(uint32_t shadows)
 	return shadows != VCT_SHADOWS_RAYS && shadows != VCT_SHADOWS_MAP;
 }
 
-void vct_define(struct gl_defines *d, const struct vct_options *o)
+void vct_define(struct gl_defines *d, const struct vct_volume_options *o)
 {
 	gl_define(d, "VCT_OWN", "%s", o->own ? "false" : "true");
 	gl_define(d, "VCT_SUM", "%s", o->cover ? "false" : "true");
@@ -104,8 +105,10 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	// The volume outlives the job: what samples there are is the picture's business.
 	of_light.samples = 1;
 	struct scene_params job;
-	if (scene_count(v->scene, BLOB_EMITTERS) > LAMPS_MANY && of_light.direct_points < POINTS_OF_MANY)
-		of_light.direct_points = POINTS_OF_MANY;
+	struct lighting_wish wish = {
+	    .points = v->options.points, .shadows = v->options.shadows, .map_side = v->options.map_side, .lamps = true};
+	if (scene_count(v->scene, BLOB_EMITTERS) > LAMPS_MANY && wish.points < POINTS_OF_MANY)
+		wish.points = POINTS_OF_MANY;
 	// The volume serves requests of any seed, so that it may not depend on who came first.
 	of_light.seed = 0;
 	// Entries are diffuse, and have the geometry's own normals.
@@ -113,28 +116,28 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	    ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS | 1u << candil_Effect_EFFECT_GLASS);
 	if (v->options.emission)
 		of_light.effects &= ~(1u << candil_Effect_EFFECT_EMITTERS);
-	v->bindings = scene_bindings_shade(&of_light) | scene_bindings_trace();
+	v->bindings = scene_bindings_shade(&of_light) | TRACE_BINDINGS;
 	v->emission_most = brightest(v->scene);
 	gl_define_effects(&v->light_defines, of_light.effects);
-	direct_define(&v->light_defines, &of_light, v->scene);
+	lighting_define(&v->light_defines, &of_light, v->scene, &wish);
 	vct_define(&v->light_defines, &v->options);
 	// The ambient term is for pixels: it lights no surface that lights another.
-	struct vct_options of_bounces = v->options;
+	struct vct_volume_options of_bounces = v->options;
 	of_bounces.ambient = 0;
 	vct_define(&v->cone_defines, &of_bounces);
 	gl_define(&v->cone_defines, "VCT_REFLECTS", "%s", v->options.bounces > 0 ? "true" : "false");
-	scene_params_fill(&of_light, &v->scene->view, &job);
+	scene_params_fill(&of_light, &v->scene->view, false, &job);
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }
 
 // The background, and surfaces whose emission is in the pyramid, have no irradiance in `direct`: cones bring it.
-static bool sends_by_cones(const struct vct_options *o)
+static bool sends_by_cones(const struct vct_volume_options *o)
 {
 	return o->emission || o->sky || o->background[0] > 0 || o->background[1] > 0 || o->background[2] > 0;
 }
 
 static enum status volume_create(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-				 const struct vct_options *options, struct vct_volume **out, struct error *err)
+				 const struct vct_volume_options *options, struct vct_volume **out, struct error *err)
 {
 	struct vct_volume *v = calloc(1, sizeof *v);
 	if (!v)
@@ -153,8 +156,8 @@ static enum status volume_create(struct resident_scene *scene, struct gl_device 
 	if (s == STATUS_OK)
 		s = prepare_light(v, plan, err);
 	uint64_t compile_us = 0; // told by the picture's own lighting, which looks into the same maps
-	if (s == STATUS_OK && shadow_maps_wanted(plan, scene))
-		s = shadow_maps_acquire(scene, device, plan, &compile_us, &v->maps, err);
+	if (s == STATUS_OK && shadow_maps_wanted(plan, scene, options->map_side))
+		s = shadow_maps_acquire(scene, device, plan, options->map_side, &compile_us, &v->maps, err);
 	if (s == STATUS_OK)
 		*out = v;
 	else
@@ -164,7 +167,7 @@ static enum status volume_create(struct resident_scene *scene, struct gl_device 
 
 // What is being made is shared by the jobs of one variant alone: it reads that one's buffers.
 static struct vct_volume *volume_find(const struct shelf *s, const struct resident_scene *scene,
-				      const struct vct_options *options)
+				      const struct vct_volume_options *options)
 {
 	for (struct shelved *at = s->first; at; at = at->next) {
 		struct vct_volume *v = (struct vct_volume *)at;
@@ -176,7 +179,7 @@ static struct vct_volume *volume_find(const struct shelf *s, const struct reside
 }
 
 enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			       const struct vct_options *options, struct vct_volume **volume, struct error *err)
+			       const struct vct_volume_options *options, struct vct_volume **volume, struct error *err)
 {
 	struct shelf *shelf = shelf_of(scene, &kind);
 	enum status s = STATUS_OK;
@@ -251,7 +254,7 @@ void vct_volume_bind(const struct vct_volume *v)
 		sky_map_bind(v->sky);
 }
 
-uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_options *options)
+uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_volume_options *options)
 {
 	struct voxel_grid grid;
 	voxel_grid_make(&scene->view, &options->voxels, &grid);

@@ -14,19 +14,20 @@
 #include "server/worker/gl/texture.h"
 #include "server/worker/technique/shadow_maps.h"
 #include "server/worker/technique/sky_map.h"
+#include "server/worker/technique/vct/vct_options.h"
 #include "server/worker/technique/voxels.h"
 #include "shaders/shared/vct.h"
 
 // All that the volume's content depends on, beside the scene. Compared by bytes: zero what is not used.
-struct vct_options {
+struct vct_volume_options {
 	struct voxel_options voxels;
 	uint32_t effects; // of the plan
 	uint32_t bounces; // 0: lights alone, which the volume is not needed for
 	uint32_t cones; // diffuse: 6, 9, 16 or 32
 	uint32_t points; // direct.samples, for shadow rays to emissive triangles
-	uint32_t shadows; // direct.shadows
+	uint32_t shadows; // 1: lights throw them
 	uint32_t map_side; // texels of the shadow maps; 0: none
-	uint32_t pyramid, cover, own, lambert, volume_shadows; // as in struct plan
+	uint32_t pyramid, cover, own, lambert, volume_shadows; // as in struct vct_settings
 	float shadow_tangent; // of the half aperture
 	uint32_t emission; // 1: surfaces' emission is in the pyramid, and nobody aims at emissive triangles
 	float ambient, falloff;
@@ -39,7 +40,7 @@ struct vct_options {
 struct vct_volume {
 	struct shelved shelved;
 	struct scene_keys keys; // of the scene that it was made of
-	struct vct_options options;
+	struct vct_volume_options options;
 	struct gl_device *device;
 	const struct sky_map *sky; // of options.sky, while a job has it; NULL: none
 	struct resident_scene *scene; // while it is made: others with the same keys share it afterwards
@@ -70,18 +71,18 @@ struct vct_volume {
 // The volume of a scene by these options, a new one begun if there is none of the same triangles, materials and lights. Pair
 // with vct_volume_release. STATUS_MEMORY if it cannot fit, with the resolution that would.
 enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *device, const struct plan *plan,
-			       const struct vct_options *options, struct vct_volume **volume, struct error *err);
+			       const struct vct_volume_options *options, struct vct_volume **volume, struct error *err);
 
 // Work for about budget_us. Device time goes to stages of `timer`. On failure release it.
 enum status vct_volume_step(struct vct_volume *volume, struct gl_timer *timer, uint32_t budget_us, struct error *err);
 bool vct_volume_finished(const struct vct_volume *volume);
 double vct_volume_fraction(const struct vct_volume *volume); // 0…1
 
-// Whether shadows by this enum plan_volume_shadows come out of the voxels.
+// Whether shadows by this enum vct_shadows come out of the voxels.
 bool vct_shadows_in_volume(uint32_t shadows);
 
 // The macros of vct/cone.glsl and what includes it.
-void vct_define(struct gl_defines *defines, const struct vct_options *options);
+void vct_define(struct gl_defines *defines, const struct vct_volume_options *options);
 
 // Bind parameters and pyramid for vct/cone.glsl.
 void vct_volume_bind(const struct vct_volume *volume);
@@ -90,6 +91,6 @@ void vct_volume_bind(const struct vct_volume *volume);
 void vct_volume_release(struct vct_volume *volume);
 
 // About the device memory that it will take, voxels included.
-uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_options *options);
+uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_volume_options *options);
 
 #endif

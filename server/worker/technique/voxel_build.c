@@ -62,7 +62,7 @@ static enum status voxel_build_make_buffers(struct voxels *v, const struct plan 
 	struct voxel_build *b = v->build;
 	struct scene_params job;
 	const uint64_t words = voxel_grid_words(&v->grid);
-	scene_params_fill(plan, &b->scene->view, &job);
+	scene_params_fill(plan, &b->scene->view, false, &job);
 	enum status r = gl_buffer_init(&v->grid_block, v->device, sizeof v->grid, &v->grid, err);
 	if (r == STATUS_OK)
 		r = gl_buffer_init(&v->words, v->device, 8 * (words + 1), NULL, err);

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 
 struct voxel_range {
 	uint32_t first, end; // triangle ids

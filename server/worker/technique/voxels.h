@@ -16,8 +16,8 @@
 
 #include "server/worker/gl/buffer.h"
 #include "server/worker/gl/timer.h"
-#include "server/worker/plan.h"
-#include "server/worker/technique/shelf.h"
+#include "server/worker/plan/plan.h"
+#include "server/worker/scenes/shelf.h"
 #include "server/worker/technique/voxel_grid.h"
 #include "server/worker/technique/voxel_ranges.h"
 

@@ -1,4 +1,4 @@
-#include "server/worker/edit_names.h"
+#include "server/worker/scenes/edit_names.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "server/base/angle.h"
 #include "server/scene/lights.h"
 #include "server/scene/nodes.h"
-#include "server/worker/edit.h"
+#include "server/worker/scenes/edit.h"
 
 enum status edit_cameras(struct edited *e, const struct transform *world, struct error *err)
 {

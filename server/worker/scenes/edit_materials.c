@@ -1,8 +1,8 @@
 #include <string.h>
 
 #include "server/scene/lights.h"
-#include "server/worker/edit.h"
-#include "server/worker/edit_names.h"
+#include "server/worker/scenes/edit.h"
+#include "server/worker/scenes/edit_names.h"
 
 static void set_colour(bool has, const candil_Vec3 *from, float to[3])
 {

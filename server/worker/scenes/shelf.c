@@ -1,4 +1,4 @@
-#include "server/worker/technique/shelf.h"
+#include "server/worker/scenes/shelf.h"
 
 #include <stdlib.h>
 

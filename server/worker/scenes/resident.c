@@ -1,4 +1,4 @@
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 
 #include <math.h>
 #include <pb_encode.h>

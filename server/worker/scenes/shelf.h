@@ -7,7 +7,7 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_SHELF_H
 #define CANDIL_WORKER_TECHNIQUE_SHELF_H
 
-#include "server/worker/resident.h"
+#include "server/worker/scenes/resident.h"
 
 struct shelf;
 

@@ -9,7 +9,7 @@
 
 #include "candil.pb.h"
 #include "server/scene/blob.h"
-#include "server/worker/edit.h"
+#include "server/worker/scenes/edit.h"
 #include "server/worker/vk/buffer.h"
 #include "shaders/shared/bindings.h"
 

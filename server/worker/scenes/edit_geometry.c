@@ -5,7 +5,7 @@
 
 #include "protocol/limits.h"
 #include "server/scene/bvh_refit.h"
-#include "server/worker/edit.h"
+#include "server/worker/scenes/edit.h"
 
 // A refitted tree that costs so much more than the one it was is worth a note.
 #define COST_WORTH_A_NOTE 2.0

@@ -2,8 +2,8 @@
 #include <string.h>
 
 #include "server/scene/animation.h"
-#include "server/worker/edit.h"
-#include "server/worker/edit_names.h"
+#include "server/worker/scenes/edit.h"
+#include "server/worker/scenes/edit_names.h"
 
 // What an edit or an animation said of each node.
 struct pose {

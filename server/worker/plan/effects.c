@@ -1,0 +1,157 @@
+#include "server/worker/plan/effects.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "protocol/names.h"
+#include "server/scene/blob.h"
+
+#define LIGHT_FACTS (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS)
+
+// An effect that these facts of a scene call for, any of them. 0: the functions below decide.
+static const uint32_t calling_facts[EFFECT_COUNT] = {
+    [candil_Effect_EFFECT_TEXTURES] = FACT_TEXTURES,
+    [candil_Effect_EFFECT_EMITTERS] = FACT_EMITTERS,
+    [candil_Effect_EFFECT_LIGHTS] = LIGHT_FACTS,
+    [candil_Effect_EFFECT_GLOSSY] = FACT_GLOSSY,
+    [candil_Effect_EFFECT_NORMAL_MAPS] = FACT_NORMAL_MAPS,
+    [candil_Effect_EFFECT_ALPHA_MASK] = FACT_ALPHA_MASK,
+    [candil_Effect_EFFECT_VERTEX_COLORS] = FACT_VERTEX_COLORS,
+    [candil_Effect_EFFECT_UNLIT] = FACT_UNLIT,
+    [candil_Effect_EFFECT_GLASS] = FACT_GLASS,
+    [candil_Effect_EFFECT_ALPHA_BLEND] = FACT_ALPHA_BLEND,
+    [candil_Effect_EFFECT_CLEARCOAT] = FACT_CLEARCOAT,
+    [candil_Effect_EFFECT_ROUGH_DIFFUSE] = FACT_ROUGH_DIFFUSE,
+};
+
+static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts);
+
+static bool allowed(candil_Effect effect, const candil_Render *r)
+{
+	return !(r->effects_off >> effect & 1u);
+}
+
+// Whether some light is there, and not switched off.
+static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
+{
+	static const candil_Effect lights[] = {candil_Effect_EFFECT_EMITTERS, candil_Effect_EFFECT_LIGHTS,
+					       candil_Effect_EFFECT_ENVIRONMENT};
+	for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
+		if (called_for(lights[i], r, p, facts) && allowed(lights[i], r))
+			return true;
+	return false;
+}
+
+// Whether something shines that light paths are worth beginning at, and is not switched off.
+static bool starts_light_paths(const candil_Render *r, const struct plan *p, uint32_t facts)
+{
+	const bool emitters = facts & FACT_EMITTERS && allowed(candil_Effect_EFFECT_EMITTERS, r);
+	const bool lights = facts & LIGHT_FACTS && allowed(candil_Effect_EFFECT_LIGHTS, r);
+	const bool sky = p->environment.power > 0 && p->environment.contrast >= PLAN_SKY_CONTRAST &&
+			 allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
+	return emitters || lights || sky;
+}
+
+// Whether the scene and the request's own values call for an effect.
+static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts)
+{
+	if (calling_facts[effect])
+		return facts & calling_facts[effect];
+	if (effect == candil_Effect_EFFECT_ENVIRONMENT)
+		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0 || p->environment.power > 0;
+	if (effect == candil_Effect_EFFECT_BOUNCES)
+		return p->depth > 1 && facts & (FACT_REFLECTS | FACT_GLOSSY) && shines(r, p, facts);
+	if (effect == candil_Effect_EFFECT_CAUSTICS)
+		return p->depth > 1 && facts & FACT_POLISHED && starts_light_paths(r, p, facts) &&
+		       allowed(candil_Effect_EFFECT_BOUNCES, r);
+	return false;
+}
+
+// Whether the surroundings shine, and their light may scatter twice.
+static bool sky_shines(const candil_Render *r, const struct plan *p, uint32_t facts)
+{
+	return p->depth > 1 && called_for(candil_Effect_EFFECT_ENVIRONMENT, r, p, facts) &&
+	       allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
+}
+
+// Why a technique cannot do an effect; NULL: it can.
+static const char *cannot(const struct technique *technique, const struct plan *p, candil_Effect effect)
+{
+	return technique->cannot ? technique->cannot(p, effect) : NULL;
+}
+
+static bool can_by_default(const struct technique *technique, candil_Effect effect)
+{
+	struct plan p = {.technique = technique->number};
+	technique->defaults(p.settings);
+	return !cannot(technique, &p, effect);
+}
+
+// The techniques that can, as they are without options: "only pt and vct can: clear surfaces are opaque".
+static void tell_who_can(candil_Effect effect, const char *instead, char *out, size_t capacity)
+{
+	char names[64] = "";
+	uint32_t left = 0;
+	for (uint32_t i = 0; i < technique_count(); i++)
+		left += can_by_default(technique_at(i), effect);
+	for (uint32_t i = 0; i < technique_count(); i++) {
+		if (!can_by_default(technique_at(i), effect))
+			continue;
+		const size_t used = strlen(names);
+		left--;
+		snprintf(names + used, sizeof names - used, "%s%s", technique_name(technique_at(i)->number),
+			 left > 1    ? ", "
+			 : left == 1 ? " and "
+				     : "");
+	}
+	snprintf(out, capacity, "only %s can: %s", names, instead);
+}
+
+static void explain(candil_EffectReport *report, candil_EffectState state, const char *why)
+{
+	report->state = state;
+	snprintf(report->why, sizeof report->why, "%s", why);
+}
+
+// What becomes of an effect, and the reason to tell.
+static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t facts, const struct technique *technique,
+		   const struct plan *p)
+{
+	const candil_Effect effect = report->effect;
+	const struct effect_words *words = effect_words(effect);
+	const uint32_t bit = 1u << effect;
+	const char *why_not = cannot(technique, p, effect);
+	if (why_not) {
+		explain(report, candil_EffectState_EFFECT_STATE_UNSUPPORTED, why_not);
+		if (!*why_not)
+			tell_who_can(effect, words->substitute, report->why, sizeof report->why);
+	} else if (r->effects_off & bit) {
+		explain(report, candil_EffectState_EFFECT_STATE_SWITCHED_OFF, words->substitute);
+	} else if (called_for(effect, r, p, facts)) {
+		const char *how = technique->simulates ? technique->simulates(p, effect) : NULL;
+		explain(report, candil_EffectState_EFFECT_STATE_SIMULATED, how ? how : words->simulated);
+	} else {
+		const bool even =
+		    effect == candil_Effect_EFFECT_CAUSTICS && facts & FACT_POLISHED && sky_shines(r, p, facts);
+		explain(report,
+			r->effects_on & bit ? candil_EffectState_EFFECT_STATE_FORCED
+					    : candil_EffectState_EFFECT_STATE_ABSENT,
+			even ? "only the background shines, and evenly enough that chance finds its caustics as well"
+			     : words->absent);
+	}
+}
+
+void plan_effects(const candil_Render *r, uint32_t facts, const struct technique *technique, struct plan *p)
+{
+	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
+		candil_EffectReport *report = &p->reports[p->report_count++];
+		*report = (candil_EffectReport)candil_EffectReport_init_zero;
+		report->effect = (candil_Effect)i;
+		decide(report, r, facts, technique, p);
+		if (report->state == candil_EffectState_EFFECT_STATE_SIMULATED ||
+		    report->state == candil_EffectState_EFFECT_STATE_FORCED)
+			p->effects |= 1u << i;
+	}
+	if (technique->settle)
+		technique->settle(p, ~r->effects_off);
+}
