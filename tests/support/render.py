@@ -21,7 +21,6 @@ import OpenImageIO as oiio
 BUILD = os.environ["CANDIL_BUILD"]
 SOURCE = os.environ["CANDIL_SOURCE"]
 CANDIL = os.path.join(BUILD, "bin", "candil")
-CANDILD = os.path.join(BUILD, "bin", "candild")
 SKIPPED = 77
 EXIT_DEVICE = 5
 
@@ -65,7 +64,8 @@ class Daemon:
     and the log, and room for scenes and pictures. Its end fails if a sanitizer or a validation layer had something to say."""
     running = []  # all of this program
 
-    def __init__(self, *arguments, environment=None):
+    def __init__(self, *arguments, environment=None, build=BUILD):
+        self.programs = os.path.join(build, "bin")
         self.arguments = arguments
         self.environment = dict(os.environ, **(environment or {}))
 
@@ -74,8 +74,8 @@ class Daemon:
         self.folder = self.temporary.name
         self.socket = os.path.join(self.folder, "socket")
         self.log = open(os.path.join(self.folder, "log"), "w+")
-        self.process = subprocess.Popen([CANDILD, "--socket", self.socket, *self.arguments], stderr=self.log,
-                                        stdin=subprocess.DEVNULL, env=self.environment)
+        self.process = subprocess.Popen([os.path.join(self.programs, "candild"), "--socket", self.socket, *self.arguments],
+                                        stderr=self.log, stdin=subprocess.DEVNULL, env=self.environment)
         Daemon.running.append(self)
         deadline = time.monotonic() + 60
         while not os.path.exists(self.socket):
@@ -109,8 +109,9 @@ class Daemon:
 
     def candil(self, *arguments, check=True):
         """Run the command line against this daemon. Returns (status, standard output, standard error)."""
-        done = subprocess.run([CANDIL, "--connect", self.socket, *arguments], stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=self.environment, timeout=590)
+        done = subprocess.run([os.path.join(self.programs, "candil"), "--connect", self.socket, *arguments],
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=self.environment,
+                              timeout=590)
         out, err = done.stdout.decode(), done.stderr.decode()
         if done.returncode == EXIT_DEVICE and "no Vulkan" in err:
             skip(err)
