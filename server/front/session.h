@@ -9,10 +9,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "server/front/jobs/room.h"
 #include "server/front/loop.h"
 #include "server/front/outbox.h"
 #include "server/front/reader.h"
-#include "server/front/room.h"
 
 enum session_state {
 	SESSION_GREETING, // no hello yet

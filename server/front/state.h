@@ -2,7 +2,7 @@
 #ifndef CANDIL_FRONT_STATE_H
 #define CANDIL_FRONT_STATE_H
 
-#include "server/front/jobs.h"
+#include "server/front/jobs/jobs.h"
 #include "server/front/net.h"
 #include "server/front/scenes.h"
 #include "server/front/session.h"

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "protocol/limits.h"
-#include "server/front/room.h"
+#include "server/front/jobs/room.h"
 
 #define MIB (1ull << 20)
 #define FIRST_LARGE 10u // connections that fill the common room

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "server/front/schedule.h"
+#include "server/front/jobs/schedule.h"
 
 #define SLICE_US 50000u
 

@@ -1,4 +1,4 @@
-#include "server/front/room.h"
+#include "server/front/jobs/room.h"
 
 #include "protocol/limits.h"
 

@@ -1,4 +1,4 @@
-#include "server/front/sweep.h"
+#include "server/front/jobs/sweep.h"
 
 #include <stdlib.h>
 #include <string.h>

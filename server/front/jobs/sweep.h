@@ -2,15 +2,15 @@
 // each in turn: at most two at a time, the second not before the first is traced, so that one image is traced while the one
 // before it is encoded and sent. The jobs inherit the sweep's place in the schedule: to others it is one long request. The
 // sweep belongs to its jobs and goes with the last of them; it holds the scene meanwhile.
-#ifndef CANDIL_FRONT_SWEEP_H
-#define CANDIL_FRONT_SWEEP_H
+#ifndef CANDIL_FRONT_JOBS_SWEEP_H
+#define CANDIL_FRONT_JOBS_SWEEP_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "candil.pb.h"
+#include "server/front/jobs/schedule.h"
 #include "server/front/scenes.h"
-#include "server/front/schedule.h"
 
 #define SWEEP_JOBS 2u // at a time
 

@@ -5,8 +5,8 @@
 // SCHEDULE_FAIR_US all jobs count as equal and take turns, so that one of an hour does not wait for one of a minute to catch
 // up. A job passed over SCHEDULE_PATIENCE times is served whatever the others have had: no stream of small requests starves
 // it.
-#ifndef CANDIL_FRONT_SCHEDULE_H
-#define CANDIL_FRONT_SCHEDULE_H
+#ifndef CANDIL_FRONT_JOBS_SCHEDULE_H
+#define CANDIL_FRONT_JOBS_SCHEDULE_H
 
 #include <stddef.h>
 #include <stdint.h>

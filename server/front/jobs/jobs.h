@@ -8,20 +8,20 @@
 // A FINISHED job keeps its accumulators on the device until there is room for its image (room.h): for as long as its client
 // has too much to take, or all clients together have and the image is a large one. An ACTIVE one that lacks memory while
 // others have some waits for one of them to end, and begins again.
-#ifndef CANDIL_FRONT_JOBS_H
-#define CANDIL_FRONT_JOBS_H
+#ifndef CANDIL_FRONT_JOBS_JOBS_H
+#define CANDIL_FRONT_JOBS_JOBS_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "candil.pb.h"
 #include "protocol/limits.h"
-#include "server/front/image.h"
+#include "server/front/jobs/image.h"
+#include "server/front/jobs/room.h"
+#include "server/front/jobs/schedule.h"
+#include "server/front/jobs/sweep.h"
 #include "server/front/loop.h"
-#include "server/front/room.h"
 #include "server/front/scenes.h"
-#include "server/front/schedule.h"
-#include "server/front/sweep.h"
 #include "server/front/worker.h"
 
 struct session;

@@ -1,4 +1,4 @@
-#include "server/front/image.h"
+#include "server/front/jobs/image.h"
 
 #include <unistd.h>
 

@@ -3,7 +3,7 @@
 
 #include "protocol/header.h"
 #include "server/base/clock.h"
-#include "server/front/jobs_table.h"
+#include "server/front/jobs/table.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
 

@@ -2,7 +2,7 @@
 #include <unistd.h>
 
 #include "server/base/clock.h"
-#include "server/front/jobs_table.h"
+#include "server/front/jobs/table.h"
 #include "server/front/session.h"
 
 #define PREVIEW_US 1000000u

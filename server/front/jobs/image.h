@@ -1,13 +1,13 @@
 // An encoded image on its way to a client: announced, then sent in chunks as the connection takes them. It stays in the
 // memfd that the encoder made; no more than a chunk of it is ever ours.
-#ifndef CANDIL_FRONT_IMAGE_H
-#define CANDIL_FRONT_IMAGE_H
+#ifndef CANDIL_FRONT_JOBS_IMAGE_H
+#define CANDIL_FRONT_JOBS_IMAGE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "candil.pb.h"
-#include "server/front/room.h"
+#include "server/front/jobs/room.h"
 
 struct session;
 

@@ -1,9 +1,9 @@
-// What the files of jobs share: jobs.c (the table, and how jobs end), jobs_device.c, jobs_images.c, jobs_deadline.c and
-// jobs_lost.c. For these alone.
+// What the files of jobs share: jobs.c (the table, and how jobs end), device.c, images.c, deadline.c and lost.c. For these
+// alone.
 #ifndef CANDIL_FRONT_JOBS_TABLE_H
 #define CANDIL_FRONT_JOBS_TABLE_H
 
-#include "server/front/jobs.h"
+#include "server/front/jobs/jobs.h"
 
 // NULL: it has ended.
 struct job *jobs_by_id(const struct jobs *jobs, uint32_t id);

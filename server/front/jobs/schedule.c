@@ -1,4 +1,4 @@
-#include "server/front/schedule.h"
+#include "server/front/jobs/schedule.h"
 
 #include <stdbool.h>
 

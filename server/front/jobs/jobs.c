@@ -1,4 +1,4 @@
-#include "server/front/jobs.h"
+#include "server/front/jobs/jobs.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "protocol/header.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/front/jobs_table.h"
+#include "server/front/jobs/table.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
 

@@ -1,7 +1,7 @@
 // Deadlines. A job's clock runs from its request to its encoded image, so tracing ends earlier by what reading and encoding
 // took lately.
 #include "server/base/clock.h"
-#include "server/front/jobs_table.h"
+#include "server/front/jobs/table.h"
 
 #define LEARN 0.5 // weight of the latest image
 #define SHORTEST_US 1000u // of a slice

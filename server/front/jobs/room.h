@@ -6,8 +6,8 @@
 // LIMIT_CONNECTIONS × LIMIT_OWN_IMAGE_BYTES + LIMIT_COMMON_IMAGE_BYTES wait, or that one image instead of the last term.
 //
 // Whoever has room needs nothing else to be sent and give it back, so that nobody waits in a circle.
-#ifndef CANDIL_FRONT_ROOM_H
-#define CANDIL_FRONT_ROOM_H
+#ifndef CANDIL_FRONT_JOBS_ROOM_H
+#define CANDIL_FRONT_JOBS_ROOM_H
 
 #include <stdbool.h>
 #include <stdint.h>
