@@ -1,10 +1,15 @@
-// Deadlines. A job's clock runs from its request to its encoded image, so tracing ends earlier by what reading and encoding
-// took lately.
+#include "server/front/jobs/deadline.h"
+
 #include "server/base/clock.h"
-#include "server/front/jobs/table.h"
 
 #define LEARN 0.5 // weight of the latest image
 #define SHORTEST_US 1000u // of a slice
+
+void job_set_deadline(struct job *job)
+{
+	const uint64_t ms = job->render.deadline_ms;
+	job->deadline_us = ms > 0 ? job->asked_us + ms * 1000 : UINT64_MAX;
+}
 
 static uint64_t encoding_us(const struct jobs *jobs, const struct job *job)
 {
@@ -35,7 +40,16 @@ uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 	return left > SHORTEST_US ? (uint32_t)left : SHORTEST_US;
 }
 
-static void fail_late(struct jobs *jobs, struct job *job)
+bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now)
+{
+	if (job->deadline_us == UINT64_MAX)
+		return false;
+	if (job->state == JOB_WAITING)
+		return now >= job->deadline_us;
+	return job->state == JOB_ACTIVE && job->samples_done > 0 && jobs->stepping != job->id && left_us(jobs, job) == 0;
+}
+
+void job_fail_late(struct jobs *jobs, struct job *job)
 {
 	struct error err;
 	error_set(
@@ -47,10 +61,10 @@ static void fail_late(struct jobs *jobs, struct job *job)
 
 static void wake(void *owner)
 {
-	(void)owner; // the loop comes by, and with it jobs_end_late
+	(void)owner; // the loop comes by, and with it jobs_dispatch
 }
 
-static void set_timer(struct jobs *jobs)
+void jobs_set_deadline_timer(struct jobs *jobs)
 {
 	uint64_t next = UINT64_MAX;
 	for (unsigned i = 0; i < jobs->count; i++)
@@ -60,23 +74,4 @@ static void set_timer(struct jobs *jobs)
 		loop_timer_set(jobs->worker->loop, &jobs->deadline, next, wake, jobs);
 	else
 		loop_timer_stop(jobs->worker->loop, &jobs->deadline);
-}
-
-void jobs_end_late(struct jobs *jobs)
-{
-	const uint64_t now = clock_us();
-	// Backwards, and with a look at the count: one that fails may take others of its sweep along.
-	for (unsigned i = jobs->count; i-- > 0;) {
-		struct job *job = i < jobs->count ? jobs->job[i] : NULL;
-		if (!job || job->deadline_us == UINT64_MAX)
-			continue;
-		if (job->state == JOB_WAITING && now >= job->deadline_us) {
-			fail_late(jobs, job);
-		} else if (job->state == JOB_ACTIVE && job->samples_done > 0 && jobs->stepping != job->id &&
-			   left_us(jobs, job) == 0) {
-			job->late = true;
-			job_traced(jobs, job);
-		}
-	}
-	set_timer(jobs);
 }

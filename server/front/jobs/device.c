@@ -1,11 +1,14 @@
-// Jobs and the device: whose turn it is to begin or to take a step, and what the worker answers.
-#include <math.h>
+#include "server/front/jobs/device.h"
 
 #include "protocol/header.h"
 #include "server/base/clock.h"
+#include "server/front/jobs/deadline.h"
+#include "server/front/jobs/images.h"
+#include "server/front/jobs/lost.h"
+#include "server/front/jobs/progress.h"
+#include "server/front/jobs/sweep.h"
 #include "server/front/jobs/table.h"
 #include "server/front/reply.h"
-#include "server/front/session.h"
 
 // A job refused so often for want of memory lets no younger one begin before it.
 #define MEMORY_PATIENCE 4u
@@ -37,7 +40,7 @@ static struct job *next_to_begin(const struct jobs *jobs)
 	return NULL;
 }
 
-static void begin(struct jobs *jobs)
+void jobs_begin_next(struct jobs *jobs)
 {
 	struct job *job = jobs->beginning ? NULL : next_to_begin(jobs);
 	if (!job)
@@ -50,7 +53,7 @@ static void begin(struct jobs *jobs)
 	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render);
 }
 
-static void step(struct jobs *jobs)
+void jobs_step_next(struct jobs *jobs)
 {
 	struct job *active[LIMIT_JOBS];
 	struct turn *turns[LIMIT_JOBS];
@@ -72,16 +75,6 @@ static void step(struct jobs *jobs)
 	jobs->held = job->id;
 	jobs->step_sent_us = clock_us();
 	worker_step(jobs->worker, job->id, job_slice_us(jobs, job));
-}
-
-void jobs_dispatch(struct jobs *jobs)
-{
-	jobs_end_late(jobs);
-	if (jobs->worker->state != WORKER_READY)
-		return;
-	jobs_read_finished(jobs);
-	step(jobs);
-	begin(jobs);
 }
 
 void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
@@ -107,54 +100,6 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 		return;
 	}
 	jobs_fail(jobs, job, &begun->error);
-}
-
-static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, candil_Progress *progress)
-{
-	progress->samples_done = 0;
-	progress->fraction = 0;
-	for (unsigned i = 0; i < jobs->count; i++)
-		if (jobs->job[i]->sweep == sweep) {
-			progress->samples_done += jobs->job[i]->samples_done;
-			progress->fraction += jobs->job[i]->fraction;
-		}
-	sweep_progress(sweep, progress);
-}
-
-// Of what ends the job first: its samples, its target error (in the worker's fraction) or its deadline.
-static double fraction_of(const struct job *job, uint64_t now)
-{
-	const double time =
-	    job->render.deadline_ms > 0 ? (double)(now - job->asked_us) / (job->render.deadline_ms * 1000.0) : 0;
-	return time > job->fraction ? fmin(time, 1) : job->fraction;
-}
-
-static void tell_progress(const struct jobs *jobs, struct job *job)
-{
-	uint64_t now = clock_us();
-	uint64_t *told_us = job->sweep ? &job->sweep->progress_us : &job->progress_us;
-	if (now < *told_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
-		return;
-	*told_us = now;
-	candil_Progress progress = {.samples_done = job->samples_done,
-				    .samples = job->render.samples,
-				    .fraction = fraction_of(job, now),
-				    .device_us = job->device_us,
-				    .elapsed_us = now - job->asked_us,
-				    .estimated_relmse = job->estimated_relmse};
-	if (job->sweep)
-		add_up_sweep(jobs, job->sweep, &progress);
-	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
-}
-
-void job_traced(struct jobs *jobs, struct job *job)
-{
-	struct error err;
-	job->state = JOB_FINISHED;
-	if (!job->sweep)
-		return;
-	tell_progress(jobs, job);
-	jobs_advance_sweep(jobs, job->sweep, &err);
 }
 
 // A job that lacks memory in its midst, which others have now, gives back what it has and begins again after one of them:
@@ -203,6 +148,6 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		job_traced(jobs, job);
 		return;
 	}
-	tell_progress(jobs, job);
+	job_tell_progress(jobs, job);
 	job_ask_preview(jobs, job, stepped->samples_done);
 }

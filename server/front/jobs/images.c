@@ -1,7 +1,10 @@
-// The images of jobs: room for them, asking for them, sending them.
+#include "server/front/jobs/images.h"
+
 #include <unistd.h>
 
 #include "server/base/clock.h"
+#include "server/front/jobs/deadline.h"
+#include "server/front/jobs/progress.h"
 #include "server/front/jobs/table.h"
 #include "server/front/session.h"
 
@@ -10,12 +13,6 @@
 static enum room_answer take_room(struct jobs *jobs, const struct job *job, struct image *image, bool own_only)
 {
 	return room_take(&jobs->room, &job->session->room, &image->place, image_estimate(&job->render), own_only);
-}
-
-void job_release_image(struct jobs *jobs, const struct job *job, struct image *image)
-{
-	room_give_back(&jobs->room, &job->session->room, &image->place);
-	image_close(image);
 }
 
 // A preview at each doubling of samples or each second, whichever is first; none while the last one is on its way.

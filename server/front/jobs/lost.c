@@ -1,4 +1,5 @@
-// A worker is lost: who is blamed, and who begins again.
+#include "server/front/jobs/lost.h"
+
 #include "server/front/jobs/table.h"
 
 void job_begin_again(struct jobs *jobs, struct job *job)

@@ -1,54 +1,95 @@
-// What the files of jobs share: jobs.c (the table, and how jobs end), device.c, images.c, deadline.c and lost.c. For these
-// alone.
+// The table of jobs: what a job is, who is in the table, how a job comes in and goes. The other files of this folder stand
+// on it, and it calls none of them but room, image and sweep.
+//
+// The life of a job, from the request that was checked to its last byte:
+//
+//   WAITING ─ scene there, worker ready ─> BEGINNING ─> ACTIVE ─ all samples in ─> FINISHED ─ may be read ─> READING ─>
+//   SENDING
+//      ^                                       │           │                           │                       │
+//      └────────────── the worker was lost ────┴───────────┴───────────────────────────┴───────────────────────┘
+//
+// A FINISHED job keeps its accumulators on the device until there is room for its image (room.h): for as long as its client
+// has too much to take, or as all clients together have and the image is a large one. An ACTIVE job that lacks memory which
+// other jobs have waits until one of them ends, and begins again.
+//
+// For the files of this folder alone, and for the front's one thread.
 #ifndef CANDIL_FRONT_JOBS_TABLE_H
 #define CANDIL_FRONT_JOBS_TABLE_H
 
+#include "server/front/jobs/image.h"
 #include "server/front/jobs/jobs.h"
+#include "server/front/jobs/schedule.h"
 
-// NULL: it has ended.
+struct sweep;
+
+enum job_state { JOB_WAITING, JOB_BEGINNING, JOB_ACTIVE, JOB_FINISHED, JOB_READING, JOB_SENDING };
+
+struct job {
+	uint32_t id; // between front and worker; never 0
+	enum job_state state;
+	struct session *session; // outlives the job
+	uint32_t request;
+	struct sweep *sweep; // that it is an image of; goes with the last of its jobs; NULL: a render
+	uint32_t index; // of its camera
+	struct scene *scene; // held
+	struct scene *environment; // held; NULL: none
+	candil_Render render;
+	struct turn turn;
+	bool accepted; // the client has been told
+	bool short_of_memory; // begins again when another job has ended
+	unsigned refusals; // for want of memory
+	unsigned blames; // workers that were lost while they had it
+	uint32_t retries; // times it was begun again after a loss
+	uint32_t slices;
+	uint32_t samples_done;
+	double fraction; // of the work, 0 to 1
+	double estimated_relmse; // negative: unknown
+	uint64_t deadline_us; // when its image should be there; UINT64_MAX: never
+	bool late; // it ends because of its deadline
+	bool reached; // it ends because its target error is reached
+	uint64_t read_us; // when its last image was asked for
+	uint64_t device_us; // that it had
+	uint64_t asked_us, begun_us; // begun_us: the first BEGIN; 0: none yet
+	uint64_t progress_us; // when progress was told last
+	bool preview_due; // asked of the worker, not here yet
+	uint32_t preview_samples; // of the last preview that was asked for
+	uint64_t preview_us; // when that was
+	struct image preview, final;
+	candil_Done done; // the worker's part
+};
+
+// The job with a number. NULL: it has ended.
 struct job *jobs_by_id(const struct jobs *jobs, uint32_t id);
 
-// A number that no job has.
+// A number that no job has. Never 0.
 uint32_t jobs_new_id(struct jobs *jobs);
 
-// The worker holds memory of the device for it.
+// Does the worker hold memory of the device for it?
 bool job_on_device(const struct job *job);
 
-// The images of a sweep are sent in order: only the first that it has may ask for room among those that wait to be sent, or
-// one behind it could take the room that it needs. A render is always first.
+// Is it the first of its sweep's jobs? The images of a sweep are sent in order, so only the first job may ask for room: a
+// later one could take the room that the first needs. A render is always first.
 bool job_is_first(const struct jobs *jobs, const struct job *job);
 
-// Its last image is all queued: DONE, or a sweep's next image.
-void job_finish(struct jobs *jobs, struct job *job);
+// Put a job at the end of the table: WAITING, with its arrival as of now, holding `scene` and `environment` (NULL: none).
+// The caller fills in `render` and the deadline. Failures: STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
+enum status job_create(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
+		       struct scene *environment, struct job **out, struct error *err);
 
-// Make a job of a sweep's next camera, if it is time. Fails only if the sweep has no other job.
-enum status jobs_advance_sweep(struct jobs *jobs, struct sweep *sweep, struct error *err);
+// Take a job out of the table and free it, and its sweep if it is the last of it; the worker gets END if it has the job. The
+// client is told nothing. Jobs behind it move up.
+void job_drop(struct jobs *jobs, struct job *job);
 
-// Close one of the job's images, if there is one, and give its room back, if it has some.
-void job_release_image(struct jobs *jobs, const struct job *job, struct image *image);
-
-// Its last slice is done: for its last image, and for a sweep's next one.
-void job_traced(struct jobs *jobs, struct job *job);
-
-// Jobs whose deadline has come: those that have a picture end with it, those that wait fail.
-void jobs_end_late(struct jobs *jobs);
-
-// Device time that a slice of the job may take.
-uint32_t job_slice_us(const struct jobs *jobs, const struct job *job);
-
-// Learn from an image how long the next will take from READ to its bytes.
-void jobs_learn_encoding(struct jobs *jobs, const struct job *job);
-
-// Ask for an intermediate image if it is time for one.
-void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples);
-
-// Ask for the images of finished jobs, as far as there is room for them.
-void jobs_read_finished(struct jobs *jobs);
-
-// What the worker has of a job is lost, or about to be: it waits for its turn to begin, as if it had never begun.
-void job_begin_again(struct jobs *jobs, struct job *job);
+// Free all jobs; neither clients nor the worker are told.
+void jobs_clear(struct jobs *jobs);
 
 // Device memory is free, or about to be: jobs that lacked some may try again.
 void jobs_let_others_try(struct jobs *jobs);
+
+// Close one of the job's two images, if there is one, and give its room back, if it has some.
+void job_release_image(struct jobs *jobs, const struct job *job, struct image *image);
+
+// A line in the log: what the job was and what it took. `how` it ended, in a word or two.
+void job_log_end(const struct job *job, const char *how);
 
 #endif

@@ -1,0 +1,150 @@
+#include "server/front/jobs/progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "protocol/header.h"
+#include "server/base/clock.h"
+#include "server/front/jobs/deadline.h"
+#include "server/front/jobs/sweep.h"
+#include "server/front/reply.h"
+#include "server/front/session.h"
+
+#define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
+
+static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, candil_Progress *progress)
+{
+	progress->samples_done = 0;
+	progress->fraction = 0;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->sweep == sweep) {
+			progress->samples_done += jobs->job[i]->samples_done;
+			progress->fraction += jobs->job[i]->fraction;
+		}
+	sweep_progress(sweep, progress);
+}
+
+// Of what ends the job first: its samples, its target error (in the worker's fraction) or its deadline.
+static double fraction_of(const struct job *job, uint64_t now)
+{
+	const double time =
+	    job->render.deadline_ms > 0 ? (double)(now - job->asked_us) / (job->render.deadline_ms * 1000.0) : 0;
+	return time > job->fraction ? fmin(time, 1) : job->fraction;
+}
+
+void job_tell_progress(const struct jobs *jobs, struct job *job)
+{
+	uint64_t now = clock_us();
+	uint64_t *told_us = job->sweep ? &job->sweep->progress_us : &job->progress_us;
+	if (now < *told_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
+		return;
+	*told_us = now;
+	candil_Progress progress = {.samples_done = job->samples_done,
+				    .samples = job->render.samples,
+				    .fraction = fraction_of(job, now),
+				    .device_us = job->device_us,
+				    .elapsed_us = now - job->asked_us,
+				    .estimated_relmse = job->estimated_relmse};
+	if (job->sweep)
+		add_up_sweep(jobs, job->sweep, &progress);
+	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
+}
+
+enum status jobs_add_frame(struct jobs *jobs, struct sweep *sweep, struct error *err)
+{
+	struct job *job;
+	enum status status = job_create(jobs, sweep->session, sweep->request, sweep->scene, sweep->environment, &job, err);
+	if (status != STATUS_OK)
+		return status;
+	job->sweep = sweep;
+	job->index = sweep->next++;
+	job->turn = sweep->turn;
+	sweep_frame(sweep, job->index, &job->render);
+	job_set_deadline(job);
+	sweep->jobs++;
+	return STATUS_OK;
+}
+
+static bool is_tracing(const struct jobs *jobs, const struct sweep *sweep)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->sweep == sweep && jobs->job[i]->state < JOB_FINISHED)
+			return true;
+	return false;
+}
+
+// Make a job of a sweep's next camera, if it is time. Fails only if the sweep has no other job.
+static enum status advance_sweep(struct jobs *jobs, struct sweep *sweep, struct error *err)
+{
+	if (sweep->next == sweep_count(sweep) || sweep->jobs >= SWEEP_JOBS || is_tracing(jobs, sweep))
+		return STATUS_OK;
+	// Without a place for it now there will be one when the other job has ended.
+	enum status status = jobs_add_frame(jobs, sweep, err);
+	return sweep->jobs > 0 ? STATUS_OK : status;
+}
+
+void job_traced(struct jobs *jobs, struct job *job)
+{
+	struct error err;
+	job->state = JOB_FINISHED;
+	if (!job->sweep)
+		return;
+	job_tell_progress(jobs, job);
+	advance_sweep(jobs, job->sweep, &err);
+}
+
+// The front's part of the account: the wait before the device, and what the worker cannot know.
+static void complete_account(struct job *job)
+{
+	candil_Done *done = &job->done;
+	if (done->stages_count == MAX_STAGES)
+		done->stages_count--;
+	memmove(&done->stages[1], &done->stages[0], done->stages_count * sizeof *done->stages);
+	done->stages_count++;
+	done->stages[0] = (candil_Stage){.name = "queue", .us = job->begun_us - job->asked_us};
+	done->elapsed_us = clock_us() - job->asked_us;
+	done->slices = job->slices;
+	done->retries = job->retries;
+	snprintf(done->reason, sizeof done->reason, "%s", job->late ? "time" : job->reached ? "error" : "samples");
+}
+
+static void finish_frame(struct jobs *jobs, struct job *job)
+{
+	struct sweep *sweep = job->sweep;
+	struct error err;
+	complete_account(job);
+	sweep_add(sweep, &job->done);
+	jobs->done++;
+	job_log_end(job, "done");
+	if (sweep->finished == sweep_count(sweep)) {
+		sweep_close(sweep, clock_us());
+		reply_message(sweep->session, MESSAGE_DONE, sweep->request, candil_Done_fields, &sweep->total);
+		job_drop(jobs, job);
+		return;
+	}
+	// The sweep outlives its job, which must go first: there may be no other place in the table.
+	job->sweep = NULL;
+	sweep->jobs--;
+	sweep->session->requests++; // for drop, which takes it for a render's
+	job_drop(jobs, job);
+	if (advance_sweep(jobs, sweep, &err) == STATUS_OK)
+		return;
+	jobs->failed++;
+	reply_error(sweep->session, sweep->request, &err);
+	sweep->session->requests--;
+	sweep_destroy(sweep);
+}
+
+void job_finish(struct jobs *jobs, struct job *job)
+{
+	if (job->sweep) {
+		finish_frame(jobs, job);
+		return;
+	}
+	complete_account(job);
+	reply_message(job->session, MESSAGE_DONE, job->request, candil_Done_fields, &job->done);
+	jobs->done++;
+	job_log_end(job, "done");
+	job_drop(jobs, job);
+}
