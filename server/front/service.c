@@ -83,6 +83,12 @@ static bool session_fills(void *owner, struct session *session)
 	return jobs_fill(&service->jobs, session);
 }
 
+static void session_refused(void *owner, struct session *session, uint32_t request, const struct error *err)
+{
+	(void)owner;
+	reply_error(session, request, err);
+}
+
 static void session_ended(void *owner, struct session *session)
 {
 	struct service *service = owner;
@@ -101,7 +107,8 @@ static void session_ended(void *owner, struct session *session)
 		service->stop = true;
 }
 
-static const struct session_events session_events = {.message = session_said, .fill = session_fills, .ended = session_ended};
+static const struct session_events session_events = {
+    .message = session_said, .fill = session_fills, .refused = session_refused, .ended = session_ended};
 
 // ---- scenes ----------------------------------------------------------------------------------------------------------
 

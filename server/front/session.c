@@ -11,7 +11,6 @@
 #include "protocol/limits.h"
 #include "server/base/clock.h"
 #include "server/front/net.h"
-#include "server/front/reply.h"
 
 // One connection's share of a turn of the loop, in reads and in fills.
 #define READS_PER_TURN 64u
@@ -60,6 +59,12 @@ static void die(struct session *session)
 	session->state = SESSION_DEAD;
 }
 
+static void refuse_peer(struct session *session, uint32_t request, const struct error *err)
+{
+	session->table->events->refused(session->table->owner, session, request, err);
+	session_close(session);
+}
+
 static void time_out(void *owner)
 {
 	struct session *s = owner;
@@ -69,8 +74,7 @@ static void time_out(void *owner)
 		return;
 	}
 	error_set(&err, STATUS_HELLO_FIRST, "no hello came within %u ms: say it first", LIMIT_HELLO_MS);
-	reply_error(s, 0, &err);
-	session_close(s);
+	refuse_peer(s, 0, &err);
 }
 
 static void set_timer(struct session *session, uint64_t ms)
@@ -181,8 +185,7 @@ static void refuse_stream(struct session *session, enum status status)
 							       : "no memory for the message";
 	error_set(&err, status, "%s", what);
 	// A header that is not ours has no request id that could be trusted.
-	reply_error(session, status == STATUS_BAD_MAGIC ? 0 : session->reader.header.request, &err);
-	session_close(session);
+	refuse_peer(session, status == STATUS_BAD_MAGIC ? 0 : session->reader.header.request, &err);
 }
 
 static void take(struct session *session, size_t bytes, const int *fds, unsigned fd_count)

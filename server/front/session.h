@@ -30,6 +30,9 @@ struct session_events {
 	void (*message)(void *owner, struct session *session, const struct header *header, const uint8_t *body);
 	// There is room for chunks. True if some were queued.
 	bool (*fill)(void *owner, struct session *session);
+	// What the peer sent is no stream of messages, or no hello came in time: send it `err` under the id `request`. The
+	// session closes itself after the call.
+	void (*refused)(void *owner, struct session *session, uint32_t request, const struct error *err);
 	// Nothing more is read from it; its requests end here. Once a session.
 	void (*ended)(void *owner, struct session *session);
 };

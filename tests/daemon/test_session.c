@@ -36,6 +36,11 @@ static bool on_fill(void *owner, struct session *session)
 	return false;
 }
 
+static void on_refused(void *owner, struct session *session, uint32_t request, const struct error *err)
+{
+	(void)owner, (void)session, (void)request, (void)err;
+}
+
 static void on_ended(void *owner, struct session *session)
 {
 	(void)owner, (void)session;
@@ -44,7 +49,8 @@ static void on_ended(void *owner, struct session *session)
 
 static void a_session_without_memory_ends_in_the_sweep(void **state)
 {
-	static const struct session_events events = {.message = on_message, .fill = on_fill, .ended = on_ended};
+	static const struct session_events events = {
+	    .message = on_message, .fill = on_fill, .refused = on_refused, .ended = on_ended};
 	struct sessions sessions;
 	struct session *session;
 	struct loop *loop;
