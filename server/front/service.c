@@ -3,7 +3,6 @@
 // what it called, and each batch of events costs one look at everything.
 #include "server/front/service.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -15,7 +14,6 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/front/dispatch.h"
-#include "server/front/net.h"
 #include "server/front/reply.h"
 #include "server/front/state.h"
 
@@ -25,17 +23,17 @@
 // ---- connections -----------------------------------------------------------------------------------------------------
 
 // A few words to a peer that gets no session; whether they fit its socket is its own affair.
-static void refuse(struct service *service, int fd, enum status code, const char *why)
+static void refuse_channel(struct service *service, struct channel *channel, enum status code, const char *why)
 {
 	struct session *session;
 	struct error err;
 	if (service->sessions.count >= 2 * LIMIT_CONNECTIONS) {
-		close(fd);
+		channel->kind->close(channel);
 		return;
 	}
 	error_set(&err, code, "%s", why);
 	log_line(LOG_WARNING, "connection refused: %s", why);
-	if (session_create(&service->sessions, fd, &session, NULL) != STATUS_OK)
+	if (session_create(&service->sessions, channel, &session, NULL) != STATUS_OK)
 		return;
 	reply_error(session, 0, &err);
 	session_close(session);
@@ -44,31 +42,34 @@ static void refuse(struct service *service, int fd, enum status code, const char
 static void accept_again(void *owner)
 {
 	struct service *service = owner;
-	loop_want(service->loop, service->listener.fd, EPOLLIN);
+	service->listener->kind->pause(service->listener, false);
 }
 
 static void accept_some(void *owner, uint32_t events)
 {
 	struct service *service = owner;
+	struct listener *listener = service->listener;
 	(void)events;
 	for (unsigned i = 0; i < ACCEPTS_PER_TURN; i++) {
 		struct session *session;
-		int fd = net_accept(&service->listener);
-		if (fd < 0) {
-			if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
-				// It stays readable: do not spin on what cannot be taken.
-				loop_want(service->loop, service->listener.fd, 0);
-				loop_timer_set(service->loop, &service->accept_pause, clock_us() + ACCEPT_PAUSE_US,
-					       accept_again, service);
-			}
-			return;
+		struct channel channel;
+		enum listener_result result = listener->kind->accept(listener, &channel);
+		if (result == LISTENER_EXHAUSTED) {
+			// It stays ready: do not spin on what cannot be taken.
+			listener->kind->pause(listener, true);
+			loop_timer_set(service->loop, &service->accept_pause, clock_us() + ACCEPT_PAUSE_US, accept_again,
+				       service);
 		}
-		if (!net_peer_allowed(fd))
-			refuse(service, fd, STATUS_NOT_ALLOWED, "this daemon serves its own user and root alone");
+		if (result != LISTENER_ACCEPTED)
+			return;
+		if (!channel.kind->peer_allowed(&channel))
+			refuse_channel(service, &channel, STATUS_NOT_ALLOWED,
+				       "this daemon serves its own user and root alone");
 		else if (service->sessions.count >= LIMIT_CONNECTIONS)
-			refuse(service, fd, STATUS_TOO_MANY_CONNECTIONS, "too many connections: try again later");
+			refuse_channel(service, &channel, STATUS_TOO_MANY_CONNECTIONS,
+				       "too many connections: try again later");
 		else
-			session_create(&service->sessions, fd, &session, NULL);
+			session_create(&service->sessions, &channel, &session, NULL);
 	}
 }
 
@@ -194,6 +195,13 @@ static void do_nothing(void *owner)
 	(void)owner;
 }
 
+static void close_door(struct service *service)
+{
+	if (service->listener)
+		service->listener->kind->close(service->listener);
+	service->listener = NULL;
+}
+
 // Tell everybody, let them read it, go.
 static void leave(struct service *service)
 {
@@ -204,9 +212,8 @@ static void leave(struct service *service)
 	}
 	log_line(LOG_INFO, "shutting down");
 	service->leaving = true;
-	loop_forget(service->loop, service->listener.fd);
 	loop_timer_stop(service->loop, &service->accept_pause);
-	net_close(&service->listener);
+	close_door(service);
 	error_set(&err, STATUS_SHUTTING_DOWN, "the daemon is shutting down");
 	jobs_fail_all(&service->jobs, NULL, &err);
 	while (service->scenes.first)
@@ -268,11 +275,13 @@ static enum status open_door(struct service *service, struct error *err)
 {
 	const struct options *o = service->options;
 	struct session *session;
-	if (o->private_fd >= 0)
-		return session_create(&service->sessions, o->private_fd, &session, err);
-	enum status status = net_listen(&service->listener, o->socket, err);
-	if (status == STATUS_OK)
-		status = loop_watch(service->loop, service->listener.fd, EPOLLIN, accept_some, service, err);
+	struct channel channel;
+	enum status status;
+	if (o->private_fd >= 0) {
+		status = channel_unix_adopt(&channel, service->loop, o->private_fd, err);
+		return status == STATUS_OK ? session_create(&service->sessions, &channel, &session, err) : status;
+	}
+	status = channel_unix_listen(&service->listener, service->loop, o->socket, accept_some, service, err);
 	if (status == STATUS_OK)
 		log_line(LOG_INFO, "listening at %s", o->socket);
 	return status;
@@ -335,7 +344,7 @@ static void tear_down(struct service *service)
 	scenes_finish(&service->scenes);
 	sessions_finish(&service->sessions);
 	children_finish(&service->children);
-	net_close(&service->listener);
+	close_door(service);
 	if (service->signal_fd >= 0)
 		close(service->signal_fd);
 	if (service->scene_root >= 0)
@@ -349,7 +358,6 @@ enum status service_run(const struct options *options, struct error *err)
 	if (!service)
 		return error_set(err, STATUS_MEMORY, "no memory to start");
 	service->options = options;
-	service->listener.fd = -1;
 	service->signal_fd = -1;
 	service->scene_root = -1;
 	service->started_us = clock_us();

@@ -1,16 +1,11 @@
 #include "server/front/session.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "protocol/limits.h"
 #include "server/base/clock.h"
-#include "server/front/net.h"
 
 // One connection's share of a turn of the loop, in reads and in fills.
 #define READS_PER_TURN 64u
@@ -25,11 +20,10 @@ void sessions_init(struct sessions *sessions, struct loop *loop, const struct se
 	*sessions = (struct sessions){.loop = loop, .events = events, .owner = owner, .next_id = 1};
 }
 
-static void destroy(struct session *session)
+static void session_destroy(struct session *session)
 {
 	loop_timer_stop(session->table->loop, &session->timer);
-	loop_forget(session->table->loop, session->fd);
-	close(session->fd);
+	session->channel.kind->close(&session->channel);
 	reader_finish(&session->reader);
 	outbox_finish(&session->outbox);
 	session->table->count--;
@@ -41,7 +35,7 @@ void sessions_finish(struct sessions *sessions)
 	while (sessions->first) {
 		struct session *s = sessions->first;
 		sessions->first = s->next;
-		destroy(s);
+		session_destroy(s);
 	}
 }
 
@@ -53,7 +47,7 @@ static void say_ended(struct session *session)
 	session->table->events->ended(session->table->owner, session);
 }
 
-static void die(struct session *session)
+static void session_die(struct session *session)
 {
 	say_ended(session);
 	session->state = SESSION_DEAD;
@@ -70,7 +64,7 @@ static void time_out(void *owner)
 	struct session *s = owner;
 	struct error err;
 	if (s->state != SESSION_GREETING) {
-		die(s); // stalled, or lingered long enough
+		session_die(s); // stalled, or lingered long enough
 		return;
 	}
 	error_set(&err, STATUS_HELLO_FIRST, "no hello came within %u ms: say it first", LIMIT_HELLO_MS);
@@ -82,7 +76,7 @@ static void set_timer(struct session *session, uint64_t ms)
 	loop_timer_set(session->table->loop, &session->timer, clock_us() + ms * 1000, time_out, session);
 }
 
-enum status session_create(struct sessions *sessions, int fd, struct session **session, struct error *err)
+enum status session_create(struct sessions *sessions, struct channel *channel, struct session **session, struct error *err)
 {
 	struct session *s = calloc(1, sizeof *s);
 	enum status status = STATUS_MEMORY;
@@ -90,14 +84,9 @@ enum status session_create(struct sessions *sessions, int fd, struct session **s
 		error_set(err, status, "no memory for one more connection");
 		goto out;
 	}
-	int flags = fcntl(fd, F_GETFL);
-	if (flags < 0 || fcntl(fd, F_SETFL, flags | O_NONBLOCK) != 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) != 0) {
-		status = error_errno(err, STATUS_INTERNAL, "cannot use descriptor %d", fd);
-		goto out;
-	}
-	*s = (struct session){.id = sessions->next_id++, .fd = fd, .table = sessions, .next = sessions->first};
+	*s = (struct session){.id = sessions->next_id++, .channel = *channel, .table = sessions, .next = sessions->first};
 	reader_init(&s->reader);
-	status = loop_watch(sessions->loop, fd, EPOLLIN, ready, s, err);
+	status = s->channel.kind->watch(&s->channel, ready, s, err);
 	if (status != STATUS_OK)
 		goto out;
 	set_timer(s, LIMIT_HELLO_MS);
@@ -107,7 +96,7 @@ enum status session_create(struct sessions *sessions, int fd, struct session **s
 	return STATUS_OK;
 out:
 	free(s);
-	close(fd);
+	channel->kind->close(channel);
 	return status;
 }
 
@@ -188,11 +177,11 @@ static void refuse_stream(struct session *session, enum status status)
 	refuse_peer(session, status == STATUS_BAD_MAGIC ? 0 : session->reader.header.request, &err);
 }
 
-static void take(struct session *session, size_t bytes, const int *fds, unsigned fd_count)
+static void take_bytes(struct session *session, size_t bytes, const struct channel_fds *fds)
 {
 	bool complete;
-	for (unsigned i = 0; i < fd_count; i++)
-		reader_take_fd(&session->reader, fds[i]);
+	for (unsigned i = 0; i < fds->count; i++)
+		reader_take_fd(&session->reader, fds->fd[i]);
 	enum status status = reader_take(&session->reader, bytes, &complete);
 	if (status != STATUS_OK) {
 		refuse_stream(session, status);
@@ -206,34 +195,34 @@ static void take(struct session *session, size_t bytes, const int *fds, unsigned
 static void read_some(struct session *session)
 {
 	for (unsigned i = 0; i < READS_PER_TURN && is_read(session); i++) {
-		int fds[NET_FDS];
-		unsigned fd_count;
-		size_t space;
+		struct channel_fds fds;
+		size_t space, bytes;
 		uint8_t *to = reader_space(&session->reader, &space);
-		ssize_t got = net_receive(session->fd, to, space, fds, &fd_count);
-		if (got > 0)
-			take(session, (size_t)got, fds, fd_count);
-		else if (got == 0)
-			session_close(session);
-		else if (errno == EAGAIN)
+		switch (session->channel.kind->read(&session->channel, to, space, &bytes, &fds)) {
+		case CHANNEL_DONE:
+			take_bytes(session, bytes, &fds);
+			break;
+		case CHANNEL_LATER:
 			return;
-		else
-			die(session);
+		case CHANNEL_ENDED:
+			session_close(session);
+			break;
+		case CHANNEL_BROKEN:
+			session_die(session);
+			break;
+		}
 	}
 }
 
 static void discard(struct session *session)
 {
 	uint8_t waste[4096];
-	int fds[NET_FDS];
-	unsigned fd_count;
-	ssize_t got = net_receive(session->fd, waste, sizeof waste, fds, &fd_count);
-	for (unsigned i = 0; i < fd_count; i++)
-		close(fds[i]);
-	if (got > 0)
-		session->discarded += (size_t)got;
-	if (got == 0 || (got < 0 && errno != EAGAIN) || session->discarded > DISCARD_BYTES)
-		die(session);
+	size_t bytes = 0;
+	enum channel_result result = session->channel.kind->read(&session->channel, waste, sizeof waste, &bytes, NULL);
+	if (result == CHANNEL_DONE)
+		session->discarded += bytes;
+	if (result == CHANNEL_ENDED || result == CHANNEL_BROKEN || session->discarded > DISCARD_BYTES)
+		session_die(session);
 }
 
 static void ready(void *owner, uint32_t events)
@@ -246,30 +235,36 @@ static void ready(void *owner, uint32_t events)
 	else if (is_read(s) && (events & (EPOLLIN | EPOLLHUP | EPOLLERR)))
 		read_some(s);
 	else if (events & (EPOLLHUP | EPOLLERR))
-		die(s);
+		session_die(s);
+}
+
+static void send_once(struct session *session)
+{
+	size_t written;
+	switch (session->channel.kind->write(&session->channel, session->outbox.memory + session->outbox.start,
+					     session->outbox.length, &written)) {
+	case CHANNEL_DONE:
+		outbox_drop(&session->outbox, written);
+		if (session->state == SESSION_OPEN)
+			loop_timer_stop(session->table->loop, &session->timer);
+		break;
+	case CHANNEL_LATER:
+		session->blocked = true;
+		break;
+	default:
+		session_die(session);
+		break;
+	}
 }
 
 static void send_some(struct session *session)
 {
-	while (session->outbox.length > 0 && !session->blocked && session->state != SESSION_DEAD) {
-		ssize_t sent = send(session->fd, session->outbox.memory + session->outbox.start, session->outbox.length,
-				    MSG_NOSIGNAL | MSG_DONTWAIT);
-		if (sent < 0 && errno == EINTR)
-			continue;
-		if (sent < 0 && errno == EAGAIN) {
-			session->blocked = true;
-		} else if (sent < 0) {
-			die(session);
-		} else {
-			outbox_drop(&session->outbox, (size_t)sent);
-			if (session->state == SESSION_OPEN)
-				loop_timer_stop(session->table->loop, &session->timer);
-		}
-	}
+	while (session->outbox.length > 0 && !session->blocked && session->state != SESSION_DEAD)
+		send_once(session);
 	if (session->state == SESSION_OPEN && session->outbox.length > 0 && !session->timer.running)
 		set_timer(session, LIMIT_STALL_SECONDS * 1000ull);
 	if (session->state == SESSION_FLUSHING && session->outbox.length == 0) {
-		shutdown(session->fd, SHUT_WR);
+		session->channel.kind->end(&session->channel);
 		session->state = SESSION_LINGERING;
 	}
 }
@@ -308,10 +303,10 @@ void sessions_sweep(struct sessions *sessions)
 		struct session *s = *link;
 		if (s->state == SESSION_DEAD) {
 			*link = s->next;
-			destroy(s);
+			session_destroy(s);
 			continue;
 		}
-		loop_want(sessions->loop, s->fd, wanted(s));
+		s->channel.kind->want(&s->channel, wanted(s));
 		link = &s->next;
 	}
 }

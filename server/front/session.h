@@ -1,14 +1,19 @@
-// A connection: its bytes in, its bytes out, its life. Knows messages by header only; what they say is its owner's affair.
+// A connection: its bytes in, its bytes out, its life. A session knows messages by their headers only. What they say, and
+// what is answered, is its owner's affair.
 //
-// Backpressure: while more than LIMIT_OUT_BUFFER_BYTES wait to be taken, the connection is not read and gets no frame
-// chunks. Errors on the stream: an answer, then no more reading; once everything is taken (or LIMIT_LINGER_MS after) it is
-// closed.
+// Backpressure: while more than LIMIT_OUT_BUFFER_BYTES wait to be taken, the session is not read and gets no frame chunks.
+// One that takes no byte for LIMIT_STALL_SECONDS while some wait is dead. After an error on the stream the peer is refused:
+// nothing more is read, and once everything is taken (or LIMIT_LINGER_MS after) the session is closed.
+//
+// All functions and calls are for the front's one thread (loop.h). Sessions are freed in sessions_sweep and sessions_finish
+// alone, so no call finds its own session freed by what it did.
 #ifndef CANDIL_FRONT_SESSION_H
 #define CANDIL_FRONT_SESSION_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "server/front/channel.h"
 #include "server/front/jobs/room.h"
 #include "server/front/loop.h"
 #include "server/front/outbox.h"
@@ -18,41 +23,48 @@ enum session_state {
 	SESSION_GREETING, // no hello yet
 	SESSION_OPEN,
 	SESSION_FLUSHING, // nothing is read any more; what waits is sent
-	SESSION_LINGERING, // all is sent; the peer may read it before we close
-	SESSION_DEAD, // freed by the next settle
+	SESSION_LINGERING, // all is sent; the peer may read it before the channel is closed
+	SESSION_DEAD, // freed by the next sessions_sweep
 };
 
 struct session;
 
-// Calls from a session to its owner.
+// Calls from a session to the owner of all sessions. None may be NULL.
 struct session_events {
-	// A whole message. `body` has header->length bytes; a descriptor may be claimed from session->reader.
+	// A whole message has come. `header` and `body` (header->length bytes; NULL for none) are the session's and good for
+	// the length of the call. A descriptor that came along may be claimed from session->reader; else it is closed after
+	// the call.
 	void (*message)(void *owner, struct session *session, const struct header *header, const uint8_t *body);
-	// There is room for chunks. True if some were queued.
+
+	// There is room for chunks: queue some. True if some were queued.
 	bool (*fill)(void *owner, struct session *session);
+
 	// What the peer sent is no stream of messages, or no hello came in time: send it `err` under the id `request`. The
 	// session closes itself after the call.
 	void (*refused)(void *owner, struct session *session, uint32_t request, const struct error *err);
-	// Nothing more is read from it; its requests end here. Once a session.
+
+	// Nothing more is read from it, and its requests end here. Once a session.
 	void (*ended)(void *owner, struct session *session);
 };
 
+// Others may read `id`, `state`, `outbox`, claim from `reader`, and keep `requests` and `room`.
 struct session {
 	uint64_t id; // for the log
-	int fd;
+	struct channel channel;
 	enum session_state state;
 	bool ended_said;
-	bool blocked; // the socket took no more
+	bool blocked; // the channel took no more
 	struct reader reader;
 	struct outbox outbox;
 	size_t discarded; // bytes thrown away while lingering
-	unsigned requests; // renders and loads under way: kept by those who run them
-	struct room room; // of images that wait for it: kept by jobs
-	struct loop_timer timer;
+	unsigned requests; // renders, sweeps and loads under way: kept by those who run them
+	struct room room; // taken by its images: kept by jobs
+	struct loop_timer timer; // for the hello, for a stall, for lingering
 	struct sessions *table;
 	struct session *next;
 };
 
+// Others may read `first` and `count`.
 struct sessions {
 	struct loop *loop;
 	const struct session_events *events;
@@ -62,35 +74,43 @@ struct sessions {
 	uint64_t next_id;
 };
 
+// No session yet. `loop`, `events` and `owner` must outlive it.
 void sessions_init(struct sessions *sessions, struct loop *loop, const struct session_events *events, void *owner);
+
+// Close and free all sessions at once. No call is made.
 void sessions_finish(struct sessions *sessions);
 
-// Take over a connected stream socket (closed on failure too). It must say hello within LIMIT_HELLO_MS.
-enum status session_create(struct sessions *sessions, int fd, struct session **session, struct error *err);
+// Make a session of a channel, which is taken over (closed on failure too). It must say hello within LIMIT_HELLO_MS. The
+// session is the table's; *session is good until it is SESSION_DEAD. Failures: STATUS_MEMORY, STATUS_INTERNAL.
+enum status session_create(struct sessions *sessions, struct channel *channel, struct session **session, struct error *err);
 
-// The hello was good.
+// The hello was good: the session is SESSION_OPEN, and silence is allowed.
 void session_open(struct session *session);
 
-// Read no more; close when all that waits is sent.
+// Read no more, end its requests (`ended`), and close when all that waits is sent. Nothing on a session that is closing.
 void session_close(struct session *session);
 
-// Queue a message. Without memory the session dies; a dead one takes nothing.
+// Queue a message: `body` of `bytes` ≥ 0 bytes, which is copied, behind a header. Without memory the session dies, and a
+// dead session takes nothing; the caller need not know.
 void session_send(struct session *session, uint8_t type, uint32_t request, const void *body, uint32_t bytes);
 
-// Room for a message of `bytes`, to be written by the caller and then sent by session_commit; NULL if it is dead or
-// without memory.
+// Room for the body of a message of `bytes`, for the caller to write and then to queue by session_commit with the same
+// `bytes`, before anything else is queued. NULL if the session is dead, or dies for want of memory.
 uint8_t *session_room(struct session *session, uint32_t bytes);
 void session_commit(struct session *session, uint8_t type, uint32_t request, uint32_t bytes);
 
-// May a body of `bytes` be queued without passing the limit?
+// May a body of `bytes` be queued without passing LIMIT_OUT_BUFFER_BYTES? False unless the session is SESSION_OPEN. Replies
+// need not ask; chunks and progress do.
 bool session_has_room(const struct session *session, size_t bytes);
 
-// Send what can be sent, let the owner fill up. True if some call of `fill` queued something.
+// Send what the channels take, and let the owner fill up. True if some call of `fill` queued something.
 bool sessions_flush(struct sessions *sessions);
 
-// Free the dead, set what is waited for on the others.
+// Free the dead, whose `ended` is called first if it has not been, and set what is waited for on the others. The only place
+// where a session goes while the loop runs.
 void sessions_sweep(struct sessions *sessions);
 
+// Bytes that wait to be taken, of all sessions together.
 uint64_t sessions_buffered(const struct sessions *sessions);
 
 #endif

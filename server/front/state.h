@@ -2,8 +2,8 @@
 #ifndef CANDIL_FRONT_STATE_H
 #define CANDIL_FRONT_STATE_H
 
+#include "server/front/channel.h"
 #include "server/front/jobs/jobs.h"
-#include "server/front/net.h"
 #include "server/front/scenes.h"
 #include "server/front/session.h"
 #include "server/front/worker.h"
@@ -11,7 +11,7 @@
 struct service {
 	const struct options *options;
 	struct loop *loop;
-	struct listener listener;
+	struct listener *listener; // NULL: none
 	int signal_fd;
 	int scene_root; // O_PATH; -1: none
 	struct children children;

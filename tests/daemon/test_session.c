@@ -53,13 +53,15 @@ static void a_session_without_memory_ends_in_the_sweep(void **state)
 	    .message = on_message, .fill = on_fill, .refused = on_refused, .ended = on_ended};
 	struct sessions sessions;
 	struct session *session;
+	struct channel channel;
 	struct loop *loop;
 	int pair[2];
 	(void)state;
 	assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair), 0);
 	assert_int_equal(loop_create(&loop, NULL), STATUS_OK);
 	sessions_init(&sessions, loop, &events, NULL);
-	assert_int_equal(session_create(&sessions, pair[0], &session, NULL), STATUS_OK);
+	assert_int_equal(channel_unix_adopt(&channel, loop, pair[0], NULL), STATUS_OK);
+	assert_int_equal(session_create(&sessions, &channel, &session, NULL), STATUS_OK);
 	session_open(session);
 	sessions_flush(&sessions);
 	assert_true(filled);

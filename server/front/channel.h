@@ -1,0 +1,105 @@
+// What a session speaks through, and the door at which channels come in. Sessions know no descriptor and no socket: a
+// channel is a table of calls, and each kind of channel is one file that fills the table. channel_unix.c is the one kind so
+// far.
+//
+// All calls are for the front's one thread (loop.h), and none of them waits.
+#ifndef CANDIL_FRONT_CHANNEL_H
+#define CANDIL_FRONT_CHANNEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "server/base/error.h"
+#include "server/front/loop.h"
+
+enum channel_result {
+	CHANNEL_DONE, // at least one byte went over
+	CHANNEL_LATER, // nothing can go over now: `ready` is called when it can
+	CHANNEL_ENDED, // the peer writes no more (read only)
+	CHANNEL_BROKEN, // the channel is of no use any more
+};
+
+// Descriptors that came with bytes. They are open, close-on-exec, and the receiver's to close.
+#define CHANNEL_FDS 4u
+struct channel_fds {
+	int fd[CHANNEL_FDS];
+	unsigned count;
+};
+
+struct channel;
+
+struct channel_kind {
+	// Call `ready` from the loop whenever the channel is as `want` says: with EPOLLIN if `read` has something to say,
+	// with EPOLLOUT if `write` takes bytes, and with EPOLLHUP or EPOLLERR, wanted or not, if the channel is over. At
+	// first EPOLLIN is wanted. As long as `read` has something to say, `ready` is called again after each turn of the
+	// loop: a kind that holds bytes back within itself has to see to that. To be called once. Failures: STATUS_MEMORY,
+	// STATUS_INTERNAL.
+	enum status (*watch)(struct channel *channel, loop_ready *ready, void *owner, struct error *err);
+
+	// Say which of EPOLLIN and EPOLLOUT are wanted from now on; 0: neither. Does not fail.
+	void (*want)(struct channel *channel, uint32_t events);
+
+	// Read at least one and at most `room` ≥ 1 bytes into `buffer`. With CHANNEL_DONE *bytes says how many. `fds` gets
+	// the descriptors that came with them, none on any other result; NULL: they are closed. A kind that cannot pass
+	// descriptors always brings none; more than CHANNEL_FDS at once are closed.
+	enum channel_result (*read)(struct channel *channel, void *buffer, size_t room, size_t *bytes,
+				    struct channel_fds *fds);
+
+	// Write the first of `bytes` ≥ 1 bytes, as many as are taken at once. With CHANNEL_DONE *written says how many. The
+	// daemon passes no descriptors to its clients.
+	enum channel_result (*write)(struct channel *channel, const void *data, size_t bytes, size_t *written);
+
+	// Nothing more will be written: the peer reads the end behind what was written. It may still write, and be read.
+	void (*end)(struct channel *channel);
+
+	// May the daemon serve this peer? The answer does not change in a channel's life. False if it cannot be told.
+	bool (*peer_allowed)(const struct channel *channel);
+
+	// Forget it in the loop and free all that it has. `ready` is not called any more. *channel may be used anew.
+	void (*close)(struct channel *channel);
+};
+
+// Lives in its owner, may be copied until it is watched, and must be closed.
+struct channel {
+	const struct channel_kind *kind;
+	struct loop *loop;
+	int fd; // for the kind alone
+};
+
+enum listener_result {
+	LISTENER_ACCEPTED,
+	LISTENER_NONE, // nobody waits
+	LISTENER_EXHAUSTED, // somebody waits, but the system has no descriptor or memory left: pause and try again later
+};
+
+struct listener;
+
+struct listener_kind {
+	// Take the next connection; *channel is the caller's with LISTENER_ACCEPTED. The peer's right is not yet checked.
+	enum listener_result (*accept)(struct listener *listener, struct channel *channel);
+
+	// Stop calling `ready`, or go on with it. Whoever comes meanwhile waits.
+	void (*pause)(struct listener *listener, bool paused);
+
+	// Accept no more, forget it in the loop and free it.
+	void (*close)(struct listener *listener);
+};
+
+// The first member of each kind's own structure.
+struct listener {
+	const struct listener_kind *kind;
+};
+
+// ---- channel_unix.c: Unix stream sockets, which pass descriptors and know their peer's user --------------------------
+
+// Listen at `path`, mode 0600, and call `ready` whenever somebody waits. A socket file that nobody answers on is replaced;
+// one that somebody answers on, or a file that is no socket, is an error. Closing the listener removes the file if it is
+// still the listener's own. Failures: STATUS_CONNECT, STATUS_MEMORY, STATUS_INTERNAL.
+enum status channel_unix_listen(struct listener **listener, struct loop *loop, const char *path, loop_ready *ready,
+				void *owner, struct error *err);
+
+// Make a channel of a connected stream socket, which is taken over, on failure too. Failure: STATUS_INTERNAL.
+enum status channel_unix_adopt(struct channel *channel, struct loop *loop, int fd, struct error *err);
+
+#endif
