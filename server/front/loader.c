@@ -12,9 +12,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "protocol/text.h"
 #include "server/base/clock.h"
 #include "server/base/memfd.h"
-#include "server/front/text.h"
 
 void loader_init(struct loader *loader, struct children *children, loader_done *done, void *owner)
 {

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "server/front/text.h"
+#include "protocol/text.h"
 
 #define DEFAULT_SLICE_MS 50u
 #define MEMORY_BUDGET_MAX_MIB (1u << 24)

@@ -4,9 +4,9 @@
 #include <stdio.h>
 
 #include "candil.pb.h"
+#include "protocol/text.h"
 #include "server/base/log.h"
 #include "server/front/session.h"
-#include "server/front/text.h"
 
 #define REPLY_BYTES (32u * 1024u)
 

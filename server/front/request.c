@@ -6,8 +6,8 @@
 
 #include "protocol/header.h"
 #include "protocol/names.h"
+#include "protocol/text.h"
 #include "server/front/request_edits.h"
-#include "server/front/text.h"
 
 #define DEFAULT_SAMPLES 64u
 #define OPEN_SAMPLES 65536u // where an error or a deadline is to end it

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "protocol/limits.h"
-#include "server/front/text.h"
+#include "protocol/text.h"
 
 static bool within(const candil_Vec3 *v, double least, double most)
 {

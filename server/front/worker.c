@@ -12,10 +12,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "protocol/text.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/memfd.h"
-#include "server/front/text.h"
 
 #define FIRST_PAUSE_US 50000u
 #define PAUSE_DOUBLINGS 8u

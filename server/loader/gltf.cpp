@@ -7,6 +7,7 @@
 #include <string>
 
 extern "C" {
+#include "protocol/text.h"
 #include "server/loader/gltf_json.h"
 #include "server/scene/transform.h"
 }
@@ -97,7 +98,7 @@ enum status parse(gltf_reader *reader, const struct file_bytes *bytes, struct er
 		return err->code;
 	}
 	char reason[160];
-	import_clean_text(reason, sizeof reason, why.substr(0, why.find('\n')).c_str());
+	text_copy(reason, sizeof reason, why.substr(0, why.find('\n')).c_str());
 	return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: %s; export it again", reason);
 }
 

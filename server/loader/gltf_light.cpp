@@ -4,6 +4,7 @@
 #include <cstring>
 
 extern "C" {
+#include "protocol/text.h"
 #include "server/base/angle.h"
 #include "server/scene/nodes.h"
 }
@@ -80,7 +81,7 @@ enum status gltf_add_camera(gltf_reader *reader, const tinygltf::Node &node, con
 	const char *name = !camera.name.empty() ? camera.name.c_str() : node.name.c_str();
 
 	if (*name)
-		import_clean_text(out.name, sizeof out.name, name);
+		text_copy(out.name, sizeof out.name, name);
 	else
 		snprintf(out.name, sizeof out.name, "camera %zu", reader->import->camera_count);
 	if (!set_lens(&out, camera) || !node_place_camera(&world, &out)) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/text.h"
 #include "server/base/checked.h"
 #include "server/loader/image_read.h"
 
@@ -102,7 +103,7 @@ enum status import_add_triangle(struct import *im, const struct triangle *triang
 // What the file leaves without a name is called by its kind and number.
 static void name_it(char out[LIMIT_NAME + 1], const char *name, const char *kind, size_t number)
 {
-	import_clean_text(out, LIMIT_NAME + 1, name);
+	text_copy(out, LIMIT_NAME + 1, name);
 	if (!out[0])
 		snprintf(out, LIMIT_NAME + 1, "%s %zu", kind, number);
 }
@@ -369,7 +370,7 @@ void import_warn(struct import *im, const char *format, ...)
 	vsnprintf(text, sizeof text, format, args);
 	va_end(args);
 	char clean[sizeof im->info->warnings[0]];
-	import_clean_text(clean, sizeof clean, text);
+	text_copy(clean, sizeof clean, text);
 	for (pb_size_t i = 0; i < im->info->warnings_count; i++)
 		if (strcmp(im->info->warnings[i], clean) == 0)
 			return;
@@ -383,7 +384,7 @@ void import_ignore(struct import *im, const char *feature)
 {
 	char text[sizeof im->info->ignored[0]];
 	const pb_size_t room = sizeof im->info->ignored / sizeof im->info->ignored[0];
-	import_clean_text(text, sizeof text, feature);
+	text_copy(text, sizeof text, feature);
 	for (pb_size_t i = 0; i < im->info->ignored_count; i++)
 		if (strcmp(im->info->ignored[i], text) == 0)
 			return;
@@ -410,41 +411,4 @@ bool import_fit(float *value, double given, double limit)
 {
 	*value = given > 0 ? (float)fmin(given, limit) : 0.0f;
 	return given >= 0 && given <= limit;
-}
-
-// Bytes of the well-formed UTF-8 sequence of a printable character at `s`, or 0.
-static size_t sequence_length(const unsigned char *s)
-{
-	if (s[0] >= 0x20 && s[0] < 0x7F)
-		return 1;
-	size_t length = s[0] >= 0xC2 && s[0] <= 0xDF   ? 2
-			: s[0] >= 0xE0 && s[0] <= 0xEF ? 3
-			: s[0] >= 0xF0 && s[0] <= 0xF4 ? 4
-						       : 0;
-	for (size_t i = 1; i < length; i++)
-		if ((s[i] & 0xC0) != 0x80)
-			return 0;
-	if ((s[0] == 0xC2 && s[1] < 0xA0) || (s[0] == 0xE0 && s[1] < 0xA0) || (s[0] == 0xED && s[1] >= 0xA0) ||
-	    (s[0] == 0xF0 && s[1] < 0x90) || (s[0] == 0xF4 && s[1] >= 0x90))
-		return 0;
-	return length;
-}
-
-void import_clean_text(char *out, size_t room, const char *text)
-{
-	const unsigned char *s = (const unsigned char *)text;
-	size_t used = 0;
-	while (*s) {
-		const size_t length = sequence_length(s);
-		const size_t step = length > 0 ? length : 1;
-		if (used + step >= room)
-			break;
-		if (length > 0)
-			memcpy(out + used, s, length);
-		else
-			out[used] = *s == '\n' || *s == '\t' ? ' ' : '?';
-		used += step;
-		s += step;
-	}
-	memset(out + used, 0, room - used);
 }

@@ -152,8 +152,4 @@ void import_note_source(struct import *import, const double min[3], const double
 // A colour component made fit: NaN and negatives become 0, values above `limit` become it. True if it was fit already.
 bool import_fit(float *value, double given, double limit);
 
-// Copy a name from a file, cut to `room`, with anything that is not printable UTF-8 replaced by '?' (a line's end by a
-// space).
-void import_clean_text(char *out, size_t room, const char *text);
-
 #endif

@@ -5,6 +5,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "protocol/text.h"
 #include "server/loader/build_blob.h"
 #include "server/loader/environment.h"
 #include "server/loader/gltf.h"
@@ -69,7 +70,7 @@ enum status load_scene(const struct load_options *options, candil_SceneInfo *inf
 
 	*fd = -1;
 	*info = (candil_SceneInfo)candil_SceneInfo_init_zero;
-	import_clean_text(info->file, sizeof info->file, options->file);
+	text_copy(info->file, sizeof info->file, options->file);
 	if (files_open_folder(options->dir, options->file, &files.dir, &file, err) != STATUS_OK)
 		return err->code;
 	import_init(&import, &files, info);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/text.h"
 #include "server/loader/mtl_surface.h"
 #include "server/loader/obj_files.h"
 #include "server/loader/obj_vertices.h"
@@ -280,7 +281,7 @@ enum status obj_import(struct import *im, const char *name, const struct file_by
 		status = err->code;
 	} else if (!scene) {
 		char why[128];
-		import_clean_text(why, sizeof why, aiGetErrorString());
+		text_copy(why, sizeof why, aiGetErrorString());
 		size_t length = strlen(why);
 		if (length > 0 && why[length - 1] == '.')
 			why[length - 1] = '\0';

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-#include "server/front/text.h"
+#include "protocol/text.h"
 
 static const char *const unclean[] = {
     "\x01",
@@ -60,12 +60,33 @@ static void a_missing_end_is_set(void **state)
 	assert_string_equal(text, "ab?");
 }
 
+static void a_copy_is_clean_and_cut_between_characters(void **state)
+{
+	char out[8];
+	(void)state;
+	text_copy(out, sizeof out, "plain");
+	assert_string_equal(out, "plain");
+	text_copy(out, sizeof out, "longer than it");
+	assert_string_equal(out, "longer ");
+	text_copy(out, sizeof out, "a\n\x1b\x7f");
+	assert_string_equal(out, "a ??");
+	text_copy(out, sizeof out, "\xc3\xa9\xe2\x82\xac"); // é €
+	assert_string_equal(out, "\xc3\xa9\xe2\x82\xac");
+	text_copy(out, sizeof out, "12345\xe2\x82\xac"); // would be cut within
+	assert_string_equal(out, "12345");
+	text_copy(out, sizeof out, "\xff\xc0\xaf\xed\xa0\x80"); // no UTF-8
+	assert_string_equal(out, "??????");
+	text_copy(out, sizeof out, "\xe2");
+	assert_string_equal(out, "?");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(unclean_text_is_found_and_mended),
 	    cmocka_unit_test(clean_text_is_left_alone),
 	    cmocka_unit_test(a_missing_end_is_set),
+	    cmocka_unit_test(a_copy_is_clean_and_cut_between_characters),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,26 +44,6 @@ static void add_triangle(double x, double y, double z, double size, uint32_t mat
 	assert_int_equal(import_add_triangle(&import, &t, NULL), STATUS_OK);
 }
 
-static void text_is_cleaned(void **state)
-{
-	char out[8];
-	(void)state;
-	import_clean_text(out, sizeof out, "plain");
-	assert_string_equal(out, "plain");
-	import_clean_text(out, sizeof out, "longer than it");
-	assert_string_equal(out, "longer ");
-	import_clean_text(out, sizeof out, "a\n\x1b\x7f");
-	assert_string_equal(out, "a ??");
-	import_clean_text(out, sizeof out, "\xc3\xa9\xe2\x82\xac"); // é €
-	assert_string_equal(out, "\xc3\xa9\xe2\x82\xac");
-	import_clean_text(out, sizeof out, "12345\xe2\x82\xac"); // would be cut within
-	assert_string_equal(out, "12345");
-	import_clean_text(out, sizeof out, "\xff\xc0\xaf\xed\xa0\x80"); // no UTF-8
-	assert_string_equal(out, "??????");
-	import_clean_text(out, sizeof out, "\xe2");
-	assert_string_equal(out, "?");
-}
-
 static void colours_are_made_fit(void **state)
 {
 	float v;
@@ -229,7 +209,6 @@ static void punctual_lights_go_by_power(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(text_is_cleaned),
 	    cmocka_unit_test(colours_are_made_fit),
 	    cmocka_unit_test_setup_teardown(warnings_have_an_end, fresh, finish),
 	    cmocka_unit_test_setup_teardown(unsound_triangles_are_dropped, fresh, finish),

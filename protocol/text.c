@@ -1,4 +1,4 @@
-#include "server/front/text.h"
+#include "protocol/text.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -70,4 +70,22 @@ bool text_is_plain_path(const char *path)
 			return true;
 		at += length + 1;
 	}
+}
+
+void text_copy(char *out, size_t capacity, const char *text)
+{
+	size_t used = 0;
+	while (*text) {
+		const size_t bytes = character((const uint8_t *)text);
+		const size_t step = bytes > 0 ? bytes : 1;
+		if (used + step >= capacity)
+			break;
+		if (bytes > 0)
+			memcpy(out + used, text, bytes);
+		else
+			out[used] = *text == '\n' || *text == '\t' ? ' ' : '?';
+		used += step;
+		text += step;
+	}
+	memset(out + used, 0, capacity - used);
 }
