@@ -7,7 +7,7 @@
 
 // Bytes of the character at `text`, 0 if it is a control character or none at all: overlong forms, surrogates and
 // code points past U+10FFFF are none.
-static size_t character(const uint8_t *text)
+static size_t text_character(const uint8_t *text)
 {
 	static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
 	uint8_t first = text[0];
@@ -31,7 +31,7 @@ bool text_is_clean(const char *text)
 {
 	const uint8_t *at = (const uint8_t *)text;
 	while (*at) {
-		size_t bytes = character(at);
+		size_t bytes = text_character(at);
 		if (!bytes)
 			return false;
 		at += bytes;
@@ -49,7 +49,7 @@ void text_clean(char *text, size_t capacity)
 {
 	text[capacity - 1] = 0;
 	for (uint8_t *at = (uint8_t *)text; *at;) {
-		size_t bytes = character(at);
+		size_t bytes = text_character(at);
 		if (!bytes) {
 			*at = '?';
 			bytes = 1;
@@ -76,7 +76,7 @@ void text_copy(char *out, size_t capacity, const char *text)
 {
 	size_t used = 0;
 	while (*text) {
-		const size_t bytes = character((const uint8_t *)text);
+		const size_t bytes = text_character((const uint8_t *)text);
 		const size_t step = bytes > 0 ? bytes : 1;
 		if (used + step >= capacity)
 			break;

@@ -27,7 +27,7 @@ void child_init(struct child *child)
 	*child = (struct child){.pid = 0, .pidfd = -1, .socket = -1};
 }
 
-static int spawn(pid_t *pid, char *const argv[], int socket, int folder)
+static int child_spawn(pid_t *pid, char *const argv[], int socket, int folder)
 {
 	posix_spawn_file_actions_t files;
 	posix_spawnattr_t attributes;
@@ -59,7 +59,7 @@ static int spawn(pid_t *pid, char *const argv[], int socket, int folder)
 }
 
 // A close-on-exec copy above SAFE_FD; -1 stays -1.
-static int lift(int fd)
+static int child_lift_fd(int fd)
 {
 	return fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, SAFE_FD);
 }
@@ -73,13 +73,13 @@ enum status child_start(struct child *child, char *const argv[], int folder, str
 		error_errno(err, status, "cannot create a socket pair for %s", argv[0]);
 		return status;
 	}
-	theirs = lift(pair[1]);
-	theirs_folder = lift(folder);
+	theirs = child_lift_fd(pair[1]);
+	theirs_folder = child_lift_fd(folder);
 	if (theirs < 0 || (folder >= 0 && theirs_folder < 0) || fcntl(pair[0], F_SETFL, O_NONBLOCK) != 0) {
 		error_errno(err, status, "cannot prepare the descriptors of %s", argv[0]);
 		goto out;
 	}
-	errno = spawn(&child->pid, argv, theirs, theirs_folder);
+	errno = child_spawn(&child->pid, argv, theirs, theirs_folder);
 	if (errno) {
 		child->pid = 0;
 		error_errno(err, status, "cannot start %s", argv[0]);
@@ -115,7 +115,7 @@ void child_kill(const struct child *child)
 		kill(child->pid, SIGKILL);
 }
 
-static void drop(struct loop *loop, int *fd)
+static void child_drop_fd(struct loop *loop, int *fd)
 {
 	if (*fd < 0)
 		return;
@@ -136,8 +136,8 @@ int child_reap(struct child *child, struct loop *loop, char *how, size_t capacit
 		else
 			snprintf(how, capacity, "killed by signal %d", info.si_status);
 	}
-	drop(loop, &child->socket);
-	drop(loop, &child->pidfd);
+	child_drop_fd(loop, &child->socket);
+	child_drop_fd(loop, &child->pidfd);
 	child->pid = 0;
 	return signal_number;
 }
@@ -153,7 +153,7 @@ void children_init(struct children *children, struct loop *loop)
 	*children = (struct children){.loop = loop};
 }
 
-static void collect(void *owner, uint32_t events)
+static void child_collect(void *owner, uint32_t events)
 {
 	struct abandoned *gone = owner;
 	struct abandoned **link = &gone->children->first;
@@ -171,7 +171,7 @@ void children_finish(struct children *children)
 	while (children->first) {
 		struct pollfd ended = {.fd = children->first->child.pidfd, .events = POLLIN};
 		poll(&ended, 1, LAST_WAIT_MS);
-		collect(children->first, 0);
+		child_collect(children->first, 0);
 	}
 }
 
@@ -180,10 +180,10 @@ void child_abandon(struct child *child, struct children *children)
 	if (child->pid <= 0)
 		return;
 	child_kill(child);
-	drop(children->loop, &child->socket);
+	child_drop_fd(children->loop, &child->socket);
 	loop_forget(children->loop, child->pidfd);
 	struct abandoned *gone = calloc(1, sizeof *gone);
-	if (gone && loop_watch(children->loop, child->pidfd, EPOLLIN, collect, gone, NULL) == STATUS_OK) {
+	if (gone && loop_watch(children->loop, child->pidfd, EPOLLIN, child_collect, gone, NULL) == STATUS_OK) {
 		*gone = (struct abandoned){.child = *child, .children = children, .next = children->first};
 		children->first = gone;
 	} else {

@@ -275,7 +275,7 @@ static bool is_under_way(const struct message *m)
 	       scenes_find_load(&m->service->scenes, m->session, m->header->request);
 }
 
-static enum status handle(const struct message *m, struct error *err)
+static enum status handle_message(const struct message *m, struct error *err)
 {
 	handler *handle_it = find_handler(m->header->type);
 	if (!handle_it)
@@ -302,7 +302,7 @@ void dispatch_message(struct service *service, struct session *session, const st
 		reply_error(session, 0, &err);
 		return;
 	}
-	if (handle(&m, &err) == STATUS_OK)
+	if (handle_message(&m, &err) == STATUS_OK)
 		return;
 	log_line(LOG_DEBUG, "connection %llu: %s refused: %s: %s", (unsigned long long)session->id,
 		 message_type_name(header->type), status_name(err.code), err.text);

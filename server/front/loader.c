@@ -28,7 +28,7 @@ void loader_stop(struct loader *loader)
 	child_abandon(&loader->child, loader->children);
 }
 
-static void fail(struct loader *loader, const struct error *err)
+static void loader_fail(struct loader *loader, const struct error *err)
 {
 	struct ipc_loaded *loaded = calloc(1, sizeof *loaded);
 	if (!loaded)
@@ -80,7 +80,7 @@ static void clean_error(struct error *err)
 }
 
 // Check a message and its blob; what is wrong goes into loaded->error.
-static void judge(struct ipc_loaded *loaded, size_t bytes, int blob)
+static void judge_message(struct ipc_loaded *loaded, size_t bytes, int blob)
 {
 	const void *map;
 	size_t size;
@@ -107,7 +107,7 @@ static void judge(struct ipc_loaded *loaded, size_t bytes, int blob)
 }
 
 // Take its message if there is one. True if the loader is done with.
-static bool take(struct loader *loader)
+static bool loader_take(struct loader *loader)
 {
 	union {
 		struct ipc_loaded loaded;
@@ -119,7 +119,7 @@ static bool take(struct loader *loader)
 		    ipc_receive(loader->child.socket, message, sizeof *message, &bytes, &blob, NULL) == STATUS_OK &&
 		    bytes > 0;
 	if (came) {
-		judge(&message->loaded, bytes, blob);
+		judge_message(&message->loaded, bytes, blob);
 		if (message->loaded.error.code != STATUS_OK && blob >= 0) {
 			close(blob);
 			blob = -1;
@@ -131,10 +131,10 @@ static bool take(struct loader *loader)
 	return came;
 }
 
-static void spoke(void *owner, uint32_t events)
+static void loader_spoke(void *owner, uint32_t events)
 {
 	struct loader *loader = owner;
-	if (take(loader))
+	if (loader_take(loader))
 		return;
 	// It hung up, or what it said was no message: nothing more is listened to. How it ended is known when it has.
 	(void)events;
@@ -142,13 +142,13 @@ static void spoke(void *owner, uint32_t events)
 	child_kill(&loader->child);
 }
 
-static void ended(void *owner, uint32_t events)
+static void loader_ended(void *owner, uint32_t events)
 {
 	struct loader *loader = owner;
 	char how[64];
 	struct error err;
 	(void)events;
-	if (take(loader))
+	if (loader_take(loader))
 		return;
 	if (child_reap(&loader->child, loader->loop, how, sizeof how) == SIGXCPU)
 		error_set(
@@ -158,16 +158,16 @@ static void ended(void *owner, uint32_t events)
 	else
 		error_set(&err, STATUS_LOADER_LOST,
 			  "the loader was lost while it read the file (%s): the file may be broken", how);
-	fail(loader, &err);
+	loader_fail(loader, &err);
 }
 
-static void too_late(void *owner)
+static void loader_too_late(void *owner)
 {
 	struct loader *loader = owner;
 	struct error err;
 	error_set(&err, STATUS_SCENE_LIMIT,
 		  "the scene takes more than %u s to read: make it smaller, the file may be broken", LIMIT_LOAD_SECONDS);
-	fail(loader, &err);
+	loader_fail(loader, &err);
 }
 
 enum status loader_start(struct loader *loader, const char *libexec, const struct source *source, candil_UpAxis up,
@@ -186,12 +186,13 @@ enum status loader_start(struct loader *loader, const char *libexec, const struc
 	enum status status = child_start(&loader->child, argv, source->folder, err);
 	if (status != STATUS_OK)
 		return status;
-	status = loop_watch(loader->loop, loader->child.socket, EPOLLIN, spoke, loader, err);
+	status = loop_watch(loader->loop, loader->child.socket, EPOLLIN, loader_spoke, loader, err);
 	if (status == STATUS_OK)
-		status = loop_watch(loader->loop, loader->child.pidfd, EPOLLIN, ended, loader, err);
+		status = loop_watch(loader->loop, loader->child.pidfd, EPOLLIN, loader_ended, loader, err);
 	if (status != STATUS_OK)
 		loader_stop(loader);
 	else
-		loop_timer_set(loader->loop, &loader->timer, clock_us() + LIMIT_LOAD_SECONDS * 1000000ull, too_late, loader);
+		loop_timer_set(loader->loop, &loader->timer, clock_us() + LIMIT_LOAD_SECONDS * 1000000ull, loader_too_late,
+			       loader);
 	return status;
 }

@@ -52,7 +52,7 @@ void loop_destroy(struct loop *loop)
 	free(loop);
 }
 
-static bool grow(struct loop *loop, size_t wanted)
+static bool loop_grow(struct loop *loop, size_t wanted)
 {
 	if (wanted <= loop->watch_count)
 		return true;
@@ -75,7 +75,7 @@ static struct epoll_event event_of(const struct watch *watch, int fd)
 
 enum status loop_watch(struct loop *loop, int fd, uint32_t events, loop_ready *ready, void *owner, struct error *err)
 {
-	if (fd < 0 || !grow(loop, (size_t)fd + 1))
+	if (fd < 0 || !loop_grow(loop, (size_t)fd + 1))
 		return error_set(err, STATUS_MEMORY, "no memory to watch one more descriptor");
 	struct watch *w = &loop->watches[fd];
 	*w = (struct watch){.ready = ready, .owner = owner, .events = events, .generation = ++loop->generation};
@@ -87,7 +87,7 @@ enum status loop_watch(struct loop *loop, int fd, uint32_t events, loop_ready *r
 	return STATUS_OK;
 }
 
-static struct watch *find(struct loop *loop, int fd)
+static struct watch *loop_find(struct loop *loop, int fd)
 {
 	if (fd < 0 || (size_t)fd >= loop->watch_count || !loop->watches[fd].ready)
 		return NULL;
@@ -96,7 +96,7 @@ static struct watch *find(struct loop *loop, int fd)
 
 void loop_want(struct loop *loop, int fd, uint32_t events)
 {
-	struct watch *w = find(loop, fd);
+	struct watch *w = loop_find(loop, fd);
 	if (!w || w->events == events)
 		return;
 	w->events = events;
@@ -106,7 +106,7 @@ void loop_want(struct loop *loop, int fd, uint32_t events)
 
 void loop_forget(struct loop *loop, int fd)
 {
-	struct watch *w = find(loop, fd);
+	struct watch *w = loop_find(loop, fd);
 	if (!w)
 		return;
 	w->ready = NULL;
@@ -170,7 +170,7 @@ static int wait_ms(struct loop *loop)
 
 static void deliver(struct loop *loop, const struct epoll_event *event)
 {
-	struct watch *w = find(loop, (int)(uint32_t)event->data.u64);
+	struct watch *w = loop_find(loop, (int)(uint32_t)event->data.u64);
 	if (w && w->generation == (uint32_t)(event->data.u64 >> 32))
 		w->ready(w->owner, event->events);
 }

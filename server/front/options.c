@@ -59,8 +59,8 @@ const char *options_help(void)
 	       "$CANDIL_LOG = error, warning, info or debug sets how much is written to standard error.\n";
 }
 
-static enum status number(const char *text, const char *option, uint32_t least, uint32_t most, uint32_t *out,
-			  struct error *err)
+static enum status parse_number(const char *text, const char *option, uint32_t least, uint32_t most, uint32_t *out,
+				struct error *err)
 {
 	size_t digits = strspn(text, "0123456789");
 	unsigned long value = strtoul(text, NULL, 10);
@@ -71,7 +71,7 @@ static enum status number(const char *text, const char *option, uint32_t least, 
 	return STATUS_OK;
 }
 
-static enum status copy(const char *text, const char *option, char out[PATH_MAX], struct error *err)
+static enum status copy_path(const char *text, const char *option, char out[PATH_MAX], struct error *err)
 {
 	size_t length = strlen(text);
 	if (length == 0 || length >= PATH_MAX)
@@ -101,17 +101,17 @@ static enum status add_scene(struct options *options, const char *text, struct e
 static enum status set_private(struct options *options, const char *text, struct error *err)
 {
 	uint32_t fd = 0;
-	enum status status = number(text, "private-fd", 0, 65535, &fd, err);
+	enum status status = parse_number(text, "private-fd", 0, 65535, &fd, err);
 	if (status == STATUS_OK)
 		options->private_fd = (int)fd;
 	return status;
 }
 
-static enum status set(struct options *options, int id, const char *text, struct error *err)
+static enum status set_option(struct options *options, int id, const char *text, struct error *err)
 {
 	switch ((enum option_id)id) {
 	case SOCKET:
-		return copy(text, "socket", options->socket, err);
+		return copy_path(text, "socket", options->socket, err);
 	case SCENE:
 		return add_scene(options, text, err);
 	case SCENE_ROOT:
@@ -124,11 +124,11 @@ static enum status set(struct options *options, int id, const char *text, struct
 		options->require_gpu = true;
 		return STATUS_OK;
 	case MEMORY_BUDGET:
-		return number(text, "memory-budget", 1, MEMORY_BUDGET_MAX_MIB, &options->memory_budget_mib, err);
+		return parse_number(text, "memory-budget", 1, MEMORY_BUDGET_MAX_MIB, &options->memory_budget_mib, err);
 	case SLICE:
-		return number(text, "slice", 1, LIMIT_SLICE_MS, &options->slice_ms, err);
+		return parse_number(text, "slice", 1, LIMIT_SLICE_MS, &options->slice_ms, err);
 	case LIBEXEC:
-		return copy(text, "libexec", options->libexec, err);
+		return copy_path(text, "libexec", options->libexec, err);
 	case PRIVATE_FD:
 		return set_private(options, text, err);
 	case HELP:
@@ -142,7 +142,7 @@ static enum status set(struct options *options, int id, const char *text, struct
 }
 
 // What getopt_long would not take: `result` is its own, `about` what it left in optopt.
-static enum status refuse(int result, int about, const char *word, struct error *err)
+static enum status refuse_option(int result, int about, const char *word, struct error *err)
 {
 	if (result == ':')
 		return error_set(err, STATUS_BAD_ARGUMENT, "%.80s takes a value, and there is none; see candild --help",
@@ -192,7 +192,8 @@ enum status options_parse(struct options *options, int argc, char *const argv[],
 		int id = getopt_long(argc, argv, ":h", long_options, NULL);
 		if (id == -1)
 			break;
-		status = id == '?' || id == ':' ? refuse(id, optopt, argv[optind - 1], err) : set(options, id, optarg, err);
+		status = id == '?' || id == ':' ? refuse_option(id, optopt, argv[optind - 1], err)
+						: set_option(options, id, optarg, err);
 	}
 	if (status != STATUS_OK || options->help || options->version)
 		return status;

@@ -8,7 +8,7 @@
 #include "protocol/limits.h"
 #include "server/base/ipc.h"
 
-static void drop(struct parcels *parcels, struct parcel **link)
+static void parcels_drop(struct parcels *parcels, struct parcel **link)
 {
 	struct parcel *p = *link;
 	*link = p->next;
@@ -25,13 +25,13 @@ static void drop(struct parcels *parcels, struct parcel **link)
 
 void parcels_drop_first(struct parcels *parcels)
 {
-	drop(parcels, &parcels->first);
+	parcels_drop(parcels, &parcels->first);
 }
 
 void parcels_clear(struct parcels *parcels)
 {
 	while (parcels->first)
-		drop(parcels, &parcels->first);
+		parcels_drop(parcels, &parcels->first);
 }
 
 const char *parcels_keep(struct parcels *parcels, const void *message, size_t bytes, int fd)
@@ -63,7 +63,7 @@ bool parcels_take_back(struct parcels *parcels, uint64_t scene)
 			continue;
 		memcpy(&message, (*link)->message, sizeof message);
 		if (message.head.op == IPC_SCENE && message.scene == scene) {
-			drop(parcels, link);
+			parcels_drop(parcels, link);
 			return true;
 		}
 	}

@@ -5,7 +5,7 @@
 #include "protocol/limits.h"
 #include "protocol/text.h"
 
-static bool within(const candil_Vec3 *v, double least, double most)
+static bool edits_within(const candil_Vec3 *v, double least, double most)
 {
 	return v->x >= least && v->x <= most && v->y >= least && v->y <= most && v->z >= least && v->z <= most;
 }
@@ -28,11 +28,11 @@ static enum status check_light(const candil_Light *l, struct error *err)
 {
 	if ((unsigned)l->kind > candil_LightKind_LIGHT_KIND_DIRECTIONAL)
 		return error_set(err, STATUS_BAD_ARGUMENT, "a light's kind %u is none of candil.proto", (unsigned)l->kind);
-	if (!l->has_intensity || !within(&l->intensity, 0, LIMIT_INTENSITY))
+	if (!l->has_intensity || !edits_within(&l->intensity, 0, LIMIT_INTENSITY))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a light needs an intensity of components between 0 and %g",
 				 LIMIT_INTENSITY);
 	if (l->kind != candil_LightKind_LIGHT_KIND_DIRECTIONAL &&
-	    (!l->has_position || !within(&l->position, -LIMIT_COORDINATE, LIMIT_COORDINATE)))
+	    (!l->has_position || !edits_within(&l->position, -LIMIT_COORDINATE, LIMIT_COORDINATE)))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "a point light or a spot needs a position of finite coordinates, at most %g",
 				 LIMIT_COORDINATE);
@@ -47,7 +47,7 @@ static enum status check_light(const candil_Light *l, struct error *err)
 }
 
 // A name of the scene's, or '#' and a number: which, only the worker knows.
-static enum status check_name(const char *name, const char *what, struct error *err)
+static enum status edits_check_name(const char *name, const char *what, struct error *err)
 {
 	if (name[0] && text_is_clean(name))
 		return STATUS_OK;
@@ -63,9 +63,10 @@ static bool is_share(bool has, double value)
 
 static enum status check_material(const candil_MaterialEdit *m, struct error *err)
 {
-	if (check_name(m->name, "a material", err) != STATUS_OK)
+	if (edits_check_name(m->name, "a material", err) != STATUS_OK)
 		return err->code;
-	if ((m->has_base_color && !within(&m->base_color, 0, 1)) || (m->has_specular && !within(&m->specular, 0, 1)) ||
+	if ((m->has_base_color && !edits_within(&m->base_color, 0, 1)) ||
+	    (m->has_specular && !edits_within(&m->specular, 0, 1)) ||
 	    !is_share(m->has_specular_weight, m->specular_weight) || !is_share(m->has_metallic, m->metallic) ||
 	    !is_share(m->has_roughness, m->roughness) || !is_share(m->has_diffuse_roughness, m->diffuse_roughness) ||
 	    !is_share(m->has_coat, m->coat) || !is_share(m->has_coat_roughness, m->coat_roughness))
@@ -73,7 +74,7 @@ static enum status check_material(const candil_MaterialEdit *m, struct error *er
 				 "material '%s': base_color, specular, specular_weight, metallic, roughness, "
 				 "diffuse_roughness, coat and coat_roughness are between 0 and 1",
 				 m->name);
-	if (m->has_emission && !within(&m->emission, 0, LIMIT_RADIANCE))
+	if (m->has_emission && !edits_within(&m->emission, 0, LIMIT_RADIANCE))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "material '%s': an emission's components are between 0 and %g W/(m² sr)", m->name,
 				 LIMIT_RADIANCE);
@@ -87,9 +88,9 @@ static bool is_scale(double s)
 
 static enum status check_node(const candil_NodeEdit *n, struct error *err)
 {
-	if (check_name(n->name, "a node", err) != STATUS_OK)
+	if (edits_check_name(n->name, "a node", err) != STATUS_OK)
 		return err->code;
-	if (n->has_translation && !within(&n->translation, -LIMIT_COORDINATE, LIMIT_COORDINATE))
+	if (n->has_translation && !edits_within(&n->translation, -LIMIT_COORDINATE, LIMIT_COORDINATE))
 		return error_set(err, STATUS_BAD_ARGUMENT, "node '%s': a translation is finite and at most %g m", n->name,
 				 LIMIT_COORDINATE);
 	if (n->has_rotation && !has_length(n->rotation.x, n->rotation.y, n->rotation.z, n->rotation.w))
@@ -114,7 +115,7 @@ enum status request_check_edits(const candil_Edits *e, struct error *err)
 {
 	enum status status = request_check_time(e->time_s, err);
 	if (status == STATUS_OK && !text_is_clean(e->animation))
-		status = check_name("", "an animation", err);
+		status = edits_check_name("", "an animation", err);
 	for (pb_size_t i = 0; i < e->lights_count && status == STATUS_OK; i++)
 		status = check_light(&e->lights[i], err);
 	for (pb_size_t i = 0; i < e->materials_count && status == STATUS_OK; i++)

@@ -19,7 +19,7 @@ static bool is_loading(const struct scene *scene)
 	return scene->state == SCENE_WAITING || scene->state == SCENE_LOADING;
 }
 
-static void destroy(struct scene *scene)
+static void scene_destroy(struct scene *scene)
 {
 	loader_stop(&scene->loader);
 	source_close(&scene->source);
@@ -33,7 +33,7 @@ void scenes_finish(struct scenes *scenes)
 	while (scenes->first) {
 		struct scene *s = scenes->first;
 		scenes->first = s->next;
-		destroy(s);
+		scene_destroy(s);
 	}
 }
 
@@ -53,10 +53,10 @@ void scene_release(struct scene *scene)
 			break;
 		}
 	table->events->gone(table->owner, scene);
-	destroy(scene);
+	scene_destroy(scene);
 }
 
-static void unlist(struct scene *scene)
+static void scene_unlist(struct scene *scene)
 {
 	if (!scene->listed)
 		return;
@@ -64,7 +64,7 @@ static void unlist(struct scene *scene)
 	scene_release(scene);
 }
 
-static struct scene *find(struct scenes *scenes, const char *name, bool loading)
+static struct scene *scenes_find_state(struct scenes *scenes, const char *name, bool loading)
 {
 	for (struct scene *s = scenes->first; s; s = s->next)
 		if (s->listed && is_loading(s) == loading && !strcmp(s->info.name, name))
@@ -74,8 +74,8 @@ static struct scene *find(struct scenes *scenes, const char *name, bool loading)
 
 struct scene *scenes_find(struct scenes *scenes, const char *name)
 {
-	struct scene *ready = find(scenes, name, false);
-	return ready ? ready : find(scenes, name, true);
+	struct scene *ready = scenes_find_state(scenes, name, false);
+	return ready ? ready : scenes_find_state(scenes, name, true);
 }
 
 struct scene *scenes_find_load(struct scenes *scenes, const struct session *session, uint32_t request)
@@ -96,7 +96,7 @@ void scenes_stop_load(struct scene *scene, const struct error *err)
 	log_line(LOG_WARNING, "scene \"%s\": load failed: %s: %s", scene->info.name, status_name(err->code), err->text);
 	table->events->failed(table->owner, scene, err);
 	scene->session = NULL;
-	unlist(scene);
+	scene_unlist(scene);
 	scene_release(scene);
 }
 
@@ -109,11 +109,11 @@ void scenes_unload(struct scene *scene)
 		return;
 	}
 	log_line(LOG_INFO, "scene \"%s\": unloaded", scene->info.name);
-	unlist(scene);
+	scene_unlist(scene);
 }
 
 // What the loader found, with what only the front knows.
-static void keep(struct scene *scene, const candil_SceneInfo *info, int blob)
+static void scene_keep(struct scene *scene, const candil_SceneInfo *info, int blob)
 {
 	char name[sizeof scene->info.name];
 	memcpy(name, scene->info.name, sizeof name);
@@ -138,7 +138,7 @@ static enum status check_bytes(const struct scenes *scenes, const struct scene *
 			 (unsigned long long)bytes >> 20, (unsigned long long)others >> 20, LIMIT_SCENES_BYTES >> 20);
 }
 
-static void loaded(void *owner, const struct ipc_loaded *message, int blob)
+static void scene_loaded(void *owner, const struct ipc_loaded *message, int blob)
 {
 	struct scene *scene = owner;
 	struct scenes *table = scene->table;
@@ -146,17 +146,17 @@ static void loaded(void *owner, const struct ipc_loaded *message, int blob)
 		scenes_stop_load(scene, &message->error);
 		return;
 	}
-	struct scene *old = find(table, scene->info.name, false);
+	struct scene *old = scenes_find_state(table, scene->info.name, false);
 	struct error err;
 	if (check_bytes(table, old, message->info.blob_bytes, &err) != STATUS_OK) {
 		close(blob);
 		scenes_stop_load(scene, &err);
 		return;
 	}
-	keep(scene, &message->info, blob);
+	scene_keep(scene, &message->info, blob);
 	scene->state = SCENE_READY;
 	if (old)
-		unlist(old);
+		scene_unlist(old);
 	log_line(LOG_INFO, "scene \"%s\": loaded, %u triangles, %llu bytes, %llu ms", scene->info.name,
 		 scene->info.triangles, (unsigned long long)scene->info.blob_bytes,
 		 (unsigned long long)scene->info.load_us / 1000);
@@ -169,7 +169,7 @@ static enum status may_load(struct scenes *scenes, const char *name, struct erro
 	unsigned listed = 0;
 	for (const struct scene *s = scenes->first; s; s = s->next)
 		listed += s->listed;
-	if (find(scenes, name, true))
+	if (scenes_find_state(scenes, name, true))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a scene of that name is being loaded: wait, or unload it first");
 	if (listed >= LIMIT_SCENES)
 		return error_set(err, STATUS_TOO_MANY_SCENES, "%u scenes are there: unload one first", LIMIT_SCENES);
@@ -200,7 +200,7 @@ enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct s
 	s->metres_per_unit = load->metres_per_unit;
 	s->asked_us = clock_us();
 	s->table = scenes;
-	loader_init(&s->loader, scenes->children, loaded, s);
+	loader_init(&s->loader, scenes->children, scene_loaded, s);
 	struct scene **link = &scenes->first;
 	while (*link)
 		link = &(*link)->next;

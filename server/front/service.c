@@ -73,24 +73,24 @@ static void accept_some(void *owner, uint32_t events)
 	}
 }
 
-static void session_said(void *owner, struct session *session, const struct header *header, const uint8_t *body)
+static void on_session_message(void *owner, struct session *session, const struct header *header, const uint8_t *body)
 {
 	dispatch_message(owner, session, header, body);
 }
 
-static bool session_fills(void *owner, struct session *session)
+static bool on_session_fill(void *owner, struct session *session)
 {
 	struct service *service = owner;
 	return jobs_fill(&service->jobs, session);
 }
 
-static void session_refused(void *owner, struct session *session, uint32_t request, const struct error *err)
+static void on_session_refused(void *owner, struct session *session, uint32_t request, const struct error *err)
 {
 	(void)owner;
 	reply_error(session, request, err);
 }
 
-static void session_ended(void *owner, struct session *session)
+static void on_session_ended(void *owner, struct session *session)
 {
 	struct service *service = owner;
 	struct error err;
@@ -109,11 +109,11 @@ static void session_ended(void *owner, struct session *session)
 }
 
 static const struct session_events session_events = {
-    .message = session_said, .fill = session_fills, .refused = session_refused, .ended = session_ended};
+    .message = on_session_message, .fill = on_session_fill, .refused = on_session_refused, .ended = on_session_ended};
 
 // ---- scenes ----------------------------------------------------------------------------------------------------------
 
-static void scene_ready(void *owner, struct scene *scene)
+static void on_scene_ready(void *owner, struct scene *scene)
 {
 	struct service *service = owner;
 	worker_scene(&service->worker, scene->id, scene->blob);
@@ -123,7 +123,7 @@ static void scene_ready(void *owner, struct scene *scene)
 	}
 }
 
-static void scene_failed(void *owner, struct scene *scene, const struct error *err)
+static void on_scene_failed(void *owner, struct scene *scene, const struct error *err)
 {
 	struct service *service = owner;
 	if (scene->session) {
@@ -136,18 +136,19 @@ static void scene_failed(void *owner, struct scene *scene, const struct error *e
 		error_set(&service->own_failure, err->code, "--scene %s: %s", scene->info.name, err->text);
 }
 
-static void scene_gone(void *owner, struct scene *scene)
+static void on_scene_gone(void *owner, struct scene *scene)
 {
 	struct service *service = owner;
 	if (scene->blob >= 0)
 		worker_forget(&service->worker, scene->id);
 }
 
-static const struct scenes_events scenes_events = {.ready = scene_ready, .failed = scene_failed, .gone = scene_gone};
+static const struct scenes_events scenes_events = {
+    .ready = on_scene_ready, .failed = on_scene_failed, .gone = on_scene_gone};
 
 // ---- the worker ------------------------------------------------------------------------------------------------------
 
-static void worker_ready(void *owner)
+static void on_worker_ready(void *owner)
 {
 	struct service *service = owner;
 	for (struct scene *s = service->scenes.first; s; s = s->next)
@@ -155,32 +156,35 @@ static void worker_ready(void *owner)
 			worker_scene(&service->worker, s->id, s->blob);
 }
 
-static void worker_begun(void *owner, uint32_t job, const struct ipc_begun *begun)
+static void on_worker_begun(void *owner, uint32_t job, const struct ipc_begun *begun)
 {
 	struct service *service = owner;
 	jobs_begun(&service->jobs, job, begun);
 }
 
-static void worker_stepped(void *owner, uint32_t job, const struct ipc_stepped *stepped)
+static void on_worker_stepped(void *owner, uint32_t job, const struct ipc_stepped *stepped)
 {
 	struct service *service = owner;
 	jobs_stepped(&service->jobs, job, stepped);
 }
 
-static void worker_image(void *owner, uint32_t job, const struct ipc_image *image, int fd)
+static void on_worker_image(void *owner, uint32_t job, const struct ipc_image *image, int fd)
 {
 	struct service *service = owner;
 	jobs_image(&service->jobs, job, image, fd);
 }
 
-static void worker_lost(void *owner, const char *how, bool hopeless)
+static void on_worker_lost(void *owner, const char *how, bool hopeless)
 {
 	struct service *service = owner;
 	jobs_worker_lost(&service->jobs, how, hopeless);
 }
 
-static const struct worker_events worker_events = {
-    .ready = worker_ready, .begun = worker_begun, .stepped = worker_stepped, .image = worker_image, .lost = worker_lost};
+static const struct worker_events worker_events = {.ready = on_worker_ready,
+						   .begun = on_worker_begun,
+						   .stepped = on_worker_stepped,
+						   .image = on_worker_image,
+						   .lost = on_worker_lost};
 
 // ---- life ------------------------------------------------------------------------------------------------------------
 
@@ -203,7 +207,7 @@ static void close_door(struct service *service)
 }
 
 // Tell everybody, let them read it, go.
-static void leave(struct service *service)
+static void service_leave(struct service *service)
 {
 	struct error err;
 	if (service->leaving) {
@@ -227,7 +231,7 @@ static void leave(struct service *service)
 	loop_timer_set(service->loop, &service->departure, clock_us() + LIMIT_LINGER_MS * 1000ull, stop_now, service);
 }
 
-static void settle(void *owner)
+static void service_settle(void *owner)
 {
 	struct service *service = owner;
 	sessions_flush(&service->sessions);
@@ -236,7 +240,7 @@ static void settle(void *owner)
 		jobs_dispatch(&service->jobs);
 	}
 	if (service->own_failure.code != STATUS_OK && !service->leaving)
-		leave(service);
+		service_leave(service);
 	// What was sent just now may let more be sent or read: the loop comes by again without waiting.
 	if (sessions_flush(&service->sessions))
 		loop_timer_set(service->loop, &service->again, 0, do_nothing, service);
@@ -251,7 +255,7 @@ static void signalled(void *owner, uint32_t events)
 	struct signalfd_siginfo info;
 	(void)events;
 	if (read(service->signal_fd, &info, sizeof info) == (ssize_t)sizeof info)
-		leave(service);
+		service_leave(service);
 }
 
 static enum status watch_signals(struct service *service, struct error *err)
@@ -363,7 +367,7 @@ enum status service_run(const struct options *options, struct error *err)
 	service->started_us = clock_us();
 	enum status status = set_up(service, err);
 	if (status == STATUS_OK)
-		status = loop_run(service->loop, settle, service, &service->stop, err);
+		status = loop_run(service->loop, service_settle, service, &service->stop, err);
 	if (status == STATUS_OK && service->own_failure.code != STATUS_OK) {
 		*err = service->own_failure;
 		status = err->code;

@@ -13,7 +13,7 @@
 // A peer that is being closed may say so much more before we stop listening politely.
 #define DISCARD_BYTES (4u * LIMIT_MESSAGE_BYTES)
 
-static void ready(void *owner, uint32_t events);
+static void session_ready(void *owner, uint32_t events);
 
 void sessions_init(struct sessions *sessions, struct loop *loop, const struct session_events *events, void *owner)
 {
@@ -59,7 +59,7 @@ static void refuse_peer(struct session *session, uint32_t request, const struct 
 	session_close(session);
 }
 
-static void time_out(void *owner)
+static void session_time_out(void *owner)
 {
 	struct session *s = owner;
 	struct error err;
@@ -73,7 +73,7 @@ static void time_out(void *owner)
 
 static void set_timer(struct session *session, uint64_t ms)
 {
-	loop_timer_set(session->table->loop, &session->timer, clock_us() + ms * 1000, time_out, session);
+	loop_timer_set(session->table->loop, &session->timer, clock_us() + ms * 1000, session_time_out, session);
 }
 
 enum status session_create(struct sessions *sessions, struct channel *channel, struct session **session, struct error *err)
@@ -86,7 +86,7 @@ enum status session_create(struct sessions *sessions, struct channel *channel, s
 	}
 	*s = (struct session){.id = sessions->next_id++, .channel = *channel, .table = sessions, .next = sessions->first};
 	reader_init(&s->reader);
-	status = s->channel.kind->watch(&s->channel, ready, s, err);
+	status = s->channel.kind->watch(&s->channel, session_ready, s, err);
 	if (status != STATUS_OK)
 		goto out;
 	set_timer(s, LIMIT_HELLO_MS);
@@ -214,7 +214,7 @@ static void read_some(struct session *session)
 	}
 }
 
-static void discard(struct session *session)
+static void session_discard(struct session *session)
 {
 	uint8_t waste[4096];
 	size_t bytes = 0;
@@ -225,13 +225,13 @@ static void discard(struct session *session)
 		session_die(session);
 }
 
-static void ready(void *owner, uint32_t events)
+static void session_ready(void *owner, uint32_t events)
 {
 	struct session *s = owner;
 	if (events & EPOLLOUT)
 		s->blocked = false;
 	if (s->state == SESSION_LINGERING)
-		discard(s);
+		session_discard(s);
 	else if (is_read(s) && (events & (EPOLLIN | EPOLLHUP | EPOLLERR)))
 		read_some(s);
 	else if (events & (EPOLLHUP | EPOLLERR))

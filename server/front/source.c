@@ -20,7 +20,7 @@ static int open_beneath(int root, const char *path, int flags)
 	return (int)syscall(SYS_openat2, root, path, &how, sizeof how);
 }
 
-static enum status explain(const char *path, struct error *err)
+static enum status explain_failure(const char *path, struct error *err)
 {
 	if (errno == EXDEV || errno == ELOOP)
 		return error_set(err, STATUS_SCENE_PATH, "\"%.150s\" leads out of the scene root", path);
@@ -28,7 +28,7 @@ static enum status explain(const char *path, struct error *err)
 }
 
 // Split into folder and file; `folder` is "." if there is none.
-static enum status split(const char *path, char folder[LIMIT_PATH + 1], char file[LIMIT_PATH + 1], struct error *err)
+static enum status split_path(const char *path, char folder[LIMIT_PATH + 1], char file[LIMIT_PATH + 1], struct error *err)
 {
 	const char *slash = strrchr(path, '/');
 	const char *name = slash ? slash + 1 : path;
@@ -53,26 +53,26 @@ enum status source_beneath(struct source *source, int root, const char *path, st
 		return error_set(err, STATUS_SCENE_PATH,
 				 "this daemon was started without --scene-root, beneath which such a path is looked for: "
 				 "leave --under-root out, or send a descriptor of the scene's folder");
-	enum status status = split(path, folder, source->file, err);
+	enum status status = split_path(path, folder, source->file, err);
 	if (status != STATUS_OK)
 		return status;
 	int file = open_beneath(root, path, 0);
 	if (file < 0)
-		return explain(path, err);
+		return explain_failure(path, err);
 	struct stat st;
 	bool regular = fstat(file, &st) == 0 && S_ISREG(st.st_mode);
 	close(file);
 	if (!regular)
 		return error_set(err, STATUS_SCENE_FILE, "\"%.150s\" is no regular file", path);
 	source->folder = open_beneath(root, folder, O_DIRECTORY);
-	return source->folder >= 0 ? STATUS_OK : explain(path, err);
+	return source->folder >= 0 ? STATUS_OK : explain_failure(path, err);
 }
 
 enum status source_own(struct source *source, const char *path, struct error *err)
 {
 	char folder[LIMIT_PATH + 1];
 	source->folder = -1;
-	enum status status = split(path, folder, source->file, err);
+	enum status status = split_path(path, folder, source->file, err);
 	if (status != STATUS_OK)
 		return status;
 	source->folder = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);

@@ -22,7 +22,7 @@
 #define HOPELESS_STARTS 3u
 #define MESSAGES_PER_TURN 64u
 
-static void start(void *owner);
+static void worker_start(void *owner);
 static void watch_over(struct worker *worker);
 
 // ---- orders ----------------------------------------------------------------------------------------------------------
@@ -34,7 +34,7 @@ static void kill_for(struct worker *worker, const char *why)
 	child_kill(&worker->child);
 }
 
-static void keep(struct worker *worker, const void *message, size_t bytes, int fd)
+static void worker_keep(struct worker *worker, const void *message, size_t bytes, int fd)
 {
 	const char *why = parcels_keep(&worker->waiting, message, bytes, fd);
 	if (why)
@@ -57,12 +57,12 @@ static enum sent send_now(struct worker *worker, const void *message, size_t byt
 	return SENT;
 }
 
-static void give(struct worker *worker, const void *message, size_t bytes, int fd)
+static void worker_give(struct worker *worker, const void *message, size_t bytes, int fd)
 {
 	if (worker->state != WORKER_READY)
 		return;
 	if (worker->waiting.first || send_now(worker, message, bytes, fd) == SENT_LATER)
-		keep(worker, message, bytes, fd);
+		worker_keep(worker, message, bytes, fd);
 }
 
 static void send_parcels(struct worker *worker)
@@ -86,7 +86,7 @@ static void expect_answer(struct worker *worker)
 void worker_scene(struct worker *worker, uint64_t scene, int blob)
 {
 	struct ipc_scene message = {.head = {.op = IPC_SCENE}, .scene = scene};
-	give(worker, &message, sizeof message, blob);
+	worker_give(worker, &message, sizeof message, blob);
 }
 
 void worker_forget(struct worker *worker, uint64_t scene)
@@ -95,28 +95,28 @@ void worker_forget(struct worker *worker, uint64_t scene)
 	// One that the worker has not been given yet is taken back: while it is busy, scenes that come and go must neither
 	// fill the queue nor keep their memory. Orders between the two can only be about jobs that have ended since.
 	if (!parcels_take_back(&worker->waiting, scene))
-		give(worker, &message, sizeof message, -1);
+		worker_give(worker, &message, sizeof message, -1);
 }
 
 void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render)
 {
 	struct ipc_begin message = {
 	    .head = {.op = IPC_BEGIN, .job = job}, .scene = scene, .environment = environment, .render = *render};
-	give(worker, &message, sizeof message, -1);
+	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
 }
 
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us)
 {
 	struct ipc_step message = {.head = {.op = IPC_STEP, .job = job}, .budget_us = budget_us};
-	give(worker, &message, sizeof message, -1);
+	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
 }
 
 void worker_read(struct worker *worker, uint32_t job, bool final)
 {
 	struct ipc_read message = {.head = {.op = IPC_READ, .job = job}, .final = final};
-	give(worker, &message, sizeof message, -1);
+	worker_give(worker, &message, sizeof message, -1);
 	if (worker->images_due++ == 0)
 		worker->image_wait_us = clock_us();
 	watch_over(worker);
@@ -125,12 +125,12 @@ void worker_read(struct worker *worker, uint32_t job, bool final)
 void worker_end(struct worker *worker, uint32_t job)
 {
 	struct ipc_job message = {.head = {.op = IPC_END, .job = job}};
-	give(worker, &message, sizeof message, -1);
+	worker_give(worker, &message, sizeof message, -1);
 }
 
 // ---- the watchdog ----------------------------------------------------------------------------------------------------
 
-static uint64_t deadline(const struct worker *worker)
+static uint64_t worker_deadline(const struct worker *worker)
 {
 	uint64_t due = UINT64_MAX;
 	if (worker->answers_due > 0)
@@ -139,10 +139,10 @@ static uint64_t deadline(const struct worker *worker)
 	return worker->images_due > 0 && image < due ? image : due;
 }
 
-static void hangs(void *owner)
+static void worker_hangs(void *owner)
 {
 	struct worker *worker = owner;
-	if (deadline(worker) > clock_us())
+	if (worker_deadline(worker) > clock_us())
 		watch_over(worker);
 	else
 		kill_for(worker, "it hung: no answer came in time");
@@ -150,14 +150,14 @@ static void hangs(void *owner)
 
 static void watch_over(struct worker *worker)
 {
-	uint64_t due = deadline(worker);
+	uint64_t due = worker_deadline(worker);
 	if (due == UINT64_MAX)
 		loop_timer_stop(worker->loop, &worker->watchdog);
 	else
-		loop_timer_set(worker->loop, &worker->watchdog, due, hangs, worker);
+		loop_timer_set(worker->loop, &worker->watchdog, due, worker_hangs, worker);
 }
 
-static void answered(struct worker *worker, unsigned *due, uint64_t *wait_us)
+static void worker_answered(struct worker *worker, unsigned *due, uint64_t *wait_us)
 {
 	if (*due > 0)
 		(*due)--;
@@ -173,7 +173,7 @@ static void got_ready(struct worker *worker, struct ipc_ready *ready)
 		kill_for(worker, "it is of another build than candild: install both anew");
 		return;
 	}
-	answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
 	text_clean(ready->device, sizeof ready->device);
 	text_clean(ready->error.text, sizeof ready->error.text);
 	memcpy(worker->device, ready->device, sizeof worker->device);
@@ -189,7 +189,7 @@ static void got_ready(struct worker *worker, struct ipc_ready *ready)
 
 static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 {
-	answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
 	worker->failures = 0;
 	worker->device_bytes = stepped->device_bytes;
 	worker->validation_errors = stepped->validation_errors;
@@ -240,7 +240,7 @@ static void got_begun(struct worker *worker, struct ipc_begun *begun)
 		kill_for(worker, "it sent nonsense");
 		return;
 	}
-	answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
 	text_clean(begun->error.text, sizeof begun->error.text);
 	worker->events->begun(worker->owner, begun->head.job, begun);
 }
@@ -255,7 +255,7 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 			close(fd);
 		return;
 	}
-	answered(worker, &worker->images_due, &worker->image_wait_us);
+	worker_answered(worker, &worker->images_due, &worker->image_wait_us);
 	text_clean(image->error.text, sizeof image->error.text);
 	if (image->error.code == STATUS_OK && memfd_map_sealed(fd, &map, &size, &image->error) == STATUS_OK) {
 		munmap((void *)(uintptr_t)map, size);
@@ -268,27 +268,27 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 	worker->events->image(worker->owner, image->head.job, image, fd);
 }
 
-static bool is(const struct ipc_head *head, size_t bytes, enum ipc_op op, size_t size)
+static bool is_message(const struct ipc_head *head, size_t bytes, enum ipc_op op, size_t size)
 {
 	return head->op == (uint32_t)op && bytes == size;
 }
 
-static void handle(struct worker *worker, size_t bytes, int fd)
+static void worker_handle(struct worker *worker, size_t bytes, int fd)
 {
 	void *message = worker->inbox;
 	const struct ipc_head *head = message;
 	if (bytes < sizeof *head) {
 		kill_for(worker, "it sent nonsense");
 	} else if (worker->state == WORKER_STARTING) {
-		if (is(head, bytes, IPC_READY, sizeof(struct ipc_ready)))
+		if (is_message(head, bytes, IPC_READY, sizeof(struct ipc_ready)))
 			got_ready(worker, message);
 		else
 			kill_for(worker, "it did not say that it was ready: install candil anew");
-	} else if (is(head, bytes, IPC_BEGUN, sizeof(struct ipc_begun))) {
+	} else if (is_message(head, bytes, IPC_BEGUN, sizeof(struct ipc_begun))) {
 		got_begun(worker, message);
-	} else if (is(head, bytes, IPC_STEPPED, sizeof(struct ipc_stepped))) {
+	} else if (is_message(head, bytes, IPC_STEPPED, sizeof(struct ipc_stepped))) {
 		got_stepped(worker, message);
-	} else if (is(head, bytes, IPC_IMAGE, sizeof(struct ipc_image))) {
+	} else if (is_message(head, bytes, IPC_IMAGE, sizeof(struct ipc_image))) {
 		got_image(worker, message, fd);
 		return;
 	} else {
@@ -315,12 +315,12 @@ static enum heard listen_to(struct worker *worker, unsigned messages)
 		}
 		if (bytes == 0)
 			return HEARD_END;
-		handle(worker, bytes, fd);
+		worker_handle(worker, bytes, fd);
 	}
 	return HEARD_SOME;
 }
 
-static void spoke(void *owner, uint32_t events)
+static void worker_spoke(void *owner, uint32_t events)
 {
 	struct worker *worker = owner;
 	if (events & EPOLLOUT)
@@ -333,7 +333,7 @@ static void spoke(void *owner, uint32_t events)
 
 // ---- life ------------------------------------------------------------------------------------------------------------
 
-static void lost(struct worker *worker, const char *how)
+static void worker_lose(struct worker *worker, const char *how)
 {
 	bool was_starting = worker->state != WORKER_READY;
 	unsigned doublings = worker->failures < PAUSE_DOUBLINGS ? worker->failures : PAUSE_DOUBLINGS;
@@ -347,11 +347,11 @@ static void lost(struct worker *worker, const char *how)
 	watch_over(worker);
 	parcels_clear(&worker->waiting);
 	log_line(LOG_ERROR, "worker lost (%s); the next one starts in %u ms", how, (FIRST_PAUSE_US << doublings) / 1000);
-	loop_timer_set(worker->loop, &worker->restart, clock_us() + (FIRST_PAUSE_US << doublings), start, worker);
+	loop_timer_set(worker->loop, &worker->restart, clock_us() + (FIRST_PAUSE_US << doublings), worker_start, worker);
 	worker->events->lost(worker->owner, how, worker->failed_starts >= HOPELESS_STARTS);
 }
 
-static void ended(void *owner, uint32_t events)
+static void worker_ended(void *owner, uint32_t events)
 {
 	struct worker *worker = owner;
 	char how[64], why[256];
@@ -362,10 +362,10 @@ static void ended(void *owner, uint32_t events)
 	const char *killed_for = worker->killed_for;
 	child_reap(&worker->child, worker->loop, how, sizeof how);
 	snprintf(why, sizeof why, "%s", killed_for ? killed_for : how);
-	lost(worker, why);
+	worker_lose(worker, why);
 }
 
-static enum status launch(struct worker *worker, struct error *err)
+static enum status worker_launch(struct worker *worker, struct error *err)
 {
 	const struct options *o = worker->options;
 	char program[PATH_MAX], budget[16], device[128];
@@ -389,21 +389,21 @@ static enum status launch(struct worker *worker, struct error *err)
 	}
 	enum status status = child_start(&worker->child, argv, -1, err);
 	if (status == STATUS_OK)
-		status = loop_watch(worker->loop, worker->child.socket, EPOLLIN, spoke, worker, err);
+		status = loop_watch(worker->loop, worker->child.socket, EPOLLIN, worker_spoke, worker, err);
 	if (status == STATUS_OK)
-		status = loop_watch(worker->loop, worker->child.pidfd, EPOLLIN, ended, worker, err);
+		status = loop_watch(worker->loop, worker->child.pidfd, EPOLLIN, worker_ended, worker, err);
 	if (status != STATUS_OK)
 		child_abandon(&worker->child, worker->children);
 	return status;
 }
 
-static void start(void *owner)
+static void worker_start(void *owner)
 {
 	struct worker *worker = owner;
 	struct error err;
 	worker->state = WORKER_STARTING;
-	if (launch(worker, &err) != STATUS_OK) {
-		lost(worker, err.text);
+	if (worker_launch(worker, &err) != STATUS_OK) {
+		worker_lose(worker, err.text);
 		return;
 	}
 	worker->starts++;
@@ -421,7 +421,7 @@ enum status worker_init(struct worker *worker, struct children *children, const 
 	if (!worker->inbox)
 		return error_set(err, STATUS_MEMORY, "no memory for the worker's messages");
 	// From the loop, not from here: the owner is not yet complete.
-	loop_timer_set(worker->loop, &worker->restart, 0, start, worker);
+	loop_timer_set(worker->loop, &worker->restart, 0, worker_start, worker);
 	return STATUS_OK;
 }
 

@@ -59,7 +59,7 @@ void job_fail_late(struct jobs *jobs, struct job *job)
 	jobs_fail(jobs, job, &err);
 }
 
-static void wake(void *owner)
+static void wake_loop(void *owner)
 {
 	(void)owner; // the loop comes by, and with it jobs_dispatch
 }
@@ -71,7 +71,7 @@ void jobs_set_deadline_timer(struct jobs *jobs)
 		if (jobs->job[i]->state == JOB_WAITING && jobs->job[i]->deadline_us < next)
 			next = jobs->job[i]->deadline_us;
 	if (next < UINT64_MAX)
-		loop_timer_set(jobs->worker->loop, &jobs->deadline, next, wake, jobs);
+		loop_timer_set(jobs->worker->loop, &jobs->deadline, next, wake_loop, jobs);
 	else
 		loop_timer_stop(jobs->worker->loop, &jobs->deadline);
 }

@@ -89,7 +89,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	}
 }
 
-static bool pump(struct jobs *jobs, struct job *job)
+static bool job_pump(struct jobs *jobs, struct job *job)
 {
 	bool broken;
 	struct image *image = image_waits(&job->preview) ? &job->preview : &job->final;
@@ -119,7 +119,7 @@ bool jobs_fill(struct jobs *jobs, struct session *session)
 	for (unsigned i = 0; i < jobs->count;) {
 		const uint32_t id = jobs->job[i]->id;
 		if (jobs->job[i]->session == session)
-			queued |= pump(jobs, jobs->job[i]);
+			queued |= job_pump(jobs, jobs->job[i]);
 		i += i < jobs->count && jobs->job[i]->id == id;
 	}
 	return queued;

@@ -8,7 +8,7 @@ uint64_t room_bytes(const struct room *room)
 	return room->own + room->common;
 }
 
-static enum room_kind choose(const struct room *all, const struct room *connection, uint64_t bytes, bool own_only)
+static enum room_kind room_choose(const struct room *all, const struct room *connection, uint64_t bytes, bool own_only)
 {
 	if (connection->own + bytes <= LIMIT_OWN_IMAGE_BYTES)
 		return ROOM_OWN;
@@ -17,7 +17,7 @@ static enum room_kind choose(const struct room *all, const struct room *connecti
 	return ROOM_NONE;
 }
 
-static void put(struct room *all, struct room *connection, const struct room_place *place)
+static void room_put(struct room *all, struct room *connection, const struct room_place *place)
 {
 	if (place->kind == ROOM_OWN) {
 		all->own += place->bytes;
@@ -34,11 +34,11 @@ enum room_answer room_take(struct room *all, struct room *connection, struct roo
 	const uint64_t has = room_bytes(connection);
 	if (has > 0 && has + bytes > LIMIT_IMAGE_BYTES)
 		return ROOM_CONNECTION_FULL;
-	const enum room_kind kind = choose(all, connection, bytes, own_only);
+	const enum room_kind kind = room_choose(all, connection, bytes, own_only);
 	if (kind == ROOM_NONE)
 		return ROOM_COMMON_FULL;
 	*place = (struct room_place){.kind = kind, .bytes = bytes};
-	put(all, connection, place);
+	room_put(all, connection, place);
 	return ROOM_TAKEN;
 }
 
@@ -59,5 +59,5 @@ void room_resize(struct room *all, struct room *connection, struct room_place *p
 	const struct room_place now = {.kind = place->kind, .bytes = bytes};
 	room_give_back(all, connection, place);
 	*place = now;
-	put(all, connection, place);
+	room_put(all, connection, place);
 }

@@ -2,21 +2,21 @@
 
 #include <stdbool.h>
 
-static uint64_t weight(const struct turn *turn)
+static uint64_t turn_weight(const struct turn *turn)
 {
 	return turn->attained_us < SCHEDULE_FAIR_US ? turn->attained_us : SCHEDULE_FAIR_US;
 }
 
 // Shall `a` go before `b`?
-static bool before(const struct turn *a, const struct turn *b)
+static bool turn_before(const struct turn *a, const struct turn *b)
 {
 	bool a_starves = a->passed_over >= SCHEDULE_PATIENCE, b_starves = b->passed_over >= SCHEDULE_PATIENCE;
 	if (a_starves != b_starves)
 		return a_starves;
 	if (a_starves && a->passed_over != b->passed_over)
 		return a->passed_over > b->passed_over;
-	if (weight(a) != weight(b))
-		return weight(a) < weight(b);
+	if (turn_weight(a) != turn_weight(b))
+		return turn_weight(a) < turn_weight(b);
 	return a->served < b->served;
 }
 
@@ -24,7 +24,7 @@ size_t schedule_pick(struct turn *const *turns, size_t count, uint64_t *clock)
 {
 	size_t picked = 0;
 	for (size_t i = 1; i < count; i++)
-		if (before(turns[i], turns[picked]))
+		if (turn_before(turns[i], turns[picked]))
 			picked = i;
 	for (size_t i = 0; i < count; i++)
 		if (i != picked && turns[i]->passed_over < UINT32_MAX)
