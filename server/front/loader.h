@@ -1,4 +1,6 @@
 // One run of candil-loader: start it, wait for its one message, and never trust more than its seals.
+//
+// For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_LOADER_H
 #define CANDIL_FRONT_LOADER_H
 
@@ -8,10 +10,10 @@
 #include "server/front/child.h"
 #include "server/front/source.h"
 
-// How it ended, called once and from the loop: loaded->error says if well. `blob` is a sealed memfd of
-// loaded->info.blob_bytes bytes that the callee owns, -1 on failure. Strings are clean, counts within bounds. The loader may
-// be started again.
-struct loader;
+// How a run ended: called once a start, from the loop. loaded->error says whether it went well; `loaded` is good for the
+// length of the call, its strings are clean and its counts within bounds. `blob` is a sealed memfd of
+// loaded->info.blob_bytes bytes and becomes the callee's; -1 on failure. The loader may be started again from within the
+// call.
 typedef void loader_done(void *owner, const struct ipc_loaded *loaded, int blob);
 
 struct loader {
@@ -23,13 +25,16 @@ struct loader {
 	void *owner;
 };
 
+// No run yet. `children` and `owner` must outlive the loader.
 void loader_init(struct loader *loader, struct children *children, loader_done *done, void *owner);
 
-// Start `libexec`/candil-loader on a file. It has LIMIT_LOAD_SECONDS.
+// Start `libexec`/candil-loader on a file of `source`, which stays the caller's. `metres_per_unit` is that of a file which
+// does not state its own. The run has LIMIT_LOAD_SECONDS; `done` tells what came of it. Failures, without a call of `done`:
+// STATUS_INTERNAL, STATUS_MEMORY.
 enum status loader_start(struct loader *loader, const char *libexec, const struct source *source, candil_UpAxis up,
 			 double metres_per_unit, struct error *err);
 
-// Kill it if it runs; `done` is not called.
+// Kill it if it runs; `done` is not called. Does not wait for its end.
 void loader_stop(struct loader *loader);
 
 #endif

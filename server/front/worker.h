@@ -1,8 +1,11 @@
 // candil-worker, seen from the front: a process that may die at any time and is then started again, with every scene.
 //
-// Orders never block: what its socket does not take waits here, in order. At most one STEP and one BEGIN are outstanding
-// (the jobs see to that); the watchdog kills a worker that leaves one, or an image, unanswered for too long. After a loss
-// the next one starts after a pause that doubles with each loss until a slice is done.
+// Orders never wait: what the worker's socket does not take is kept here, in order. At most one STEP and one BEGIN are
+// outstanding; the jobs see to that. A watchdog kills a worker that leaves a STEP or a BEGIN without an answer for
+// LIMIT_STEP_SECONDS, or an image for LIMIT_ENCODE_SECONDS. After a loss the next worker starts after a pause that doubles
+// with each loss, until a slice is done.
+//
+// For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_WORKER_H
 #define CANDIL_FRONT_WORKER_H
 
@@ -14,20 +17,30 @@
 #include "server/front/options.h"
 #include "server/front/parcels.h"
 
-// Calls from the worker to its owner.
+// Calls from the worker to its owner, all from the loop and none from within an order. Of every answer the strings are clean
+// and the counts within bounds; it is good for the length of the call. `job` is the number that the order had.
 struct worker_events {
 	// A new worker is ready and knows nothing: give it the scenes.
 	void (*ready)(void *owner);
+
+	// The answer to BEGIN; begun->error says if the job was accepted.
 	void (*begun)(void *owner, uint32_t job, const struct ipc_begun *begun);
+
+	// The answer to STEP; stepped->error says how it went.
 	void (*stepped)(void *owner, uint32_t job, const struct ipc_stepped *stepped);
-	// `fd`: sealed memfd of image->frame.bytes bytes, the callee's; -1 if image->error says why there is none.
+
+	// The answer to READ. `fd` is a sealed memfd of image->frame.bytes bytes and becomes the owner's; -1 if there is
+	// none, and image->error says why.
 	void (*image)(void *owner, uint32_t job, const struct ipc_image *image, int fd);
-	// It is gone with all its jobs. `how` in words. `hopeless`: it has failed to become ready several times in a row.
+
+	// The worker is gone with all its jobs and scenes, and no answer will come. `how` says in words how it ended.
+	// `hopeless`: it has failed to become ready several times in a row.
 	void (*lost)(void *owner, const char *how, bool hopeless);
 };
 
 enum worker_state { WORKER_DOWN, WORKER_STARTING, WORKER_READY };
 
+// Others may read `state`, `loop`, child.pid and the figures at the end.
 struct worker {
 	struct loop *loop;
 	struct children *children;
@@ -41,9 +54,9 @@ struct worker {
 	uint8_t *inbox; // IPC_MAX_BYTES
 	unsigned answers_due; // of BEGIN and STEP
 	unsigned images_due;
-	uint64_t answer_wait_us; // since when the oldest of them is worked on
-	uint64_t image_wait_us;
-	const char *killed_for; // why we killed it; NULL: we did not
+	uint64_t answer_wait_us; // since when the oldest order without an answer is worked on
+	uint64_t image_wait_us; // the same for images
+	const char *killed_for; // why the front killed it; NULL: it did not
 	unsigned failures; // losses since the last slice that was done
 	unsigned failed_starts; // in a row
 	// for stats
@@ -54,19 +67,33 @@ struct worker {
 	uint64_t validation_errors;
 };
 
-// The worker is started at once, or its first attempt's failure handled as a loss.
+// The first worker starts as soon as the loop runs; if it cannot be started, that is a loss like any other. `children`,
+// `options`, `events` and `owner` must outlive it. Failure: STATUS_MEMORY.
 enum status worker_init(struct worker *worker, struct children *children, const struct options *options,
 			const struct worker_events *events, void *owner, struct error *err);
 
-// Kill it. No event is called.
+// Kill it and start none again. No event is called. May be called twice.
 void worker_finish(struct worker *worker);
 
-// Orders. Ignored unless it is ready.
+// Orders. They are ignored unless the worker is WORKER_READY, and none fails: a worker that an order cannot reach is killed,
+// and `lost` follows from the loop. `scene` and `environment` are numbers of scenes that it was given; environment 0: none.
+
+// Know this scene: `blob`, a sealed memfd, stays the caller's.
 void worker_scene(struct worker *worker, uint64_t scene, int blob);
+
+// Forget it once no job uses it any more.
 void worker_forget(struct worker *worker, uint64_t scene);
+
+// Begin a job under a number that no job has; `begun` answers.
 void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render);
+
+// Work on a job for about budget_us of device time; `stepped` answers.
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
+
+// Encode the job's picture as it is, `final` for the last time; `image` answers.
 void worker_read(struct worker *worker, uint32_t job, bool final);
+
+// Free what it has of a job, after the orders that went before. There is no answer.
 void worker_end(struct worker *worker, uint32_t job);
 
 #endif

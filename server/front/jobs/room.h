@@ -1,11 +1,13 @@
 // Room for encoded images that wait to be sent. Only sums: no clock, no process, no connection.
 //
-// A connection may have LIMIT_IMAGE_BYTES of them, one alone even more. The first LIMIT_OWN_IMAGE_BYTES are its own, so that
-// a small picture never waits for what others do not read. What does not fit there lies in the common room of
-// LIMIT_COMMON_IMAGE_BYTES; one image may be larger than all of it if it has the room for itself. So at most
-// LIMIT_CONNECTIONS × LIMIT_OWN_IMAGE_BYTES + LIMIT_COMMON_IMAGE_BYTES wait, or that one image instead of the last term.
+// A connection may have LIMIT_IMAGE_BYTES of images, or one that is larger. The first LIMIT_OWN_IMAGE_BYTES are its own, so
+// that a small picture never waits for what others do not read. An image that does not fit there lies in the common room of
+// LIMIT_COMMON_IMAGE_BYTES; one that is larger than all of it may have it for itself. So what waits is at most
+// LIMIT_CONNECTIONS × LIMIT_OWN_IMAGE_BYTES + LIMIT_COMMON_IMAGE_BYTES, or that one image in place of the last term.
 //
-// Whoever has room needs nothing else to be sent and give it back, so that nobody waits in a circle.
+// An image that has room needs nothing else in order to be sent and to give the room back, so nobody waits in a circle.
+//
+// For the front's one thread (loop.h). Nothing here fails.
 #ifndef CANDIL_FRONT_JOBS_ROOM_H
 #define CANDIL_FRONT_JOBS_ROOM_H
 
@@ -27,20 +29,23 @@ struct room_place {
 
 enum room_answer {
 	ROOM_TAKEN,
-	ROOM_CONNECTION_FULL, // the connection's own images are in the way
-	ROOM_COMMON_FULL, // those of all are
+	ROOM_CONNECTION_FULL, // until images of the same connection are gone
+	ROOM_COMMON_FULL, // until images in the common room are gone
 };
 
-// Take room for an image of a connection, whose `place` is nowhere so far. `own_only`: others wait for common room.
+// Take room for an image of `bytes` of a connection, whose `place` is nowhere so far. `own_only`: the common room is left to
+// others who wait for it. Unless the answer is ROOM_TAKEN nothing has changed.
 enum room_answer room_take(struct room *all, struct room *connection, struct room_place *place, uint64_t bytes,
 			   bool own_only);
 
-// The image has been made, and is of another size than was thought.
+// The image turned out to have another size than was thought. It stays where it is, even if it is too large for it now. One
+// that is nowhere stays nowhere.
 void room_resize(struct room *all, struct room *connection, struct room_place *place, uint64_t bytes);
 
-// The image is gone. Nothing for one that is nowhere.
+// The image is gone, and its place is nowhere. Nothing for one that is nowhere already.
 void room_give_back(struct room *all, struct room *connection, struct room_place *place);
 
+// Bytes that are taken.
 uint64_t room_bytes(const struct room *room);
 
 #endif

@@ -1,7 +1,10 @@
-// One request for pictures from many cameras or at many times: its images, how far it is, its account. jobs.c makes a job of
-// each in turn: at most two at a time, the second not before the first is traced, so that one image is traced while the one
-// before it is encoded and sent. The jobs inherit the sweep's place in the schedule: to others it is one long request. The
-// sweep belongs to its jobs and goes with the last of them; it holds the scene meanwhile.
+// One request for pictures from many cameras or at many times: its images, how far it is, its account.
+//
+// progress.c makes a job of each image in turn. There are at most two jobs at a time, the second of them not before the
+// first is traced, so that one image is traced while the one before it is encoded and sent. The jobs inherit the sweep's
+// place in the schedule: to others it is one long request. The sweep belongs to its jobs and goes with the last of them.
+//
+// For the files of this folder alone, and for the front's one thread.
 #ifndef CANDIL_FRONT_JOBS_SWEEP_H
 #define CANDIL_FRONT_JOBS_SWEEP_H
 
@@ -17,7 +20,7 @@
 struct session;
 
 struct sweep {
-	struct session *session;
+	struct session *session; // outlives the sweep
 	uint32_t request;
 	struct scene *scene; // held
 	struct scene *environment; // held; NULL: none
@@ -33,18 +36,24 @@ struct sweep {
 	candil_Done total;
 };
 
-// `message` is a checked one from malloc; it is the sweep's on success and the caller's on failure (NULL: no memory).
+// A sweep without jobs. `message` is a checked one from malloc; it is the sweep's on success and the caller's on failure.
+// The sweep holds `scene` and `environment` (NULL: none). NULL: no memory.
 struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, struct scene *environment,
 			   candil_Sweep *message);
+
+// Free it and its message, and give the scenes back. It must have no jobs.
 void sweep_destroy(struct sweep *sweep);
 
+// Number of images that were asked for, at least 1.
 uint32_t sweep_count(const struct sweep *sweep);
 
-// The request of one image.
+// The request of one image, `index` < sweep_count.
 void sweep_frame(const struct sweep *sweep, uint32_t index, candil_Render *render);
 
-// Add the account of a finished image, `samples` and all, to the total. sweep_close makes the total what DONE says.
+// Add the account of an image that is sent to the total.
 void sweep_add(struct sweep *sweep, const candil_Done *done);
+
+// All images are sent: make the total what DONE says. `now_us` is clock_us().
 void sweep_close(struct sweep *sweep, uint64_t now_us);
 
 // Turn the progress of the images in hand, added up (samples_done, fraction), into that of the whole.
