@@ -169,8 +169,8 @@ static void unix_close_listener(struct listener *listener)
 
 static const struct listener_kind unix_listener = {.accept = unix_accept, .pause = unix_pause, .close = unix_close_listener};
 
-// Does somebody answer at the address, or may somebody? Only a refusal says that nobody listens: a socket of another type,
-// or one that we may not connect to, is not ours to replace.
+// Does somebody listen at the address, or may somebody? Only a refused connection says that nobody does: a socket of another
+// type, or one that we may not connect to, is not ours to replace.
 static bool answers(const struct sockaddr_un *address)
 {
 	int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -182,8 +182,9 @@ static bool answers(const struct sockaddr_un *address)
 	return alive;
 }
 
-// Two daemons that start at once must not both find the old socket dead: the folder is locked while one looks, which is a
-// matter of microseconds. Who holds it for longer is none of us. -1 and errno.
+// Two daemons that start at once must not both find the old socket dead, so a daemon locks the folder while it looks. That
+// takes microseconds: whoever holds the lock for longer is no daemon of ours. Returns the folder's descriptor, -1 and errno
+// on failure.
 static int lock_folder(const char *path)
 {
 	const struct timespec pause = {.tv_nsec = LOCK_PAUSE_NS};

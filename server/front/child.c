@@ -16,7 +16,8 @@
 
 #include "server/base/ipc.h"
 
-// Descriptors are moved above those that the child expects before they are put there, so that none overwrites another.
+// Descriptors for the child are first copied to numbers from here on, above those at which the child expects them, so that
+// none overwrites another.
 #define SAFE_FD 16
 #define LAST_WAIT_MS 1000
 
@@ -85,7 +86,7 @@ enum status child_start(struct child *child, char *const argv[], int folder, str
 		error_errno(err, status, "cannot start %s", argv[0]);
 		goto out;
 	}
-	// It cannot be mistaken for another process: until we collect it, its number is not given away.
+	// The number cannot mean another process by now: the kernel gives it to none until we collect this one.
 	child->pidfd = pidfd_open(child->pid, 0);
 	if (child->pidfd < 0) {
 		error_errno(err, status, "cannot watch %s", argv[0]);
@@ -187,7 +188,7 @@ void child_abandon(struct child *child, struct children *children)
 		*gone = (struct abandoned){.child = *child, .children = children, .next = children->first};
 		children->first = gone;
 	} else {
-		// It stays uncollected until we end, which is better than to wait for it here.
+		// Nobody collects it until the daemon ends, which is better than to wait for it here.
 		close(child->pidfd);
 		free(gone);
 	}

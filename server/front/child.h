@@ -1,5 +1,8 @@
-// A process that the front starts, and its end of the socket pair to it. The child sees the pair at IPC_FD, perhaps a folder
-// at IPC_SCENE_DIR_FD, /dev/null as standard input and output, our standard error, and nothing else of ours.
+// A process that the front starts, and the front's end of the socket pair between them. The child has its end at IPC_FD,
+// perhaps a folder at IPC_SCENE_DIR_FD, /dev/null as standard input and output, the front's standard error, and no other
+// descriptor.
+//
+// For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_CHILD_H
 #define CANDIL_FRONT_CHILD_H
 
@@ -24,24 +27,24 @@ struct children {
 
 void children_init(struct children *children, struct loop *loop);
 
-// Collect those that are left. They have been killed, so this takes moments; one that will not end within a second is left
-// to whoever collects orphans.
+// Collect those that are left, and wait for them. They have been killed, so this takes moments; one that does not end within
+// a second is left to whoever collects orphans.
 void children_finish(struct children *children);
 
 void child_init(struct child *child);
 
-// Start argv[0] (a path; argv ends with NULL). `folder` < 0: none. It runs in its own process group, so that a terminal's
-// interrupt reaches the front alone. STATUS_INTERNAL if it cannot be started.
+// Start argv[0] (a path; argv ends with NULL). `folder` stays the caller's; negative: none. The process has a group of its
+// own, so that a terminal's interrupt reaches the front alone. Failure, with no child: STATUS_INTERNAL.
 enum status child_start(struct child *child, char *const argv[], int folder, struct error *err);
 
-// SIGKILL. Nothing if there is none.
+// Send it SIGKILL; its end shows at pidfd. Nothing if there is none.
 void child_kill(const struct child *child);
 
 // After pidfd became readable: collect it and close both descriptors (forgotten in `loop` first). `how` gets its end in
 // words, "killed by signal 9" or "exited with status 1". Returns the signal, 0 if it was none.
 int child_reap(struct child *child, struct loop *loop, char *how, size_t capacity);
 
-// Kill it and let go: the loop collects it whenever it has ended. Never blocks.
+// Kill it and let go of it: the loop collects it whenever it has ended. Nothing if there is none. Never waits.
 void child_abandon(struct child *child, struct children *children);
 
 #endif

@@ -17,7 +17,7 @@ struct message {
 	const uint8_t *body;
 };
 
-// Each answers, or fails with what is to be answered.
+// A handler answers the message itself, or fails, and `err` is the answer.
 typedef enum status handler(const struct message *m, struct error *err);
 
 static enum status on_hello(const struct message *m, struct error *err)
@@ -52,7 +52,8 @@ static enum status on_ping(const struct message *m, struct error *err)
 	return status;
 }
 
-// A request that lives on after its message: it needs an id of its own and a place.
+// May the message start a request that lives on after it? Such a request needs an id, and the connection has a number of
+// places.
 static enum status check_place(const struct message *m, struct error *err)
 {
 	if (m->header->request == 0)
@@ -106,7 +107,7 @@ static enum status on_unload(const struct message *m, struct error *err)
 		status = find_scene(m, unload.name, &scene, err);
 	if (status != STATUS_OK)
 		return status;
-	// Two bear the name while one is being replaced.
+	// Two scenes have the name while one is being replaced.
 	for (; scene; scene = scenes_find(&m->service->scenes, unload.name))
 		scenes_unload(scene);
 	reply_ok(m->session, m->header->request);
@@ -149,7 +150,7 @@ static enum status on_describe(const struct message *m, struct error *err)
 	return STATUS_OK;
 }
 
-// What is around it, if the request wants a picture there. *environment: NULL for none.
+// Find the picture of the surroundings that a request names. *environment is NULL if it names none.
 static enum status find_environment(const struct message *m, const candil_Render *render, struct scene **environment,
 				    struct error *err)
 {
@@ -209,7 +210,7 @@ static enum status on_cancel(const struct message *m, struct error *err)
 		return status;
 	struct job *job = jobs_find(&m->service->jobs, m->session, cancel.request);
 	struct scene *load = job ? NULL : scenes_find_load(&m->service->scenes, m->session, cancel.request);
-	// Renders that wait for the scene end with its load, whoever asked for them.
+	// The reason is also told to those whose renders wait for the scene: they end with its load.
 	error_set(&reason, STATUS_CANCELLED, load ? "the load of the scene was cancelled" : "cancelled as asked");
 	if (job)
 		jobs_fail(&m->service->jobs, job, &reason);
@@ -297,7 +298,7 @@ void dispatch_message(struct service *service, struct session *session, const st
 		return;
 	}
 	if (is_under_way(&m)) {
-		// An error under that id would end the request that has it: this one goes under none.
+		// An error under that id would end the request that has it, so this one is sent under id 0.
 		error_set(&err, STATUS_DUPLICATE_REQUEST, "request id %u is in use: choose another", header->request);
 		reply_error(session, 0, &err);
 		return;
@@ -307,7 +308,7 @@ void dispatch_message(struct service *service, struct session *session, const st
 	log_line(LOG_DEBUG, "connection %llu: %s refused: %s: %s", (unsigned long long)session->id,
 		 message_type_name(header->type), status_name(err.code), err.text);
 	reply_error(session, header->request, &err);
-	// Without a hello there is nothing to go on with.
+	// A connection whose hello was refused cannot go on.
 	if (session->state == SESSION_GREETING)
 		session_close(session);
 }

@@ -1,6 +1,6 @@
-// Design note. The loader parses hostile files: whatever it sends may be the file's author speaking. It is believed as to
-// sizes only after the seals are checked (from then on nobody can change them), its text is cleaned, and its codes are let
-// through only if they are about scenes.
+// Design note. The loader parses hostile files: whatever it sends may have been written by the author of the file. So its
+// sizes are believed only after the blob's seals are checked, from when on nobody can change them; its text is cleaned; and
+// its status codes are passed on only if they are about scenes.
 #include "server/front/loader.h"
 
 #include <errno.h>
@@ -32,7 +32,7 @@ static void loader_fail(struct loader *loader, const struct error *err)
 {
 	struct ipc_loaded *loaded = calloc(1, sizeof *loaded);
 	if (!loaded)
-		abort(); // twenty kilobytes are not to be had: nothing else would work either
+		abort(); // without memory for twenty kilobytes nothing else would work either
 	loaded->error = *err;
 	loader_stop(loader);
 	loader->done(loader->owner, loaded, -1);
@@ -79,7 +79,7 @@ static void clean_error(struct error *err)
 		err->code = STATUS_SCENE_INVALID;
 }
 
-// Check a message and its blob; what is wrong goes into loaded->error.
+// Check a message and its blob. loaded->error gets what is wrong with them.
 static void judge_message(struct ipc_loaded *loaded, size_t bytes, int blob)
 {
 	const void *map;
@@ -106,7 +106,7 @@ static void judge_message(struct ipc_loaded *loaded, size_t bytes, int blob)
 	}
 }
 
-// Take its message if there is one. True if the loader is done with.
+// Take the loader's message, if there is one, and tell the owner. True if there was one: the run is over.
 static bool loader_take(struct loader *loader)
 {
 	union {
@@ -136,7 +136,8 @@ static void loader_spoke(void *owner, uint32_t events)
 	struct loader *loader = owner;
 	if (loader_take(loader))
 		return;
-	// It hung up, or what it said was no message: nothing more is listened to. How it ended is known when it has.
+	// The loader hung up, or what it said was no message. Nothing more is read of it; loader_ended will find out how it
+	// ended.
 	(void)events;
 	loop_forget(loader->loop, loader->child.socket);
 	child_kill(&loader->child);

@@ -1,6 +1,6 @@
-// Design note. epoll hands out events in batches, and a callback of the batch's first event may close the descriptor of its
-// second, or even open a new one under the same number. So an event carries a generation beside the descriptor, and only an
-// event whose generation is still the descriptor's own is delivered.
+// Design note. epoll hands out events in batches. The callback of one event may close the descriptor of another event of the
+// same batch, or even open a new descriptor under the same number. So each watch has a generation, which its events carry
+// beside the descriptor, and an event is delivered only if its generation is still that of the watch.
 #include "server/front/loop.h"
 
 #include <errno.h>
@@ -155,7 +155,7 @@ static void call_due(struct loop *loop)
 	}
 }
 
-// Milliseconds for epoll_wait, rounded up so that a timer is never polled for.
+// Milliseconds for epoll_wait, rounded up, so that the loop does not spin until a timer is due.
 static int wait_ms(struct loop *loop)
 {
 	const struct loop_timer *t = earliest(loop);

@@ -141,7 +141,7 @@ static enum status set_option(struct options *options, int id, const char *text,
 	return error_set(err, STATUS_BAD_ARGUMENT, "unknown option; candild --help lists them");
 }
 
-// What getopt_long would not take: `result` is its own, `about` what it left in optopt.
+// Say what was wrong with an option that getopt_long refused. `result` is what it returned, `about` what it left in optopt.
 static enum status refuse_option(int result, int about, const char *word, struct error *err)
 {
 	if (result == ':')
@@ -165,7 +165,8 @@ static enum status default_socket(struct options *options, struct error *err)
 	return STATUS_OK;
 }
 
-// An installed tree has bin/candild beside libexec/candil, and so has the build's.
+// The programs that candild starts are in ../libexec/candil, seen from its own folder, in an installed tree and in the
+// build's.
 static enum status default_libexec(struct options *options, struct error *err)
 {
 	char self[PATH_MAX];

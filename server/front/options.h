@@ -27,7 +27,9 @@ struct options {
 	bool help, version; // print and leave
 };
 
-// Strings of `options` point into argv. STATUS_BAD_ARGUMENT with a sentence for anything that is wrong.
+// Read the command line and fill in the defaults. The pointers in `options` point into argv. Not from two threads at once:
+// getopt_long has a state. Failures, with a sentence for the user: STATUS_BAD_ARGUMENT, STATUS_TOO_MANY_SCENES,
+// STATUS_INTERNAL.
 enum status options_parse(struct options *options, int argc, char *const argv[], struct error *err);
 
 // The text of --help.

@@ -39,7 +39,7 @@ const char *parcels_keep(struct parcels *parcels, const void *message, size_t by
 	struct parcel *p = parcels->count < LIMIT_IPC_QUEUE ? malloc(sizeof *p + bytes) : NULL;
 	if (!p)
 		return "it took no more messages";
-	// The scene may be gone by the time the message goes: the parcel keeps a descriptor of its own.
+	// The scene may be closed before the message is sent, so the parcel has a descriptor of its own.
 	*p = (struct parcel){.fd = fd >= 0 ? fcntl(fd, F_DUPFD_CLOEXEC, 0) : -1, .bytes = bytes};
 	memcpy(p->message, message, bytes);
 	if (fd >= 0 && p->fd < 0) {

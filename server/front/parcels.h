@@ -1,4 +1,5 @@
-// Messages that wait for a socket to take them, in order, some with a descriptor. One thread.
+// Messages that wait for a socket to take them, in order, some of them with a descriptor. For the front's one thread
+// (loop.h).
 #ifndef CANDIL_FRONT_PARCELS_H
 #define CANDIL_FRONT_PARCELS_H
 
@@ -19,14 +20,17 @@ struct parcels {
 	unsigned count; // LIMIT_IPC_QUEUE at most
 };
 
-// Put a copy behind the others, with a descriptor of its own where `fd` is one. NULL: done; else why it could not be,
-// in words, "it" being who should take them.
+// Put a copy of a message behind the others, with a copy of `fd` unless that is negative. NULL: done; else the reason in
+// words, in which "it" is whoever should take the messages.
 const char *parcels_keep(struct parcels *parcels, const void *message, size_t bytes, int fd);
 
-void parcels_drop_first(struct parcels *parcels); // there is one
+// Drop the first message, which there must be.
+void parcels_drop_first(struct parcels *parcels);
+
+// Drop all.
 void parcels_clear(struct parcels *parcels);
 
-// Drop the message that hands over this scene, if it is among them. False: it is not.
+// Drop the message that hands over this scene. False: there is none.
 bool parcels_take_back(struct parcels *parcels, uint64_t scene);
 
 #endif

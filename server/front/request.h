@@ -1,6 +1,7 @@
-// From a body to a request that can be trusted. Each function decodes and checks one message; what it returns as STATUS_OK
-// is within every limit, its strings are clean, its numbers finite and its defaults filled in.
-// Failures: BAD_MESSAGE (the bytes are no such message), BAD_ARGUMENT, LIMIT, UNSUPPORTED, SCENE_PATH. No side effects.
+// From a body to a request that can be trusted. Each function decodes and checks one message. After STATUS_OK every number
+// is finite and within its limits, every string is clean, and the defaults are filled in. Failures, each with a sentence for
+// the client: STATUS_BAD_MESSAGE (the bytes are no such message), STATUS_BAD_ARGUMENT, STATUS_LIMIT, STATUS_UNSUPPORTED,
+// STATUS_SCENE_PATH. The functions have no state.
 #ifndef CANDIL_FRONT_REQUEST_H
 #define CANDIL_FRONT_REQUEST_H
 
@@ -11,7 +12,7 @@
 #include "server/base/error.h"
 
 enum status request_hello(const uint8_t *body, size_t bytes, candil_Hello *hello, struct error *err);
-// `path` is checked to be plain components; metres_per_unit is set.
+// `path` is one of plain components then, and metres_per_unit is set.
 enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, struct error *err);
 enum status request_unload(const uint8_t *body, size_t bytes, candil_Unload *unload, struct error *err);
 enum status request_describe(const uint8_t *body, size_t bytes, candil_Describe *describe, struct error *err);
@@ -25,7 +26,7 @@ enum status request_ping(const uint8_t *body, size_t bytes, candil_Ping *ping, s
 enum status request_list_scenes(const uint8_t *body, size_t bytes, struct error *err);
 enum status request_stats(const uint8_t *body, size_t bytes, struct error *err);
 
-// The checks of a Render behind its decoding.
+// The checks of a Render that has been decoded.
 enum status request_check_render(candil_Render *render, struct error *err);
 
 #endif

@@ -46,7 +46,7 @@ static enum status check_light(const candil_Light *l, struct error *err)
 	return l->kind == candil_LightKind_LIGHT_KIND_SPOT ? check_spot(l, err) : STATUS_OK;
 }
 
-// A name of the scene's, or '#' and a number: which, only the worker knows.
+// A name as the scene has it, or '#' and a number. Whether the scene has it is for the worker to find out.
 static enum status edits_check_name(const char *name, const char *what, struct error *err)
 {
 	if (name[0] && text_is_clean(name))

@@ -5,7 +5,8 @@
 #include "candil.pb.h"
 #include "server/base/error.h"
 
-// Numbers finite and within their limits, names clean, directions and quaternions with a length. BAD_ARGUMENT, LIMIT.
+// Are the numbers finite and within their limits, the names clean, the directions and quaternions longer than zero?
+// Failures: STATUS_BAD_ARGUMENT, STATUS_LIMIT.
 enum status request_check_edits(const candil_Edits *edits, struct error *err);
 
 enum status request_check_time(double time_s, struct error *err);

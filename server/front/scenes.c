@@ -112,7 +112,7 @@ void scenes_unload(struct scene *scene)
 	scene_unlist(scene);
 }
 
-// What the loader found, with what only the front knows.
+// Keep what the loader found, and add what only the front knows.
 static void scene_keep(struct scene *scene, const candil_SceneInfo *info, int blob)
 {
 	char name[sizeof scene->info.name];
@@ -124,7 +124,8 @@ static void scene_keep(struct scene *scene, const candil_SceneInfo *info, int bl
 	source_close(&scene->source);
 }
 
-// Will all scenes together be too large with this one? The one that it replaces goes, unless jobs still use it.
+// Check that a new scene and all others together are not too large. The scene that it replaces does not count, unless jobs
+// still use it.
 static enum status check_bytes(const struct scenes *scenes, const struct scene *old, uint64_t bytes, struct error *err)
 {
 	uint64_t others;

@@ -1,6 +1,6 @@
-// Design note. Callbacks change states and queue replies; only settle, between two batches of events, gives orders to
-// loaders and worker, sends what waits and frees what has ended. So no callback ever finds its own session or job freed by
-// what it called, and each batch of events costs one look at everything.
+// Design note. Callbacks change states and queue replies. service_settle alone, between two batches of events, gives orders
+// to loaders and worker, sends what waits and frees the sessions that have ended. So no callback finds its own session freed
+// by what it called, and each batch of events costs one look at everything.
 #include "server/front/service.h"
 
 #include <fcntl.h>
@@ -22,7 +22,7 @@
 
 // ---- connections -----------------------------------------------------------------------------------------------------
 
-// A few words to a peer that gets no session; whether they fit its socket is its own affair.
+// Tell a peer why it is not served. It gets a session that does nothing but send this and close.
 static void refuse_channel(struct service *service, struct channel *channel, enum status code, const char *why)
 {
 	struct session *session;
@@ -55,7 +55,7 @@ static void accept_some(void *owner, uint32_t events)
 		struct channel channel;
 		enum listener_result result = listener->kind->accept(listener, &channel);
 		if (result == LISTENER_EXHAUSTED) {
-			// It stays ready: do not spin on what cannot be taken.
+			// The listener stays ready: without a pause the loop would spin.
 			listener->kind->pause(listener, true);
 			loop_timer_set(service->loop, &service->accept_pause, clock_us() + ACCEPT_PAUSE_US, accept_again,
 				       service);
@@ -102,7 +102,7 @@ static void on_session_ended(void *owner, struct session *session)
 			continue;
 		s->session = NULL;
 		scenes_stop_load(s, &err);
-		next = service->scenes.first; // the list has changed
+		next = service->scenes.first; // the list has changed: from the beginning once more
 	}
 	if (service->options->private_fd >= 0)
 		service->stop = true;
@@ -131,7 +131,7 @@ static void on_scene_failed(void *owner, struct scene *scene, const struct error
 		reply_error(scene->session, scene->request, err);
 	}
 	jobs_fail_scene(&service->jobs, scene, err);
-	// Whoever names a scene on the command line counts on it: a daemon without it is no use to him.
+	// Whoever names a scene on the command line counts on it, so the daemon does not go on without it.
 	if (scene->own && !service->leaving && err->code != STATUS_CANCELLED)
 		error_set(&service->own_failure, err->code, "--scene %s: %s", scene->info.name, err->text);
 }
@@ -206,12 +206,12 @@ static void close_door(struct service *service)
 	service->listener = NULL;
 }
 
-// Tell everybody, let them read it, go.
+// End all requests, give the clients LIMIT_LINGER_MS to read why, and stop.
 static void service_leave(struct service *service)
 {
 	struct error err;
 	if (service->leaving) {
-		service->stop = true; // asked twice: at once
+		service->stop = true; // the second signal: at once
 		return;
 	}
 	log_line(LOG_INFO, "shutting down");
@@ -241,7 +241,7 @@ static void service_settle(void *owner)
 	}
 	if (service->own_failure.code != STATUS_OK && !service->leaving)
 		service_leave(service);
-	// What was sent just now may let more be sent or read: the loop comes by again without waiting.
+	// Now that some was sent, more may be sent or read: the loop is to settle again without waiting for an event.
 	if (sessions_flush(&service->sessions))
 		loop_timer_set(service->loop, &service->again, 0, do_nothing, service);
 	sessions_sweep(&service->sessions);
@@ -265,7 +265,8 @@ static enum status watch_signals(struct service *service, struct error *err)
 	sigaddset(&set, SIGTERM);
 	sigaddset(&set, SIGINT);
 	signal(SIGPIPE, SIG_IGN);
-	// Ignored by whoever started us, it would collect our children behind our back and free their numbers.
+	// A parent may have left SIGCHLD ignored. Then the kernel would collect our children itself and give their numbers
+	// away.
 	signal(SIGCHLD, SIG_DFL);
 	if (sigprocmask(SIG_BLOCK, &set, NULL) != 0)
 		return error_errno(err, STATUS_INTERNAL, "cannot block signals");

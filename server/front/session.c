@@ -7,10 +7,11 @@
 #include "protocol/limits.h"
 #include "server/base/clock.h"
 
-// One connection's share of a turn of the loop, in reads and in fills.
+// What one session may do in a turn of the loop, so that the others get their turn.
 #define READS_PER_TURN 64u
 #define FILLS_PER_TURN 4u
-// A peer that is being closed may say so much more before we stop listening politely.
+// A lingering session reads so much more and throws it away, so that the peer can finish what it is sending and then read
+// its last replies.
 #define DISCARD_BYTES (4u * LIMIT_MESSAGE_BYTES)
 
 static void session_ready(void *owner, uint32_t events);
@@ -121,8 +122,8 @@ uint8_t *session_room(struct session *session, uint32_t bytes)
 		return NULL;
 	uint8_t *room = outbox_room(&session->outbox, CANDIL_HEADER_BYTES + (size_t)bytes);
 	if (!room) {
-		// The caller is likely to be the owner, in the middle of a job of this session: it learns of the end from
-		// the sweep, when nobody holds one.
+		// The caller is likely to be the owner in the middle of a job of this session, so `ended`, which frees its
+		// jobs, must wait for sessions_sweep.
 		session->state = SESSION_DEAD;
 		return NULL;
 	}
@@ -137,7 +138,7 @@ void session_commit(struct session *session, uint8_t type, uint32_t request, uin
 		return;
 	header_encode(&header, room);
 	outbox_commit(&session->outbox, CANDIL_HEADER_BYTES + (size_t)bytes);
-	// What waits from now on must begin to move in time.
+	// From now on bytes wait: the peer must take some of them in time.
 	if (session->state == SESSION_OPEN && !session->timer.running)
 		set_timer(session, LIMIT_STALL_SECONDS * 1000ull);
 }
@@ -173,7 +174,7 @@ static void refuse_stream(struct session *session, enum status status)
 			   : status == STATUS_MESSAGE_TOO_LONG ? "the message is longer than the hello's reply allows"
 							       : "no memory for the message";
 	error_set(&err, status, "%s", what);
-	// A header that is not ours has no request id that could be trusted.
+	// In bytes that are no header of ours there is no request id that could be trusted.
 	refuse_peer(session, status == STATUS_BAD_MAGIC ? 0 : session->reader.header.request, &err);
 }
 

@@ -1,5 +1,5 @@
-// Design note. A descriptor from a client may be of any file system, one that never answers among them: nothing is opened,
-// nor even looked at, beneath it here. The loader does that, and a loader that hangs is killed.
+// Design note. A client's descriptor may be of any file system, even of one that never answers. So the front opens nothing
+// beneath it and looks at nothing there. The loader does that, and a loader that hangs is killed.
 #include "server/front/source.h"
 
 #include <errno.h>
@@ -27,7 +27,7 @@ static enum status explain_failure(const char *path, struct error *err)
 	return error_errno(err, STATUS_SCENE_FILE, "cannot open \"%.150s\" beneath the scene root", path);
 }
 
-// Split into folder and file; `folder` is "." if there is none.
+// Split a path into folder and file; `folder` is "." if the path has none.
 static enum status split_path(const char *path, char folder[LIMIT_PATH + 1], char file[LIMIT_PATH + 1], struct error *err)
 {
 	const char *slash = strrchr(path, '/');

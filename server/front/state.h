@@ -1,4 +1,4 @@
-// What the daemon is made of. For service.c (its life) and dispatch.c (its messages) alone.
+// What the daemon is made of. For service.c, which is its life, and dispatch.c, which answers its messages, alone.
 #ifndef CANDIL_FRONT_STATE_H
 #define CANDIL_FRONT_STATE_H
 

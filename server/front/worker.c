@@ -1,6 +1,6 @@
-// Design note. The worker's death shows at two places: its socket hangs up and its pidfd becomes readable. Only the second
-// counts, and what it still said before is read first; a hang-up alone gets it killed. So each answer that was sent is
-// heard, and each loss is handled once.
+// Design note. The worker's death shows in two places: its socket hangs up, and its pidfd becomes readable. Only the pidfd
+// counts: when it is readable, the worker's last messages are read and then its loss is handled. A hang-up alone gets the
+// worker killed. So each answer that was sent is heard, and each loss is handled once.
 #include "server/front/worker.h"
 
 #include <errno.h>
@@ -45,8 +45,8 @@ static void worker_keep(struct worker *worker, const void *message, size_t bytes
 
 enum sent { SENT, SENT_LATER };
 
-// A message to a worker that has just died goes nowhere: its loss is handled when the loop says so. One that is lost for
-// any other reason, the system's memory say, would leave a worker that knows less than we believe.
+// A message to a worker that has just died counts as sent: the loop will tell of its death. If a message is lost for any
+// other reason, want of memory for instance, the worker knows less than the front believes, and is killed.
 static enum sent send_now(struct worker *worker, const void *message, size_t bytes, int fd)
 {
 	if (ipc_send(worker->child.socket, message, bytes, fd, NULL) == STATUS_OK || errno == EPIPE || errno == ECONNRESET)
@@ -92,8 +92,9 @@ void worker_scene(struct worker *worker, uint64_t scene, int blob)
 void worker_forget(struct worker *worker, uint64_t scene)
 {
 	struct ipc_scene message = {.head = {.op = IPC_FORGET}, .scene = scene};
-	// One that the worker has not been given yet is taken back: while it is busy, scenes that come and go must neither
-	// fill the queue nor keep their memory. Orders between the two can only be about jobs that have ended since.
+	// A scene that the worker has not been given yet is taken out of the queue: while the worker is busy, scenes that
+	// come and go must neither fill the queue nor keep their memory. Orders behind it in the queue that are about the
+	// scene can only be of jobs that have ended since.
 	if (!parcels_take_back(&worker->waiting, scene))
 		worker_give(worker, &message, sizeof message, -1);
 }
@@ -197,7 +198,7 @@ static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 	worker->events->stepped(worker->owner, stepped->head.job, stepped);
 }
 
-// Its counts are bounds of our loops, and its strings go to clients.
+// Are the counts of an answer within bounds and its numbers finite? Its strings, which go to clients, are cleaned.
 static bool accepted_holds(candil_Accepted *accepted)
 {
 	if (accepted->plan_count > sizeof accepted->plan / sizeof *accepted->plan ||
@@ -300,7 +301,7 @@ static void worker_handle(struct worker *worker, size_t bytes, int fd)
 
 enum heard { HEARD_ALL, HEARD_SOME, HEARD_END };
 
-// Read what is there, at most so many messages.
+// Read and handle the messages that are there, at most so many.
 static enum heard listen_to(struct worker *worker, unsigned messages)
 {
 	for (unsigned i = 0; i < messages; i++) {
@@ -356,7 +357,7 @@ static void worker_ended(void *owner, uint32_t events)
 	struct worker *worker = owner;
 	char how[64], why[256];
 	(void)events;
-	// The last words: as many as there are, for no more can come.
+	// What it said before it ended, all of it: no more can come.
 	while (listen_to(worker, MESSAGES_PER_TURN) == HEARD_SOME)
 		continue;
 	const char *killed_for = worker->killed_for;
@@ -408,7 +409,7 @@ static void worker_start(void *owner)
 	}
 	worker->starts++;
 	log_line(LOG_INFO, "worker %d: started", (int)worker->child.pid);
-	expect_answer(worker); // READY is due as an answer is
+	expect_answer(worker); // READY, for which the watchdog waits as for any answer
 }
 
 enum status worker_init(struct worker *worker, struct children *children, const struct options *options,
@@ -420,7 +421,7 @@ enum status worker_init(struct worker *worker, struct children *children, const 
 	worker->inbox = malloc(IPC_MAX_BYTES);
 	if (!worker->inbox)
 		return error_set(err, STATUS_MEMORY, "no memory for the worker's messages");
-	// From the loop, not from here: the owner is not yet complete.
+	// The loop starts it: the owner, who is told of a failure, is not yet complete.
 	loop_timer_set(worker->loop, &worker->restart, 0, worker_start, worker);
 	return STATUS_OK;
 }

@@ -16,7 +16,7 @@ static uint64_t encoding_us(const struct jobs *jobs, const struct job *job)
 	return (uint64_t)(jobs->encode_us * (double)image_estimate(&job->render));
 }
 
-// Until tracing should end.
+// Microseconds until tracing should end.
 static uint64_t left_us(const struct jobs *jobs, const struct job *job)
 {
 	const uint64_t end = clock_us() + encoding_us(jobs, job);
@@ -32,7 +32,7 @@ void jobs_learn_encoding(struct jobs *jobs, const struct job *job)
 uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 {
 	const uint64_t left = left_us(jobs, job);
-	// The first sample is taken in any case: in short slices it would take the longer.
+	// The first sample is taken whatever the deadline is. Short slices would only make it take longer.
 	if (job->samples_done == 0)
 		return jobs->slice_us;
 	if (left >= jobs->slice_us)

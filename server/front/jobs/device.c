@@ -58,9 +58,9 @@ void jobs_step_next(struct jobs *jobs)
 	struct job *active[LIMIT_JOBS];
 	struct turn *turns[LIMIT_JOBS];
 	size_t count = 0;
-	// While a BEGIN is outstanding no STEP is put behind it: the new job, which may be a small one, would wait for one
-	// more slice of a large one. With step before begin in each dispatch, the two take turns and neither holds up the
-	// other.
+	// No STEP is sent while a BEGIN is outstanding: the new job, which may be a small one, would wait for one more slice
+	// of a large one. Since jobs_step_next comes before jobs_begin_next in each dispatch, BEGIN and STEP take turns, and
+	// neither holds up the other.
 	if (jobs->stepping || jobs->beginning)
 		return;
 	for (unsigned i = 0; i < jobs->count; i++)
@@ -92,7 +92,7 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 		*accepted = true;
 		return;
 	}
-	// There is nothing to END: a job whose BEGIN failed does not exist over there.
+	// No END is sent: the worker has no job whose BEGIN failed.
 	job->state = JOB_WAITING;
 	if (begun->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
 		job->short_of_memory = true;
@@ -102,8 +102,8 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 	jobs_fail(jobs, job, &begun->error);
 }
 
-// A job that lacks memory in its midst, which others have now, gives back what it has and begins again after one of them:
-// under another number, for a preview of what it was may still come.
+// An active job lacks memory that other jobs have now. It gives back what it has and begins again after one of them has
+// ended. It does so under another number, because a preview of its first attempt may still come.
 static void wait_for_memory(struct jobs *jobs, struct job *job)
 {
 	worker_end(jobs->worker, job->id);

@@ -57,7 +57,7 @@ bool image_pump(struct image *image, struct session *session, uint32_t request, 
 	uint8_t *room = session_room(session, bytes);
 	if (!room)
 		return false;
-	// The seals keep it as long as it was when it was measured.
+	// The memfd is sealed, so it is still as long as it was when it was measured.
 	if (pread(image->fd, room, bytes, (off_t)image->sent) != (ssize_t)bytes) {
 		*broken = true;
 		return false;

@@ -15,7 +15,8 @@ static enum room_answer take_room(struct jobs *jobs, const struct job *job, stru
 	return room_take(&jobs->room, &job->session->room, &image->place, image_estimate(&job->render), own_only);
 }
 
-// A preview at each doubling of samples or each second, whichever is first; none while the last one is on its way.
+// A preview is due when the samples have doubled or a second has passed since the last one, but not while that is on its
+// way.
 void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 {
 	uint64_t now = clock_us();
@@ -32,8 +33,8 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 	worker_read(jobs->worker, job->id, false);
 }
 
-// The last READ, with END behind it: the device's memory is free once the worker has copied the picture. An image that waits
-// for common room lets no younger one have some, or small ones could keep a large one out for ever.
+// A job's last READ has END right behind it, so that its memory on the device is free as soon as the worker has copied the
+// picture. While an image waits for common room, no younger one gets any: small images could keep a large one out for ever.
 void jobs_read_finished(struct jobs *jobs)
 {
 	jobs->short_of_room = false;
@@ -80,7 +81,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 		job->done = image->done;
 		job->state = JOB_SENDING;
 		take_over(jobs, job, &job->final, fd, &frame);
-		// A preview that nobody has seen the beginning of is of no use any more.
+		// A preview that has not been announced is of no use any more.
 		if (image_waits(&job->preview) && !job->preview.announced)
 			job_release_image(jobs, job, &job->preview);
 	} else {
@@ -114,8 +115,8 @@ static bool job_pump(struct jobs *jobs, struct job *job)
 bool jobs_fill(struct jobs *jobs, struct session *session)
 {
 	bool queued = false;
-	// The oldest first, or those that come after it would take all the room for as long as the client asks for more. A
-	// job that ends moves the next into its place; one of a sweep brings another, at the end.
+	// The oldest job comes first: younger ones could take all of the session's room for as long as its client asks for
+	// more. When a job ends, the next moves into its place, and its sweep may put another at the table's end.
 	for (unsigned i = 0; i < jobs->count;) {
 		const uint32_t id = jobs->job[i]->id;
 		if (jobs->job[i]->session == session)

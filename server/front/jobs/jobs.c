@@ -49,11 +49,12 @@ enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t 
 	return STATUS_OK;
 }
 
-// Jobs whose deadline has come: one that has a picture ends with it, one that waits fails.
+// End the jobs whose deadline has come: one that is being traced, with the picture that it has; one that waits, with an
+// error.
 static void end_late(struct jobs *jobs)
 {
 	const uint64_t now = clock_us();
-	// Backwards, and with a look at the count: one that fails may take others of its sweep along.
+	// Backwards, and with an eye on the count: a job that fails takes the other jobs of its sweep along.
 	for (unsigned i = jobs->count; i-- > 0;) {
 		struct job *job = i < jobs->count ? jobs->job[i] : NULL;
 		if (!job || !job_is_late(jobs, job, now))

@@ -30,8 +30,9 @@ static uint32_t suspect(const struct jobs *jobs)
 	return jobs->beginning ? jobs->beginning : jobs->held;
 }
 
-// Blame falls on the job whose order was being carried out, else on who had the device last, else on the oldest. Whoever it
-// is, each loss with work under way blames one job, so no job can kill workers for ever.
+// Blame one job for the loss: the one whose order was being carried out, else the one that had the device last, else the
+// oldest that the worker had. It may be the wrong one. But each loss with work under way blames one job, so no job can kill
+// workers for ever.
 static void blame(struct jobs *jobs, const char *how)
 {
 	struct job *job = jobs_by_id(jobs, suspect(jobs));
@@ -57,7 +58,7 @@ void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
 			job_begin_again(jobs, jobs->job[i]);
 			jobs->job[i]->retries++;
 		}
-	// Nobody holds the device's memory any more, so no end of a job would ever wake those that lacked some.
+	// No job holds memory of the device any more, so no job's end would ever wake those that lack some.
 	jobs_let_others_try(jobs);
 	if (!hopeless)
 		return;

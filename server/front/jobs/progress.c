@@ -25,7 +25,8 @@ static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, can
 	sweep_progress(sweep, progress);
 }
 
-// Of what ends the job first: its samples, its target error (in the worker's fraction) or its deadline.
+// How much of the job is done, 0 to 1, as to what will end it first: its samples or its target error, which the worker's
+// fraction is about, or its deadline.
 static double fraction_of(const struct job *job, uint64_t now)
 {
 	const double time =
@@ -79,7 +80,7 @@ static enum status advance_sweep(struct jobs *jobs, struct sweep *sweep, struct 
 {
 	if (sweep->next == sweep_count(sweep) || sweep->jobs >= SWEEP_JOBS || is_tracing(jobs, sweep))
 		return STATUS_OK;
-	// Without a place for it now there will be one when the other job has ended.
+	// If there is no place for it now, there will be one when the sweep's other job has ended.
 	enum status status = jobs_add_frame(jobs, sweep, err);
 	return sweep->jobs > 0 ? STATUS_OK : status;
 }
@@ -94,7 +95,7 @@ void job_traced(struct jobs *jobs, struct job *job)
 	advance_sweep(jobs, job->sweep, &err);
 }
 
-// The front's part of the account: the wait before the device, and what the worker cannot know.
+// Add the front's part to the worker's account of a job: the wait for the device, and what the worker cannot know.
 static void complete_account(struct job *job)
 {
 	candil_Done *done = &job->done;
@@ -123,10 +124,11 @@ static void finish_frame(struct jobs *jobs, struct job *job)
 		job_drop(jobs, job);
 		return;
 	}
-	// The sweep outlives its job, which must go first: there may be no other place in the table.
+	// The job goes before the next is made, for its place may be the only one in the table. It is taken from its sweep
+	// first, which would go with it.
 	job->sweep = NULL;
 	sweep->jobs--;
-	sweep->session->requests++; // for drop, which takes it for a render's
+	sweep->session->requests++; // job_drop takes it for a render's and counts down
 	job_drop(jobs, job);
 	if (advance_sweep(jobs, sweep, &err) == STATUS_OK)
 		return;

@@ -2,7 +2,7 @@
 
 #include "protocol/limits.h"
 
-// No sum of these passes 2^64: an image has at most LIMIT_PIXELS, and of images there are two a job.
+// No sum of these passes 2^64: an image has at most LIMIT_PIXELS, and a job has two images.
 uint64_t room_bytes(const struct room *room)
 {
 	return room->own + room->common;

@@ -7,7 +7,7 @@ static uint64_t turn_weight(const struct turn *turn)
 	return turn->attained_us < SCHEDULE_FAIR_US ? turn->attained_us : SCHEDULE_FAIR_US;
 }
 
-// Shall `a` go before `b`?
+// Is it the turn of `a` before that of `b`?
 static bool turn_before(const struct turn *a, const struct turn *b)
 {
 	bool a_starves = a->passed_over >= SCHEDULE_PATIENCE, b_starves = b->passed_over >= SCHEDULE_PATIENCE;

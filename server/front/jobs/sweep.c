@@ -66,7 +66,7 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 	candil_Done *total = &sweep->total;
 	for (pb_size_t i = 0; i < done->stages_count; i++)
 		add_stage(total, &done->stages[i]);
-	// One image of unknown error makes the mean unknown.
+	// If one image's error is unknown, so is the mean.
 	if (done->estimated_relmse < 0 || total->estimated_relmse < 0)
 		total->estimated_relmse = -1;
 	else
@@ -81,7 +81,7 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 	total->slices += done->slices;
 	total->retries += done->retries;
 	memcpy(total->device, done->device, sizeof total->device);
-	// What cut one image short is said of all.
+	// If the deadline cut one image short, that is said of the whole sweep.
 	if (strcmp(total->reason, "time") != 0)
 		memcpy(total->reason, done->reason, sizeof total->reason);
 	sweep->finished++;

@@ -158,7 +158,7 @@ static void drop_sweep(struct jobs *jobs, const struct sweep *sweep)
 		}
 }
 
-// All images of a sweep end with one of them. So several jobs may go, and places in the table change.
+// All images of a sweep fail with one of them. So several jobs may go, and others change places in the table.
 void jobs_fail(struct jobs *jobs, struct job *job, const struct error *err)
 {
 	if (!err || err->code == STATUS_CANCELLED)
