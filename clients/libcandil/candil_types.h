@@ -7,51 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// ---- status ----------------------------------------------------------------------------------------------------------
+#include "candil_names.h" // enum candil_status, candil_technique, candil_effect; CANDIL_EFFECT_COUNT
 
-// The numbers of the wire. A server newer than this header may send others: treat those as a plain failure.
-typedef enum candil_status {
-	CANDIL_STATUS_OK = 0,
-	// The stream itself is broken; the daemon closes the connection.
-	CANDIL_STATUS_BAD_MAGIC = 1,
-	CANDIL_STATUS_BAD_VERSION = 2,
-	CANDIL_STATUS_BAD_FLAGS = 3,
-	CANDIL_STATUS_MESSAGE_TOO_LONG = 4,
-	CANDIL_STATUS_HELLO_FIRST = 5,
-	CANDIL_STATUS_NOT_ALLOWED = 6,
-	CANDIL_STATUS_TOO_MANY_CONNECTIONS = 7,
-	// This request is wrong; the connection goes on.
-	CANDIL_STATUS_UNKNOWN_TYPE = 20,
-	CANDIL_STATUS_BAD_MESSAGE = 21,
-	CANDIL_STATUS_BAD_ARGUMENT = 22,
-	CANDIL_STATUS_LIMIT = 23,
-	CANDIL_STATUS_DUPLICATE_REQUEST = 24,
-	CANDIL_STATUS_TOO_MANY_JOBS = 25,
-	CANDIL_STATUS_NO_SUCH_REQUEST = 26,
-	CANDIL_STATUS_UNSUPPORTED = 27,
-	// Scenes.
-	CANDIL_STATUS_SCENE_NOT_FOUND = 40,
-	CANDIL_STATUS_SCENE_FILE = 41,
-	CANDIL_STATUS_SCENE_PATH = 42,
-	CANDIL_STATUS_SCENE_INVALID = 43,
-	CANDIL_STATUS_SCENE_UNSUPPORTED = 44,
-	CANDIL_STATUS_SCENE_LIMIT = 45,
-	CANDIL_STATUS_LOADER_LOST = 46,
-	CANDIL_STATUS_TOO_MANY_SCENES = 47,
-	// The job.
-	CANDIL_STATUS_CANCELLED = 60,
-	CANDIL_STATUS_DEADLINE = 61,
-	CANDIL_STATUS_MEMORY = 62,
-	CANDIL_STATUS_DEVICE = 63,
-	CANDIL_STATUS_WORKER_LOST = 64,
-	CANDIL_STATUS_TRAVERSAL_CUT = 65,
-	CANDIL_STATUS_ENCODE = 66,
-	// The daemon's own trouble, and this side's.
-	CANDIL_STATUS_INTERNAL = 80,
-	CANDIL_STATUS_SHUTTING_DOWN = 81,
-	CANDIL_STATUS_CONNECT = 82, // no daemon answers, or it refused the handshake
-	CANDIL_STATUS_IO = 83, // the connection broke
-} candil_status;
+// ---- status ----------------------------------------------------------------------------------------------------------
 
 struct candil_error {
 	candil_status code;
@@ -131,34 +89,6 @@ struct candil_scene_list {
 };
 
 // ---- what a render is asked for --------------------------------------------------------------------------------------
-
-enum candil_technique {
-	CANDIL_TECHNIQUE_AUTO = 0,
-	CANDIL_TECHNIQUE_PT = 1,
-	CANDIL_TECHNIQUE_VCT = 2,
-	CANDIL_TECHNIQUE_RADIOSITY = 3,
-	CANDIL_TECHNIQUE_DIRECT = 4,
-};
-
-// An effect's bit in effects_on and effects_off is 1u << effect.
-enum candil_effect {
-	CANDIL_EFFECT_TEXTURES = 0,
-	CANDIL_EFFECT_EMITTERS = 1,
-	CANDIL_EFFECT_LIGHTS = 2,
-	CANDIL_EFFECT_ENVIRONMENT = 3,
-	CANDIL_EFFECT_BOUNCES = 4,
-	CANDIL_EFFECT_GLOSSY = 5,
-	CANDIL_EFFECT_NORMAL_MAPS = 6,
-	CANDIL_EFFECT_ALPHA_MASK = 7,
-	CANDIL_EFFECT_VERTEX_COLORS = 8,
-	CANDIL_EFFECT_UNLIT = 9,
-	CANDIL_EFFECT_GLASS = 10,
-	CANDIL_EFFECT_ALPHA_BLEND = 11,
-	CANDIL_EFFECT_CLEARCOAT = 12,
-	CANDIL_EFFECT_ROUGH_DIFFUSE = 13,
-	CANDIL_EFFECT_CAUSTICS = 14,
-};
-#define CANDIL_EFFECT_COUNT 15u
 
 enum candil_effect_state {
 	CANDIL_EFFECT_SIMULATED = 0,

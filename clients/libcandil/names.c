@@ -1,36 +1,12 @@
+// The names of the public enumerations, and the proof that those which are typed out in candil_types.h have the numbers of
+// the wire.
+#include "protocol/names.h"
 #include "clients/libcandil/private.h"
-
-#define SAME_STATUS(name, number, wire) \
-	_Static_assert((int)CANDIL_STATUS_##name == (number), "candil_status differs from protocol/status.h");
-CANDIL_STATUS_LIST(SAME_STATUS)
-#undef SAME_STATUS
 
 #define SAME(ours, theirs) _Static_assert((int)(ours) == (int)(theirs), #ours " differs from candil.proto")
 SAME(CANDIL_UP_DEFAULT, candil_UpAxis_UP_DEFAULT);
 SAME(CANDIL_UP_Y, candil_UpAxis_UP_Y);
 SAME(CANDIL_UP_Z, candil_UpAxis_UP_Z);
-SAME(CANDIL_TECHNIQUE_AUTO, candil_Technique_TECHNIQUE_AUTO);
-SAME(CANDIL_TECHNIQUE_PT, candil_Technique_TECHNIQUE_PT);
-SAME(CANDIL_TECHNIQUE_VCT, candil_Technique_TECHNIQUE_VCT);
-SAME(CANDIL_TECHNIQUE_RADIOSITY, candil_Technique_TECHNIQUE_RADIOSITY);
-SAME(CANDIL_TECHNIQUE_DIRECT, candil_Technique_TECHNIQUE_DIRECT);
-SAME(CANDIL_TECHNIQUE_DIRECT + 1, _candil_Technique_ARRAYSIZE);
-SAME(CANDIL_EFFECT_TEXTURES, candil_Effect_EFFECT_TEXTURES);
-SAME(CANDIL_EFFECT_EMITTERS, candil_Effect_EFFECT_EMITTERS);
-SAME(CANDIL_EFFECT_LIGHTS, candil_Effect_EFFECT_LIGHTS);
-SAME(CANDIL_EFFECT_ENVIRONMENT, candil_Effect_EFFECT_ENVIRONMENT);
-SAME(CANDIL_EFFECT_BOUNCES, candil_Effect_EFFECT_BOUNCES);
-SAME(CANDIL_EFFECT_GLOSSY, candil_Effect_EFFECT_GLOSSY);
-SAME(CANDIL_EFFECT_NORMAL_MAPS, candil_Effect_EFFECT_NORMAL_MAPS);
-SAME(CANDIL_EFFECT_ALPHA_MASK, candil_Effect_EFFECT_ALPHA_MASK);
-SAME(CANDIL_EFFECT_VERTEX_COLORS, candil_Effect_EFFECT_VERTEX_COLORS);
-SAME(CANDIL_EFFECT_UNLIT, candil_Effect_EFFECT_UNLIT);
-SAME(CANDIL_EFFECT_GLASS, candil_Effect_EFFECT_GLASS);
-SAME(CANDIL_EFFECT_ALPHA_BLEND, candil_Effect_EFFECT_ALPHA_BLEND);
-SAME(CANDIL_EFFECT_CLEARCOAT, candil_Effect_EFFECT_CLEARCOAT);
-SAME(CANDIL_EFFECT_ROUGH_DIFFUSE, candil_Effect_EFFECT_ROUGH_DIFFUSE);
-SAME(CANDIL_EFFECT_CAUSTICS, candil_Effect_EFFECT_CAUSTICS);
-SAME(CANDIL_EFFECT_COUNT, _candil_Effect_ARRAYSIZE);
 SAME(CANDIL_EFFECT_SIMULATED, candil_EffectState_EFFECT_STATE_SIMULATED);
 SAME(CANDIL_EFFECT_ABSENT, candil_EffectState_EFFECT_STATE_ABSENT);
 SAME(CANDIL_EFFECT_SWITCHED_OFF, candil_EffectState_EFFECT_STATE_SWITCHED_OFF);
@@ -42,6 +18,9 @@ SAME(CANDIL_FORMAT_PNG, candil_Format_FORMAT_PNG);
 SAME(CANDIL_VIEW_NONE, candil_View_VIEW_NONE);
 SAME(CANDIL_VIEW_REINHARD, candil_View_VIEW_REINHARD);
 SAME(CANDIL_VIEW_FILMIC, candil_View_VIEW_FILMIC);
+SAME(CANDIL_LIGHT_POINT, candil_LightKind_LIGHT_KIND_POINT);
+SAME(CANDIL_LIGHT_SPOT, candil_LightKind_LIGHT_KIND_SPOT);
+SAME(CANDIL_LIGHT_DIRECTIONAL, candil_LightKind_LIGHT_KIND_DIRECTIONAL);
 SAME(CANDIL_PROJECTION_CAMERA, candil_Projection_PROJECTION_CAMERA);
 SAME(CANDIL_PROJECTION_ORTHOGRAPHIC, candil_Projection_PROJECTION_ORTHOGRAPHIC);
 SAME(CANDIL_PROJECTION_PANORAMA, candil_Projection_PROJECTION_PANORAMA);
@@ -68,17 +47,12 @@ const char *candil_library_version(void)
 
 const char *candil_technique_name(enum candil_technique technique)
 {
-	static const char *const names[] = {"auto", "pt", "vct", "radiosity", "direct"};
-	return NAME_OF(names, technique);
+	return technique_name((unsigned)technique);
 }
 
 const char *candil_effect_name(enum candil_effect effect)
 {
-	static const char *const names[] = {"textures", "emitters",    "lights",     "environment",   "bounces",
-					    "glossy",   "normal-maps", "alpha-mask", "vertex-colors", "unlit",
-					    "glass",    "alpha-blend", "clearcoat",  "rough-diffuse", "caustics"};
-	_Static_assert(sizeof(names) / sizeof(names[0]) == CANDIL_EFFECT_COUNT, "a name is missing");
-	return NAME_OF(names, effect);
+	return effect_name((unsigned)effect);
 }
 
 const char *candil_effect_state_name(enum candil_effect_state state)
