@@ -73,6 +73,14 @@ void technique_list(unsigned traits, const char *last, char *out, size_t capacit
 	}
 }
 
+int technique_with(unsigned traits)
+{
+	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++)
+		if ((techniques[i].traits & traits) == traits)
+			return (int)i;
+	return -1;
+}
+
 const struct effect_words *effect_words(unsigned effect)
 {
 	static const struct effect_words none = {"", "", "", ""};

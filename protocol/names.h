@@ -79,6 +79,9 @@ unsigned technique_traits(unsigned technique);
 // and direct" if `last` is "and". Cut where `capacity` bytes are too few.
 void technique_list(unsigned traits, const char *last, char *out, size_t capacity);
 
+// The first technique that has all of `traits`, in the order of their numbers; -1: there is none.
+int technique_with(unsigned traits);
+
 // The words of one effect, never NULL; those of a number that is none are "".
 struct effect_words {
 	const char *name;

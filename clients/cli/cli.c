@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/cli/words.h"
+
+#define HELP_INDENT 24u // where the second column of a help text begins
+
 const char cli_exit_codes[] =
     "Exit codes:\n"
     "  0  done: the image is written, the answer printed\n"
@@ -20,6 +24,12 @@ const char cli_exit_codes[] =
     "  8  cancelled (Ctrl-C)\n"
     "  9  the worker process was lost, and the retry too\n";
 
+enum exit_code cli_help(const struct command *self)
+{
+	words_print(stdout, self->help, HELP_INDENT);
+	return cli_flush(stdout, EXIT_DONE);
+}
+
 bool cli_common_option(struct cli *cli, const struct command *self, int option, enum exit_code *code)
 {
 	switch (option) {
@@ -31,8 +41,7 @@ bool cli_common_option(struct cli *cli, const struct command *self, int option, 
 		return true;
 	case OPTION_HELP:
 	case 'h':
-		fputs(self->help, stdout);
-		*code = cli_flush(stdout, EXIT_DONE);
+		*code = cli_help(self);
 		return false;
 	default:
 		// getopt_long has said what is wrong.

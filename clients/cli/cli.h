@@ -35,7 +35,7 @@ struct cli {
 struct command {
 	const char *name;
 	const char *summary;
-	const char *help; // everything that `candil NAME --help` prints
+	const char *help; // everything that `candil NAME --help` prints, with the marks of words.h
 	enum exit_code (*run)(struct cli *cli, const struct command *self, int argc, char **argv);
 };
 
@@ -49,6 +49,9 @@ enum { OPTION_CONNECT = 1000, OPTION_JSON, OPTION_HELP };
 	{ \
 		"help", no_argument, NULL, OPTION_HELP \
 	}
+
+// Print the command's help.
+enum exit_code cli_help(const struct command *self);
 
 // Act on what getopt_long returned. true: go on. false: return *code from the command (help was asked for, or the option
 // is wrong).

@@ -20,10 +20,8 @@ static enum exit_code run_compare(struct cli *cli, const struct command *self, i
 	if (cli->json)
 		arguments[count++] = json;
 	arguments[count] = NULL;
-	if (argc == 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
-		fputs(self->help, stdout);
-		return cli_flush(stdout, EXIT_DONE);
-	}
+	if (argc == 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0))
+		return cli_help(self);
 	if (program_libexec("candil-compare", path, sizeof(path)))
 		execv(path, arguments);
 	fprintf(stderr, "candil: cannot run candil-compare: %s; candil doctor says where it should be\n", strerror(errno));

@@ -265,8 +265,6 @@ const char *edit_option_form(int option)
 		       "scale=x,y,z between commas, up to 32 times";
 	case OPTION_ANIMATION:
 		return "the name of an animation";
-	case OPTION_AT:
-		return "a number of seconds";
 	default:
 		return "something else";
 	}

@@ -48,7 +48,8 @@ const char *edit_option_form(int option);
 	"                        spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I (degrees from the axis; direction=\n" \
 	"                        instead of to=); directional:direction=x,y,z,intensity=I, with angle=DEGREES from a " \
 	"disc\n" \
-	"                        so wide (pt; the sun: 0.53). I is one number or r,g,b, in W/sr, of a directional light\n" \
+	"                        so wide (path tracing; the sun: 0.53). I is one number or r,g,b, in W/sr, of a " \
+	"directional light\n" \
 	"                        W/m²\n" \
 	"  --replace-lights      the scene's own point, spot and directional lights are out\n" \
 	"  --material NAME:KEY=VALUE,...\n" \

@@ -11,8 +11,12 @@
 #include "clients/cli/output.h"
 #include "clients/cli/report.h"
 #include "clients/cli/view.h"
+#include "protocol/limits.h"
+#include "protocol/names.h"
 
-#define OWN_OPTIONS 4u // that a picture adds to --set's: vct.show, .level, .axis, .slice
+// Options that a picture adds to those of --set.
+enum { OWN_SHOW, OWN_LEVEL, OWN_AXIS, OWN_SLICE, OWN_OPTIONS };
+static const char *const own_words[OWN_OPTIONS] = {"show", "level", "axis", "slice"};
 #define MIB (1.0 / 1048576.0)
 
 struct inspect {
@@ -21,6 +25,8 @@ struct inspect {
 	uint32_t done; // pictures that are written
 	struct candil_accepted accepted; // of the first
 	bool framed; // the scene has no camera
+	char own[OWN_OPTIONS][LIMIT_OPTION_NAME + 1]; // names of the own options, the technique's name before a dot
+	char wrong[256]; // the sentence that says what inspect cannot take
 };
 
 static const char *extension(const struct inspect *inspect)
@@ -86,11 +92,11 @@ static enum exit_code make_picture(struct inspect *inspect)
 	snprintf(level, sizeof(level), "%" PRIu32, p->level);
 	snprintf(slice, sizeof(slice), "%" PRIu32, p->slice);
 	axis[0] = "xyz"[p->axis];
-	options[count++] = (struct candil_option){"vct.show", p->show};
-	options[count++] = (struct candil_option){"vct.level", level};
+	options[count++] = (struct candil_option){inspect->own[OWN_SHOW], p->show};
+	options[count++] = (struct candil_option){inspect->own[OWN_LEVEL], level};
 	if (p->slice != INSPECT_NO_SLICE) {
-		options[count++] = (struct candil_option){"vct.axis", axis};
-		options[count++] = (struct candil_option){"vct.slice", slice};
+		options[count++] = (struct candil_option){inspect->own[OWN_AXIS], axis};
+		options[count++] = (struct candil_option){inspect->own[OWN_SLICE], slice};
 	}
 	request.options = options;
 	request.option_count = count;
@@ -204,22 +210,37 @@ static enum exit_code answer(struct inspect *inspect)
 
 // ---- the command -----------------------------------------------------------------------------------------------------
 
+// The names of the options that inspect sets itself.
+static void name_own_options(struct inspect *inspect)
+{
+	const char *technique = candil_technique_name(inspect->job.options.request.technique);
+	for (size_t i = 0; i < OWN_OPTIONS; i++)
+		snprintf(inspect->own[i], sizeof(inspect->own[i]), "%s.%s", technique, own_words[i]);
+}
+
 // What of a parsed command line inspect cannot take; NULL: nothing.
-static const char *settle(const struct inspect *inspect)
+static const char *settle(struct inspect *inspect)
 {
 	const struct candil_render_request *r = &inspect->job.options.request;
-	static const char *const own[] = {"vct.show", "vct.level", "vct.axis", "vct.slice"};
 	if (strcmp(inspect->job.options.output, "-") == 0)
 		return "-o PREFIX is what the files' names begin with: there are several";
-	if (r->technique != CANDIL_TECHNIQUE_VCT)
-		return "--technique vct alone has voxels to inspect";
+	if (!(technique_traits((unsigned)r->technique) & TECHNIQUE_VOXELS)) {
+		char list[64];
+		technique_list(TECHNIQUE_VOXELS, "or", list, sizeof(list));
+		snprintf(inspect->wrong, sizeof(inspect->wrong), "--technique %s alone has voxels to inspect", list);
+		return inspect->wrong;
+	}
+	name_own_options(inspect);
 	if (r->option_count + OWN_OPTIONS > sizeof(inspect->job.options.settings) / sizeof(*inspect->job.options.settings))
 		return "--set can be given 12 times at most";
 	for (size_t i = 0; i < r->option_count; i++)
-		for (size_t k = 0; k < sizeof(own) / sizeof(*own); k++)
-			if (strcmp(r->options[i].name, own[k]) == 0)
-				return "vct.show, vct.level, vct.axis and vct.slice are set by inspect: candil render takes "
-				       "them";
+		for (size_t k = 0; k < OWN_OPTIONS; k++)
+			if (strcmp(r->options[i].name, inspect->own[k]) == 0) {
+				snprintf(inspect->wrong, sizeof(inspect->wrong),
+					 "%s, %s, %s and %s are set by inspect: candil render takes them", inspect->own[0],
+					 inspect->own[1], inspect->own[2], inspect->own[3]);
+				return inspect->wrong;
+			}
 	return NULL;
 }
 
@@ -278,9 +299,9 @@ const struct command inspect_command = {
     .summary = "show the voxels of a scene, as pictures and figures",
     .help =
 	"Usage: candil inspect SCENE -o PREFIX [options]\n\n"
-	"The voxels that vct follows light through, cell by cell, as they are: nothing is filtered. Files:\n\n"
+	"The voxels that {voxels} follows light through, cell by cell, as they are: nothing is filtered. Files:\n\n"
 	"  PREFIX-view-radiance.png   the first occupied cell along each pixel's ray: the light that it sends, W/(m² sr).\n"
-	"                             Lamps that vct aims at one by one are dark: cones are not to find them again\n"
+	"                             Lamps that {voxels} aims at one by one are dark: cones are not to find them again\n"
 	"  PREFIX-view-albedo.png     its diffuse albedo\n"
 	"  PREFIX-view-normal.png     its normal, 0.5 + 0.5 times x, y, z, as the file's triangles wind\n"
 	"  PREFIX-view-coverage.png   the share of its faces across x, y, z that surfaces hide, in red, green, blue\n"
@@ -291,11 +312,12 @@ const struct command inspect_command = {
 	"                             that axis: x from +x with +y up, y from +y with -z up, z from +z with +y up. A cell\n"
 	"                             is a whole number of pixels\n"
 	"  PREFIX.json                figures and times; with --json they go to standard output instead\n\n"
-	"Options are those of candil render but --progressive: --set vct.resolution=256, --size WxH (which slices do not\n"
+	"Options are those of candil render but --progressive: --set {voxels}.resolution=256, --size WxH (which slices do "
+	"not\n"
 	"exceed, unless they have more cells), --camera, --format exr, --exposure EV, --light and so on; --spp is 1.\n"
-	"A cell that holds the eye is looked through. `candil render --technique vct\n"
-	"--set vct.show=none|albedo|normal|emission|irradiance|radiance|coverage`, with vct.level=N, and vct.axis=x|y|z "
-	"with vct.slice=K, makes any one of these pictures.\n\n"
+	"A cell that holds the eye is looked through. `candil render --technique {voxels}\n"
+	"--set {voxels}.show=none|albedo|normal|emission|irradiance|radiance|coverage`, with {voxels}.level=N, and\n"
+	"{voxels}.axis=x|y|z with {voxels}.slice=K, makes any one of these pictures.\n\n"
 	"--json: {\"scene\", \"scene_hash\", \"technique\", \"device\", \"format\", \"figures\": [{\"name\", \"value\", "
 	"\"unit\"}],\n"
 	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\", \"images\": [{\"image\", \"kind\": \"view\"|\"level\"|\"slice\", "

@@ -9,7 +9,7 @@
 
 struct inspect_picture {
 	const char *kind; // "view", "slice" or "level"
-	const char *show; // of vct.show
+	const char *show; // value of the option "show"
 	uint32_t level;
 	uint32_t axis; // of a slice: 0 x, 1 y, 2 z
 	uint32_t slice; // its cell; INSPECT_NO_SLICE: the camera's view

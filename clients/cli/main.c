@@ -45,10 +45,7 @@ static enum exit_code help(int argc, char **argv)
 	if (argc == 1)
 		return print_help();
 	const struct command *command = find_command(argv[1]);
-	if (!command)
-		return no_such_command(argv[1]);
-	fputs(command->help, stdout);
-	return cli_flush(stdout, EXIT_DONE);
+	return command ? cli_help(command) : no_such_command(argv[1]);
 }
 
 int main(int argc, char **argv)

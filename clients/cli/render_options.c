@@ -1,11 +1,14 @@
 #include "clients/cli/render_options.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "clients/cli/render_values.h"
 #include "clients/cli/scene_options.h"
+#include "clients/cli/words.h"
 #include "protocol/limits.h"
+#include "protocol/names.h"
 
 #define OPEN_SAMPLES 65536u
 
@@ -45,63 +48,74 @@ enum {
 	OPTION_PANORAMA,
 };
 
-// One option a line: formatted, the list could not be read.
+// Which commands have an option: bits.
+#define BY_RENDER 1u
+#define BY_SWEEP 2u
+#define BY_INSPECT 4u
+#define BY_ALL (BY_RENDER | BY_SWEEP | BY_INSPECT)
+
+// The options of this file, one a line: its name, its number, who has it, and what it takes, as a refusal says it, with the
+// marks of words.h. NULL: it takes nothing. sweep.c itself refuses what is wrong with the options of a sweep alone.
 // clang-format off
-#define SHARED_OPTIONS \
-	CLI_COMMON_OPTIONS, \
-	SCENE_OPTIONS, \
-	EDIT_OPTIONS, \
-	{"output", required_argument, NULL, OPTION_OUTPUT}, \
-	{"format", required_argument, NULL, OPTION_FORMAT}, \
-	{"technique", required_argument, NULL, OPTION_TECHNIQUE}, \
-	{"size", required_argument, NULL, OPTION_SIZE}, \
-	{"spp", required_argument, NULL, OPTION_SPP}, \
-	{"first-sample", required_argument, NULL, OPTION_FIRST_SAMPLE}, \
-	{"seed", required_argument, NULL, OPTION_SEED}, \
-	{"background", required_argument, NULL, OPTION_BACKGROUND}, \
-	{"background-turn", required_argument, NULL, OPTION_BACKGROUND_TURN}, \
-	{"background-scale", required_argument, NULL, OPTION_BACKGROUND_SCALE}, \
-	{"effects", required_argument, NULL, OPTION_EFFECTS}, \
-	{"aov", required_argument, NULL, OPTION_AOV}, \
-	{"exposure", required_argument, NULL, OPTION_EXPOSURE}, \
-	{"view", required_argument, NULL, OPTION_VIEW}, \
-	{"half", no_argument, NULL, OPTION_HALF}, \
-	{"float", no_argument, NULL, OPTION_FLOAT}, \
-	{"set", required_argument, NULL, OPTION_SET}, \
-	{"camera", required_argument, NULL, OPTION_CAMERA}, \
-	{"error", required_argument, NULL, OPTION_ERROR}, \
-	{"time", required_argument, NULL, OPTION_TIME}, \
-	{"filter", required_argument, NULL, OPTION_FILTER}, \
-	{"lens", required_argument, NULL, OPTION_LENS}, \
-	{"orthographic", required_argument, NULL, OPTION_ORTHOGRAPHIC}, \
-	{"panorama", no_argument, NULL, OPTION_PANORAMA}, \
-	{"quiet", no_argument, NULL, OPTION_QUIET}
+static const struct row {
+	const char *name;
+	int option;
+	unsigned commands;
+	const char *form;
+} rows[] = {
+	{"output", OPTION_OUTPUT, BY_ALL, "a file name, or - for standard output"},
+	{"format", OPTION_FORMAT, BY_ALL, "exr or png"},
+	{"technique", OPTION_TECHNIQUE, BY_ALL, "auto, {techniques}"},
+	{"size", OPTION_SIZE, BY_ALL, "WxH, two whole numbers of pixels such as 640x480"},
+	{"spp", OPTION_SPP, BY_ALL, "a whole number from 1 to 16777216"},
+	{"first-sample", OPTION_FIRST_SAMPLE, BY_ALL, "a whole number from 0 to 16777215"},
+	{"seed", OPTION_SEED, BY_ALL, "a whole number from 0 on"},
+	{"background", OPTION_BACKGROUND, BY_ALL, "r,g,b, three numbers such as 1,1,1, or a picture: its name or its file"},
+	{"background-turn", OPTION_BACKGROUND_TURN, BY_ALL, "a number of degrees"},
+	{"background-scale", OPTION_BACKGROUND_SCALE, BY_ALL, "a number above 0"},
+	{"effects", OPTION_EFFECTS, BY_ALL, "auto, all or none, then +NAME or -NAME, between commas; a NAME is {effects}"},
+	{"aov", OPTION_AOV, BY_ALL, "depth, normal, albedo and id, between commas"},
+	{"exposure", OPTION_EXPOSURE, BY_ALL, "a number of stops such as -1.5"},
+	{"view", OPTION_VIEW, BY_ALL, "none, reinhard or filmic"},
+	{"half", OPTION_HALF, BY_ALL, NULL},
+	{"float", OPTION_FLOAT, BY_ALL, NULL},
+	{"set", OPTION_SET, BY_ALL, "NAME=VALUE such as pt.depth=8, up to 16 times"},
+	{"camera", OPTION_CAMERA, BY_ALL, "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV"},
+	{"error", OPTION_ERROR, BY_ALL, "a relative MSE above 0 such as 1e-3"},
+	{"time", OPTION_TIME, BY_ALL, "a whole number of milliseconds from 1 to 86400000"},
+	{"filter", OPTION_FILTER, BY_ALL, "box, gauss or bh"},
+	{"lens", OPTION_LENS, BY_ALL, "RADIUS,FOCUS, two lengths in metres such as 0.02,3.5"},
+	{"orthographic", OPTION_ORTHOGRAPHIC, BY_ALL, "the height of the picture in metres, above 0"},
+	{"panorama", OPTION_PANORAMA, BY_ALL, NULL},
+	{"quiet", OPTION_QUIET, BY_ALL, NULL},
+	{"progressive", OPTION_PROGRESSIVE, BY_RENDER, NULL},
+	{"at", OPTION_AT, BY_RENDER | BY_INSPECT, "a number of seconds"},
+	{"orbit", OPTION_ORBIT, BY_SWEEP, ""},
+	{"cameras", OPTION_CAMERAS, BY_SWEEP, ""},
+	{"shard", OPTION_SHARD, BY_SWEEP, ""},
+	{"keys", OPTION_KEYS, BY_SWEEP, ""},
+	{"frames", OPTION_FRAMES, BY_SWEEP, ""},
+	{"fps", OPTION_FPS, BY_SWEEP, ""},
+	{"force", OPTION_FORCE, BY_SWEEP, NULL},
+};
 // clang-format on
+#define ROWS (sizeof(rows) / sizeof(rows[0]))
 
-static const struct option render_table[] = {
-    SHARED_OPTIONS,
-    {"at", required_argument, NULL, OPTION_AT},
-    {"progressive", no_argument, NULL, OPTION_PROGRESSIVE},
-    {NULL, 0, NULL, 0},
-};
+// The options that other files define.
+static const struct option shared_options[] = {CLI_COMMON_OPTIONS, SCENE_OPTIONS, EDIT_OPTIONS};
+#define SHARED (sizeof(shared_options) / sizeof(shared_options[0]))
 
-static const struct option inspect_table[] = {
-    SHARED_OPTIONS,
-    {"at", required_argument, NULL, OPTION_AT},
-    {NULL, 0, NULL, 0},
-};
-
-static const struct option sweep_table[] = {
-    SHARED_OPTIONS,
-    {"orbit", required_argument, NULL, OPTION_ORBIT},
-    {"cameras", required_argument, NULL, OPTION_CAMERAS},
-    {"shard", required_argument, NULL, OPTION_SHARD},
-    {"keys", required_argument, NULL, OPTION_KEYS},
-    {"frames", required_argument, NULL, OPTION_FRAMES},
-    {"fps", required_argument, NULL, OPTION_FPS},
-    {"force", no_argument, NULL, OPTION_FORCE},
-    {NULL, 0, NULL, 0},
-};
+// getopt_long's table of a command.
+static void list_options(unsigned command, struct option out[SHARED + ROWS + 1])
+{
+	size_t count = SHARED;
+	memcpy(out, shared_options, sizeof(shared_options));
+	for (size_t i = 0; i < ROWS; i++)
+		if (rows[i].commands & command)
+			out[count++] = (struct option){rows[i].name, rows[i].form ? required_argument : no_argument, NULL,
+						       rows[i].option};
+	out[count] = (struct option){0};
+}
 
 // What was given, as far as it must fit together.
 struct given {
@@ -110,73 +124,23 @@ struct given {
 	const char *word; // of a list: the one that is wrong
 };
 
-static const char *effects_form(void)
-{
-	static char text[512]; // said once, at the end of the program
-	size_t used =
-	    (size_t)snprintf(text, sizeof(text), "auto, all or none, then +NAME or -NAME, between commas; a NAME is ");
-	for (unsigned i = 0; i < CANDIL_EFFECT_COUNT && used < sizeof(text); i++)
-		used += (size_t)snprintf(text + used, sizeof(text) - used, "%s%s",
-					 i == 0                         ? ""
-					 : i == CANDIL_EFFECT_COUNT - 1 ? " or "
-									: ", ",
-					 candil_effect_name((enum candil_effect)i));
-	return text;
-}
-
 // What an option takes, for a sentence.
 static const char *form_of(int option)
 {
-	switch (option) {
-	case OPTION_OUTPUT:
-		return "a file name, or - for standard output";
-	case OPTION_FORMAT:
-		return "exr or png";
-	case OPTION_TECHNIQUE:
-		return "auto, pt, vct or direct";
-	case OPTION_SIZE:
-		return "WxH, two whole numbers of pixels such as 640x480";
-	case OPTION_SPP:
-		return "a whole number from 1 to 16777216";
-	case OPTION_FIRST_SAMPLE:
-		return "a whole number from 0 to 16777215";
-	case OPTION_SEED:
-		return "a whole number from 0 on";
-	case OPTION_CAMERA:
-		return "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV";
-	case OPTION_BACKGROUND:
-		return "r,g,b, three numbers such as 1,1,1, or a picture: its name or its file";
-	case OPTION_BACKGROUND_TURN:
-		return "a number of degrees";
-	case OPTION_BACKGROUND_SCALE:
-		return "a number above 0";
-	case OPTION_EFFECTS:
-		return effects_form();
-	case OPTION_AOV:
-		return "depth, normal, albedo and id, between commas";
-	case OPTION_EXPOSURE:
-		return "a number of stops such as -1.5";
-	case OPTION_VIEW:
-		return "none, reinhard or filmic";
-	case OPTION_SET:
-		return "NAME=VALUE such as pt.depth=8, up to 16 times";
-	case OPTION_ERROR:
-		return "a relative MSE above 0 such as 1e-3";
-	case OPTION_TIME:
-		return "a whole number of milliseconds from 1 to 86400000";
-	case OPTION_FILTER:
-		return "box, gauss or bh";
-	case OPTION_LENS:
-		return "RADIUS,FOCUS, two lengths in metres such as 0.02,3.5";
-	case OPTION_ORTHOGRAPHIC:
-		return "the height of the picture in metres, above 0";
-	case OPTION_UP:
-		return "y or z";
-	case OPTION_UNIT:
-		return "a length in metres above 0";
-	default:
-		return edit_option_form(option);
-	}
+	for (size_t i = 0; i < ROWS; i++)
+		if (rows[i].option == option)
+			return rows[i].form;
+	return edit_is_option(option) ? edit_option_form(option) : scene_option_form(option);
+}
+
+// "--size cannot be "5": it takes …"
+static enum exit_code refuse_value(const struct command *self, const char *name, const char *value, const char *form)
+{
+	char *filled = words_text(form);
+	const enum exit_code code =
+	    cli_usage(self, "--%s cannot be \"%s\": it takes %s", name, value, filled ? filled : form);
+	free(filled);
+	return code;
 }
 
 static bool parse_setting(char *text, struct render_options *options)
@@ -349,13 +313,14 @@ static const char *find_idle(const struct render_options *options, const struct 
 	return NULL;
 }
 
-// Without --spp: as many as the technique needs for a picture to look at. Those without noise need one, and where something
-// else is to end it there are as many as will ever do.
+// Without --spp: as many samples as make a picture to look at. A technique without noise needs one. Where an error or a
+// deadline ends the render, there are as many as will ever do. The daemon has the same defaults, but a sweep must know the
+// number, which bounds how many cameras go into one request.
 static void settle_samples(struct candil_render_request *request)
 {
 	struct candil_render_request usual;
 	candil_render_request_init(&usual);
-	const bool noisy = request->technique != CANDIL_TECHNIQUE_DIRECT && request->technique != CANDIL_TECHNIQUE_VCT;
+	const bool noisy = technique_traits((unsigned)request->technique) & TECHNIQUE_NOISE;
 	const bool open = request->target_error > 0 || request->deadline_ms > 0;
 	if (request->samples == 0)
 		request->samples = noisy && open ? OPEN_SAMPLES : noisy ? usual.samples : 1;
@@ -370,12 +335,14 @@ static void init(struct render_options *options)
 	edit_options_init(&options->edits);
 }
 
-// Into options that were begun with init. `format`: of an output whose name says none; NULL: it must.
-static bool parse(struct cli *cli, const struct command *self, int argc, char **argv, const struct option *long_options,
-		  const char *format, struct render_options *options, struct sweep_texts *texts, enum exit_code *code)
+// Into options that were begun with init. `which`: BY_…. `format`: of an output whose name says none; NULL: it must.
+static bool parse(struct cli *cli, const struct command *self, int argc, char **argv, unsigned which, const char *format,
+		  struct render_options *options, struct sweep_texts *texts, enum exit_code *code)
 {
 	struct given given = {.format = format};
+	struct option long_options[SHARED + ROWS + 1];
 	int option, index = 0;
+	list_options(which, long_options);
 	while ((option = getopt_long(argc, argv, "ho:", long_options, &index)) != -1) {
 		char whole[256];
 		snprintf(whole, sizeof(whole), "%s", optarg ? optarg : "");
@@ -392,9 +359,8 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 			*code = options->edits.full
 				    ? cli_usage(self, "--%s is taken %u times at most: a request has no room for more",
 						long_options[index].name, LIMIT_EDIT_LIGHTS)
-				    : cli_usage(self, "--%s cannot be \"%s\": it takes %s",
-						option == OPTION_OUTPUT ? "output" : long_options[index].name,
-						given.word ? given.word : whole, form_of(option));
+				    : refuse_value(self, option == OPTION_OUTPUT ? "output" : long_options[index].name,
+						   given.word ? given.word : whole, form_of(option));
 			return false;
 		}
 	}
@@ -421,7 +387,7 @@ bool render_options_parse(struct cli *cli, const struct command *self, int argc,
 			  enum exit_code *code)
 {
 	init(options);
-	return parse(cli, self, argc, argv, render_table, NULL, options, NULL, code);
+	return parse(cli, self, argc, argv, BY_RENDER, NULL, options, NULL, code);
 }
 
 bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
@@ -429,7 +395,7 @@ bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, 
 {
 	*texts = (struct sweep_texts){0};
 	init(options);
-	return parse(cli, self, argc, argv, sweep_table, NULL, options, texts, code);
+	return parse(cli, self, argc, argv, BY_SWEEP, NULL, options, texts, code);
 }
 
 bool inspect_options_parse(struct cli *cli, const struct command *self, int argc, char **argv,
@@ -437,9 +403,9 @@ bool inspect_options_parse(struct cli *cli, const struct command *self, int argc
 {
 	init(options);
 	options->request.samples = 1;
-	if (!parse(cli, self, argc, argv, inspect_table, "png", options, NULL, code))
+	if (!parse(cli, self, argc, argv, BY_INSPECT, "png", options, NULL, code))
 		return false;
 	if (options->request.technique == CANDIL_TECHNIQUE_AUTO)
-		options->request.technique = CANDIL_TECHNIQUE_VCT;
+		options->request.technique = (enum candil_technique)technique_with(TECHNIQUE_VOXELS);
 	return true;
 }

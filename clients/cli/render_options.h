@@ -30,7 +30,7 @@ bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, 
 			 struct sweep_texts *texts, enum exit_code *code);
 
 // The same for `candil inspect`, whose output is what its files' names begin with: PNG unless --format says exr, one sample
-// a pixel unless --spp does, vct.
+// a pixel unless --spp does, and the technique that has voxels unless --technique names one.
 bool inspect_options_parse(struct cli *cli, const struct command *self, int argc, char **argv,
 			   struct render_options *options, enum exit_code *code);
 

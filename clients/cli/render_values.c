@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "clients/cli/cli.h"
+#include "protocol/names.h"
 
 #define ALL_EFFECTS ((1u << CANDIL_EFFECT_COUNT) - 1u)
 
@@ -101,13 +102,10 @@ bool value_aovs(char *list, struct candil_render_request *r, const char **wrong)
 
 bool value_technique(const char *text, struct candil_render_request *r)
 {
-	for (int i = CANDIL_TECHNIQUE_AUTO; i <= CANDIL_TECHNIQUE_DIRECT; i++) {
-		if (strcmp(text, candil_technique_name((enum candil_technique)i)) == 0) {
-			r->technique = (enum candil_technique)i;
-			return true;
-		}
-	}
-	return false;
+	const int number = technique_number(text, strlen(text));
+	if (number >= 0)
+		r->technique = (enum candil_technique)number;
+	return number >= 0;
 }
 
 bool value_view(const char *text, struct candil_render_request *r)

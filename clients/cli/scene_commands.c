@@ -45,7 +45,7 @@ static enum exit_code run_load(struct cli *cli, const struct command *self, int 
 			under_root = true;
 		else if (option == OPTION_UP || option == OPTION_UNIT) {
 			if (!scene_option(option, optarg, &request))
-				return cli_usage(self, "%s, not \"%s\"", scene_option_form(option), optarg);
+				return scene_option_refuse(self, option, optarg);
 		} else if (!cli_common_option(cli, self, option, &code)) {
 			return code;
 		}
@@ -174,7 +174,7 @@ static enum exit_code run_describe(struct cli *cli, const struct command *self, 
 	while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
 		if (option == OPTION_UP || option == OPTION_UNIT) {
 			if (!scene_option(option, optarg, &how))
-				return cli_usage(self, "%s, not \"%s\"", scene_option_form(option), optarg);
+				return scene_option_refuse(self, option, optarg);
 		} else if (!cli_common_option(cli, self, option, &code)) {
 			return code;
 		}

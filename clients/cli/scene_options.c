@@ -18,7 +18,13 @@ bool scene_option(int option, const char *text, struct candil_load_request *requ
 
 const char *scene_option_form(int option)
 {
-	return option == OPTION_UNIT ? "--unit takes a length in metres above 0" : "--up takes y or z";
+	return option == OPTION_UNIT ? "a length in metres above 0" : "y or z";
+}
+
+enum exit_code scene_option_refuse(const struct command *self, int option, const char *text)
+{
+	return cli_usage(self, "--%s takes %s, not \"%s\"", option == OPTION_UNIT ? "unit" : "up", scene_option_form(option),
+			 text);
 }
 
 bool scene_options_given(const struct candil_load_request *request)

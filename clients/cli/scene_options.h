@@ -14,8 +14,11 @@ enum { OPTION_UP = 1100, OPTION_UNIT };
 // Take one of the two. false: the text is no axis, or no length above 0.
 bool scene_option(int option, const char *text, struct candil_load_request *request);
 
-// What the option takes: "--up takes …".
+// What the option takes, for a sentence.
 const char *scene_option_form(int option);
+
+// Say that `text` is none of what the option takes.
+enum exit_code scene_option_refuse(const struct command *self, int option, const char *text);
 
 // Whether either was given.
 bool scene_options_given(const struct candil_load_request *request);

@@ -3,6 +3,7 @@ and option, and no other; the example is what goes over the wire."""
 import glob
 import os
 import re
+import subprocess
 import unittest
 
 import wire
@@ -96,7 +97,9 @@ class Readme(unittest.TestCase):
 
     def test_every_effect(self):
         names = [value.name for value in pb.DESCRIPTOR.enum_types_by_name["Effect"].values]
-        for text in (README, read("clients", "cli", "render.c")):
+        manual = subprocess.run([os.path.join(wire.BUILD, "bin", "candil"), "render", "--help"], stdout=subprocess.PIPE,
+                                check=True).stdout.decode()
+        for text in (README, manual):
             for name in names:
                 self.assertIn(name.removeprefix("EFFECT_").lower().replace("_", "-"), text)
 

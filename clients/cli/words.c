@@ -1,0 +1,105 @@
+#include "clients/cli/words.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/names.h"
+
+#define COLUMNS 116u // of a help text
+
+struct words {
+	FILE *out;
+	unsigned column, indent;
+};
+
+static void words_put(struct words *w, const char *text, size_t bytes)
+{
+	for (size_t i = 0; i < bytes; i++) {
+		// Bytes of a character behind its first take no column.
+		w->column += ((unsigned char)text[i] & 0xC0) != 0x80;
+		if (text[i] == '\n')
+			w->column = 0;
+	}
+	fwrite(text, 1, bytes, w->out);
+}
+
+static void words_put_effects(struct words *w)
+{
+	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
+		const char *name = effect_name(i);
+		const char *before = i == 0 ? "" : i == EFFECT_COUNT - 1 ? " or " : ", ";
+		if (w->indent > 0 && w->column + strlen(before) + strlen(name) > COLUMNS) {
+			// The space of `before` gives way to the end of the line.
+			words_put(w, before, strlen(before) - 1);
+			fprintf(w->out, "\n%*s", (int)w->indent, "");
+			w->column = w->indent;
+		} else {
+			words_put(w, before, strlen(before));
+		}
+		words_put(w, name, strlen(name));
+	}
+}
+
+static void words_put_techniques(struct words *w, unsigned traits)
+{
+	char list[256];
+	technique_list(traits, "or", list, sizeof(list));
+	words_put(w, list, strlen(list));
+}
+
+// Put what stands for the mark at `text`. Returns the mark's length; 0: there is no mark.
+static size_t words_put_mark(struct words *w, const char *text)
+{
+	static const struct {
+		const char *mark;
+		unsigned traits; // 0: not a list of techniques
+	} marks[] = {
+	    {"{techniques}", TECHNIQUE_RENDERS},
+	    {"{noise}", TECHNIQUE_NOISE},
+	    {"{voxels}", TECHNIQUE_VOXELS},
+	    {"{auto}", 0},
+	    {"{effects}", 0},
+	};
+	for (size_t i = 0; i < sizeof(marks) / sizeof(marks[0]); i++) {
+		const size_t length = strlen(marks[i].mark);
+		if (strncmp(text, marks[i].mark, length) != 0)
+			continue;
+		if (marks[i].traits != 0)
+			words_put_techniques(w, marks[i].traits);
+		else if (marks[i].mark[1] == 'a')
+			words_put(w, technique_name(TECHNIQUE_OF_AUTO), strlen(technique_name(TECHNIQUE_OF_AUTO)));
+		else
+			words_put_effects(w);
+		return length;
+	}
+	return 0;
+}
+
+void words_print(FILE *out, const char *text, unsigned indent)
+{
+	struct words w = {.out = out, .indent = indent};
+	while (*text) {
+		const size_t plain = strcspn(text, "{");
+		words_put(&w, text, plain);
+		text += plain;
+		const size_t mark = words_put_mark(&w, text);
+		if (mark == 0 && *text)
+			words_put(&w, text++, 1);
+		text += mark;
+	}
+}
+
+char *words_text(const char *text)
+{
+	char *filled = NULL;
+	size_t bytes;
+	FILE *out = open_memstream(&filled, &bytes);
+	if (!out)
+		return NULL;
+	words_print(out, text, 0);
+	if (fclose(out) != 0) {
+		free(filled);
+		return NULL;
+	}
+	return filled;
+}
