@@ -2,14 +2,15 @@
 #include <string.h>
 #include <time.h>
 
-#include "clients/libcandil/private.h"
+#include "clients/libcandil/client.h"
+#include "clients/libcandil/error.h"
 
 static candil_status refuse_if_busy(const candil_client *client, struct candil_error *error)
 {
-	if (!request_any_open(client))
+	if (!request_any_audible(&client->requests))
 		return CANDIL_STATUS_OK;
-	return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT,
-			   "submitted requests are open on this connection; take their events first or use another one");
+	return error_set(error, CANDIL_STATUS_BAD_ARGUMENT,
+			 "submitted requests are open on this connection; take their events first or use another one");
 }
 
 // The next event of the one open request. Its ERROR becomes the result.
@@ -22,7 +23,7 @@ static candil_status wait_event(candil_client *client, struct candil_event *even
 			return status;
 	}
 	if (event->kind == CANDIL_EVENT_ERROR)
-		return client_fail(error, event->u.error.code, "%s", event->u.error.text);
+		return error_set(error, event->u.error.code, "%s", event->u.error.text);
 	return CANDIL_STATUS_OK;
 }
 
@@ -42,7 +43,7 @@ candil_status candil_ping(candil_client *client, uint64_t *microseconds, struct 
 		return status;
 	clock_gettime(CLOCK_MONOTONIC, &to);
 	if (event.u.pong.bytes != sizeof(payload) || memcmp(event.u.pong.payload, payload, sizeof(payload)) != 0)
-		return client_fail(error, CANDIL_STATUS_IO, "the daemon answered a ping with other bytes");
+		return error_set(error, CANDIL_STATUS_IO, "the daemon answered a ping with other bytes");
 	if (microseconds)
 		*microseconds = (uint64_t)((to.tv_sec - from.tv_sec) * 1000000 + (to.tv_nsec - from.tv_nsec) / 1000);
 	return CANDIL_STATUS_OK;
@@ -185,7 +186,7 @@ candil_status candil_render(candil_client *client, const struct candil_render_re
 	}
 	// The render was quicker than its cancel: to the caller it is cancelled all the same.
 	if (status == CANDIL_STATUS_OK && cancelled)
-		status = client_fail(error, CANDIL_STATUS_CANCELLED, "the render was cancelled by its caller");
+		status = error_set(error, CANDIL_STATUS_CANCELLED, "the render was cancelled by its caller");
 	if (status != CANDIL_STATUS_OK) {
 		candil_free(result->image.data);
 		result->image = (struct candil_image){0};
@@ -233,6 +234,6 @@ candil_status candil_sweep(candil_client *client, const struct candil_render_req
 		}
 	}
 	if (status == CANDIL_STATUS_OK && cancelled)
-		status = client_fail(error, CANDIL_STATUS_CANCELLED, "the sweep was cancelled by its caller");
+		status = error_set(error, CANDIL_STATUS_CANCELLED, "the sweep was cancelled by its caller");
 	return status;
 }

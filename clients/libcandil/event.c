@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/libcandil/private.h"
+#include "clients/libcandil/client.h"
+#include "clients/libcandil/message.h"
 
 // Room for any file of these dimensions: every AOV as float is 44 bytes a pixel, and a file has its headers.
 static uint64_t image_bytes_max(const struct request *request)
@@ -13,8 +14,9 @@ static uint64_t image_bytes_max(const struct request *request)
 
 static void protocol_error(candil_client *client, const struct header *header, const char *what)
 {
-	client_break(client, CANDIL_STATUS_IO, "the daemon broke the protocol: %s (%s, %u bytes, request %u)", what,
-		     message_type_name(header->type), header->length, header->request);
+	connection_break(&client->connection, CANDIL_STATUS_IO,
+			 "the daemon broke the protocol: %s (%s, %u bytes, request %u)", what,
+			 message_type_name(header->type), header->length, header->request);
 }
 
 // Whether a request of this type may get that reply.
@@ -59,7 +61,7 @@ static void image_begin(candil_client *client, struct request *request, const st
 		protocol_error(client, header, "an image of another size or format than was asked for");
 	else if (frame.bytes == 0 || frame.bytes > image_bytes_max(request))
 		protocol_error(client, header, "an image of an impossible length");
-	if (client->broken.code != CANDIL_STATUS_OK)
+	if (client->connection.broken.code != CANDIL_STATUS_OK)
 		return;
 	image->frame = frame;
 	image->receiving = true;
@@ -94,8 +96,8 @@ static bool image_append(candil_client *client, struct request *request, const s
 		return false;
 	}
 	if (!image_reserve(image, image->filled + header->length)) {
-		client_break(client, CANDIL_STATUS_MEMORY, "out of memory for an image of %llu bytes",
-			     (unsigned long long)image->frame.bytes);
+		connection_break(&client->connection, CANDIL_STATUS_MEMORY, "out of memory for an image of %llu bytes",
+				 (unsigned long long)image->frame.bytes);
 		return false;
 	}
 	if (header->length > 0)
@@ -128,8 +130,8 @@ static void take_hello(candil_client *client, struct request *request, const str
 	if (!message_read_server(body, header->length, &client->server))
 		protocol_error(client, header, "the message cannot be decoded");
 	else if (client->server.version != CANDIL_VERSION)
-		client_break(client, CANDIL_STATUS_BAD_VERSION, "the daemon speaks version %u, this library %u",
-			     client->server.version, CANDIL_VERSION);
+		connection_break(&client->connection, CANDIL_STATUS_BAD_VERSION,
+				 "the daemon speaks version %u, this library %u", client->server.version, CANDIL_VERSION);
 	else
 		client->greeted = true;
 	request_close(request);
@@ -164,7 +166,7 @@ static bool take_reply(candil_client *client, struct request *request, const str
 	}
 	bool silent = request->silent;
 	if (request->type == MESSAGE_HELLO)
-		client_break(client, event->u.error.code, "%s", event->u.error.text);
+		connection_break(&client->connection, event->u.error.code, "%s", event->u.error.text);
 	if (event->ends_request)
 		request_close(request);
 	return !silent;
@@ -175,7 +177,7 @@ static void take_farewell(candil_client *client, const struct header *header, co
 			  struct candil_event *event)
 {
 	if (message_read_event(MESSAGE_ERROR, body, header->length, event))
-		client_break(client, event->u.error.code, "%s", event->u.error.text);
+		connection_break(&client->connection, event->u.error.code, "%s", event->u.error.text);
 	else
 		protocol_error(client, header, "the message cannot be decoded");
 }
@@ -185,38 +187,16 @@ static bool known_reply(uint8_t type)
 	return type == MESSAGE_ERROR || (type >= MESSAGE_HELLO_REPLY && type <= MESSAGE_STATS_REPLY);
 }
 
-// Take one whole message off the buffer. false: none is there.
-static bool take_message(candil_client *client, struct header *header, const uint8_t **body)
-{
-	size_t there = client->in_end - client->in_start;
-	if (there < CANDIL_HEADER_BYTES)
-		return false;
-	const uint8_t *at = client->in + client->in_start;
-	enum status status = header_decode(at, header);
-	if (status != STATUS_OK) {
-		client_break(client, (candil_status)status, "what answers does not speak candil's protocol (%s)",
-			     status_name(status));
-		return false;
-	}
-	if (there < CANDIL_HEADER_BYTES + (size_t)header->length)
-		return false;
-	client->in_start += CANDIL_HEADER_BYTES + (size_t)header->length;
-	*body = at + CANDIL_HEADER_BYTES;
-	return true;
-}
-
-// The connection is over: every open request ends with the reason.
+// The connection is over: every open request ends with the reason. false: none that the caller made is left.
 static bool next_failure(candil_client *client, struct candil_event *event)
 {
-	for (size_t i = 0; i < 2u * OPEN_REQUESTS; i++) {
-		struct request *request = &client->requests[i];
-		bool silent = request->silent;
-		if (request->id == 0)
-			continue;
+	struct request *request;
+	while ((request = request_any(&client->requests))) {
+		const bool silent = request->silent;
 		event->kind = CANDIL_EVENT_ERROR;
 		event->id = request->id;
 		event->ends_request = true;
-		event->u.error = client->broken;
+		event->u.error = client->connection.broken;
 		request_close(request);
 		if (!silent)
 			return true;
@@ -231,8 +211,8 @@ bool candil_next_event(candil_client *client, struct candil_event *event)
 	memset(event, 0, sizeof(*event));
 	struct header header;
 	const uint8_t *body;
-	while (client->broken.code == CANDIL_STATUS_OK && take_message(client, &header, &body)) {
-		struct request *request = request_find(client, header.request);
+	while (connection_next(&client->connection, &header, &body)) {
+		struct request *request = request_find(&client->requests, header.request);
 		if (request && known_reply(header.type)) {
 			if (take_reply(client, request, &header, body, event))
 				return true;
@@ -240,9 +220,7 @@ bool candil_next_event(candil_client *client, struct candil_event *event)
 			take_farewell(client, &header, body, event);
 		}
 	}
-	if (client->eof)
-		client_break(client, CANDIL_STATUS_IO, "the daemon closed the connection");
-	return client->broken.code != CANDIL_STATUS_OK && next_failure(client, event);
+	return client->connection.broken.code != CANDIL_STATUS_OK && next_failure(client, event);
 }
 
 void candil_keep_image(candil_client *client, const struct candil_image *image)

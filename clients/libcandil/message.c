@@ -1,9 +1,12 @@
-// Between the generated messages and the plain structures of candil_types.h.
+#include "clients/libcandil/message.h"
+
 #include <math.h>
 #include <pb_decode.h>
 #include <string.h>
 
-#include "clients/libcandil/private.h"
+#include "clients/libcandil/error.h"
+#include "clients/libcandil/text.h"
+#include "protocol/header.h"
 
 #define TEXT(to, from) text_copy((to), sizeof(to), (from))
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -13,9 +16,9 @@
 static candil_status take_string(const char *what, const char *in, char *out, size_t capacity, struct candil_error *error)
 {
 	if (!in || !*in)
-		return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT, "%s is missing", what);
+		return error_set(error, CANDIL_STATUS_BAD_ARGUMENT, "%s is missing", what);
 	if (strlen(in) >= capacity)
-		return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT, "%s is longer than %zu bytes", what, capacity - 1);
+		return error_set(error, CANDIL_STATUS_BAD_ARGUMENT, "%s is longer than %zu bytes", what, capacity - 1);
 	strcpy(out, in);
 	return CANDIL_STATUS_OK;
 }
@@ -33,8 +36,7 @@ candil_status message_write_name(const char *name, char *out, size_t capacity, s
 candil_status message_write_load(const struct candil_load_request *request, candil_Load *load, struct candil_error *error)
 {
 	if (!request->server_path == !request->file)
-		return client_fail(error, CANDIL_STATUS_BAD_ARGUMENT,
-				   "a load names either a path of the daemon's or a file");
+		return error_set(error, CANDIL_STATUS_BAD_ARGUMENT, "a load names either a path of the daemon's or a file");
 	load->up = (candil_UpAxis)request->up;
 	load->metres_per_unit = request->metres_per_unit;
 	candil_status status = message_write_name(request->name, load->name, sizeof(load->name), error);
@@ -65,7 +67,7 @@ static candil_status write_options(const struct candil_render_request *request, 
 				   struct candil_error *error)
 {
 	if (request->option_count > COUNT(render->options))
-		return client_fail(error, CANDIL_STATUS_LIMIT, "a render takes at most %zu options", COUNT(render->options));
+		return error_set(error, CANDIL_STATUS_LIMIT, "a render takes at most %zu options", COUNT(render->options));
 	candil_status status = CANDIL_STATUS_OK;
 	for (size_t i = 0; i < request->option_count && status == CANDIL_STATUS_OK; i++) {
 		candil_Option *to = &render->options[render->options_count++];
@@ -131,8 +133,8 @@ static candil_status write_edits(const struct candil_edits *from, candil_Edits *
 	candil_status status = CANDIL_STATUS_OK;
 	if (from->light_count > COUNT(to->lights) || from->material_count > COUNT(to->materials) ||
 	    from->node_count > COUNT(to->nodes))
-		return client_fail(error, CANDIL_STATUS_LIMIT,
-				   "a request edits at most %zu lights, materials and nodes each", COUNT(to->lights));
+		return error_set(error, CANDIL_STATUS_LIMIT, "a request edits at most %zu lights, materials and nodes each",
+				 COUNT(to->lights));
 	to->replace_lights = from->replace_lights;
 	to->time_s = from->time_s;
 	for (size_t i = 0; i < from->light_count; i++)
@@ -166,7 +168,7 @@ candil_status message_write_sweep(const struct candil_render_request *request, c
 {
 	_Static_assert(COUNT(sweep->cameras) == CANDIL_SWEEP_CAMERAS, "candil_types.h and candil.options differ");
 	if (count < 1 || count > CANDIL_SWEEP_CAMERAS)
-		return client_fail(error, CANDIL_STATUS_LIMIT, "a sweep takes 1 to %u cameras", CANDIL_SWEEP_CAMERAS);
+		return error_set(error, CANDIL_STATUS_LIMIT, "a sweep takes 1 to %u cameras", CANDIL_SWEEP_CAMERAS);
 	sweep->has_render = true;
 	candil_status status = message_write_render(request, &sweep->render, error);
 	sweep->render.has_camera = false;

@@ -1,7 +1,9 @@
 // The names of the public enumerations, and the proof that those which are typed out in candil_types.h have the numbers of
 // the wire.
 #include "protocol/names.h"
-#include "clients/libcandil/private.h"
+#include "candil.pb.h"
+#include "clients/libcandil/candil.h"
+#include "protocol/header.h"
 
 #define SAME(ours, theirs) _Static_assert((int)(ours) == (int)(theirs), #ours " differs from candil.proto")
 SAME(CANDIL_UP_DEFAULT, candil_UpAxis_UP_DEFAULT);

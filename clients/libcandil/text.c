@@ -1,6 +1,8 @@
-#include <string.h>
+#include "clients/libcandil/text.h"
 
-#include "clients/libcandil/private.h"
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
 // Bytes of the well-formed UTF-8 character at `s`, which ends with a zero; 0 if it is none or a control character.
 static size_t character_bytes(const unsigned char *s)

@@ -1,0 +1,11 @@
+// How every call of the library says that it failed.
+#ifndef CANDIL_LIBCANDIL_ERROR_H
+#define CANDIL_LIBCANDIL_ERROR_H
+
+#include "clients/libcandil/candil.h"
+
+// Fill `error`, which may be NULL, with a code and a sentence. Returns `code`.
+candil_status error_set(struct candil_error *error, candil_status code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+#endif
