@@ -42,9 +42,9 @@ const char *candil_status_name(candil_status status)
 	return status_name((unsigned)status);
 }
 
-const char *candil_library_version(void)
+uint32_t candil_version(void)
 {
-	return CANDIL_VERSION_STRING;
+	return CANDIL_VERSION_NUMBER;
 }
 
 const char *candil_technique_name(enum candil_technique technique)

@@ -1,5 +1,6 @@
 """libcandil as a user has it: installed, found by pkg-config and by CMake, usable from C and C++, and hiding its insides."""
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -40,6 +41,42 @@ def check_symbols(libraries):
         assert library not in needed, needed
 
 
+def project_version():
+    with open(os.path.join(SOURCE, "CMakeLists.txt"), encoding="utf-8") as file:
+        return re.search(r"project\(candil VERSION (\d+)\.(\d+)\.(\d+)", file.read()).groups()
+
+
+VERSION_PROGRAM = """#include <candil.h>
+#include <stdio.h>
+int main(void)
+{
+	if (candil_version() != CANDIL_VERSION_NUMBER)
+		return 1;
+	printf("%u.%u.%u %d.%d.%d\\n", candil_version() >> 16, candil_version() >> 8 & 255, candil_version() & 255,
+	       CANDIL_VERSION_MAJOR, CANDIL_VERSION_MINOR, CANDIL_VERSION_PATCH);
+	return 0;
+}
+"""
+
+
+def check_version(folder, libraries, flags, env):
+    """The name of the shared library, its function, the headers and both packages tell the project's version."""
+    major, minor, patch = project_version()
+    whole = f"{major}.{minor}.{patch}"
+    name = f"libcandil.so.{major}.{minor}" if major == "0" else f"libcandil.so.{major}"
+    assert f"Library soname: [{name}]" in must("readelf", "-d", os.path.join(libraries, "libcandil.so"))
+    assert os.readlink(os.path.join(libraries, "libcandil.so")) == name
+    assert os.readlink(os.path.join(libraries, name)) == f"libcandil.so.{whole}"
+    source, program = os.path.join(folder, "version.c"), os.path.join(folder, "version")
+    with open(source, "w") as file:
+        file.write(VERSION_PROGRAM)
+    must("cc", "-Wall", "-Wextra", "-Werror", *FLAGS, source, *flags, "-o", program)
+    assert must(program, env=dict(env, LD_LIBRARY_PATH=libraries)) == f"{whole} {whole}\n"
+    assert must("pkg-config", "--modversion", "candil", env=env) == whole + "\n"
+    with open(os.path.join(libraries, "cmake", "candil", "candilConfigVersion.cmake")) as file:
+        assert f'set(PACKAGE_VERSION "{whole}")' in file.read()
+
+
 def main():
     example = os.path.join(SOURCE, "clients", "examples", "minimal.c")
     with tempfile.TemporaryDirectory() as folder:
@@ -51,6 +88,7 @@ def main():
 
         env = dict(os.environ, PKG_CONFIG_PATH=found[0])
         flags = must("pkg-config", "--cflags", "--libs", "candil", env=env).split()
+        check_version(folder, libraries, flags, env)
         program = os.path.join(folder, "minimal")
         must("cc", "-Wall", "-Wextra", "-Werror", *FLAGS, example, *flags, "-o", program)
         result = run(program, os.path.join(folder, "nobody"), "x", "y", env=dict(env, LD_LIBRARY_PATH=libraries))
