@@ -65,8 +65,8 @@ def skip_without_device():
 class Daemon:
     """candild on a socket in `folder`, its log beside it."""
 
-    def __init__(self, folder, *arguments):
-        self.socket = os.path.join(folder, "test.sock")
+    def __init__(self, folder, *arguments, socket="test.sock"):
+        self.socket = os.path.join(folder, socket)
         self.log = open(os.path.join(folder, "daemon.log"), "w+")
         self.process = subprocess.Popen([CANDILD, "--socket", self.socket, *arguments], stdin=subprocess.DEVNULL,
                                         stderr=self.log)
