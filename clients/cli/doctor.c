@@ -60,7 +60,7 @@ static void check_programs(struct findings *f)
 	}
 }
 
-static json_t *failure(const char *why)
+static json_t *failure_json(const char *why)
 {
 	return json_pack("{s:o}", "why", cli_json_text(why));
 }
@@ -72,15 +72,15 @@ static void check_devices(struct findings *f)
 	char option[] = "--doctor";
 	char *argv[] = {f->programs[WORKER].path, option, NULL};
 	if (!f->programs[WORKER].works) {
-		f->worker = failure("candil-worker does not start");
+		f->worker = failure_json("candil-worker does not start");
 		return;
 	}
 	int status = program_run(argv, WORKER_MS, out, err, sizeof(out));
 	json_error_t wrong;
-	f->worker = status >= 0 ? json_loads(out, 0, &wrong) : failure(strerror(errno));
+	f->worker = status >= 0 ? json_loads(out, 0, &wrong) : failure_json(strerror(errno));
 	if (!json_is_object(f->worker)) {
 		json_decref(f->worker);
-		f->worker = failure(err[0] ? err : "candil-worker --doctor printed nothing that can be read");
+		f->worker = failure_json(err[0] ? err : "candil-worker --doctor printed nothing that can be read");
 	}
 	const json_t *chosen = json_object_get(f->worker, "chosen");
 	f->ok = f->ok && status == 0 && (!chosen || json_integer_value(chosen) >= 0);
@@ -96,7 +96,7 @@ static void check_sandbox(struct findings *f)
 	char option[] = "--sandbox-report";
 	char *argv[] = {f->programs[LOADER].path, option, NULL};
 	if (!f->programs[LOADER].works) {
-		f->sandbox = failure("candil-loader does not start");
+		f->sandbox = failure_json("candil-loader does not start");
 		return;
 	}
 	json_error_t wrong;
@@ -104,7 +104,7 @@ static void check_sandbox(struct findings *f)
 	f->sandbox = status == 0 ? json_loads(out, 0, &wrong) : NULL;
 	if (!json_is_object(f->sandbox)) {
 		json_decref(f->sandbox);
-		f->sandbox = failure(err[0] ? err : "candil-loader --sandbox-report printed nothing that can be read");
+		f->sandbox = failure_json(err[0] ? err : "candil-loader --sandbox-report printed nothing that can be read");
 	}
 }
 

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clients/cli/angles.h"
+
 #define NUMBERS_MAX 4u
 
 // "key=1,2,3"
@@ -177,7 +179,7 @@ static bool take_material(char *text, struct edit_options *o)
 static bool take_rotation(const struct pair *pair, double out[4])
 {
 	const double length = sqrt(pair->v[0] * pair->v[0] + pair->v[1] * pair->v[1] + pair->v[2] * pair->v[2]);
-	const double half = pair->v[3] * 3.14159265358979323846 / 360;
+	const double half = angles_radians(0.5 * pair->v[3]);
 	if (pair->count != 4 || !(length > 0) || !isfinite(length))
 		return false;
 	for (int i = 0; i < 3; i++)

@@ -36,7 +36,7 @@ static const char *extension(const struct inspect *inspect)
 
 // ---- the pictures ----------------------------------------------------------------------------------------------------
 
-static bool write_image(const struct inspect *inspect, struct inspect_picture *p, const struct candil_image *image)
+static bool inspect_write_image(const struct inspect *inspect, struct inspect_picture *p, const struct candil_image *image)
 {
 	char name[PATH_MAX];
 	if (!inspect_name(p, inspect->job.options.output, extension(inspect), name, sizeof(name))) {
@@ -48,7 +48,7 @@ static bool write_image(const struct inspect *inspect, struct inspect_picture *p
 }
 
 // One event of the picture that is under way. false: it cannot be written (errno).
-static bool take_event(void *user, const struct candil_event *event)
+static bool inspect_take_event(void *user, const struct candil_event *event)
 {
 	struct inspect *inspect = user;
 	struct inspect_picture *p = &inspect->list.pictures[inspect->done];
@@ -62,7 +62,7 @@ static bool take_event(void *user, const struct candil_event *event)
 				inspect->done, inspect->list.count);
 		return true;
 	case CANDIL_EVENT_IMAGE:
-		return !event->u.image.final || write_image(inspect, p, &event->u.image);
+		return !event->u.image.final || inspect_write_image(inspect, p, &event->u.image);
 	case CANDIL_EVENT_DONE:
 		p->done = event->u.done;
 		return true;
@@ -71,13 +71,13 @@ static bool take_event(void *user, const struct candil_event *event)
 	}
 }
 
-static enum exit_code see_through(struct inspect *inspect, const struct candil_render_request *request)
+static enum exit_code inspect_see_through(struct inspect *inspect, const struct candil_render_request *request)
 {
 	struct candil_error error;
 	uint32_t id;
 	if (candil_submit_render(inspect->job.target.client, request, &id, &error) != CANDIL_STATUS_OK)
 		return job_fail(&inspect->job, &error);
-	return job_follow(&inspect->job, id, take_event, inspect);
+	return job_follow(&inspect->job, id, inspect_take_event, inspect);
 }
 
 // The next of the list.
@@ -102,7 +102,7 @@ static enum exit_code make_picture(struct inspect *inspect)
 	request.option_count = count;
 	request.width = p->width;
 	request.height = p->height;
-	enum exit_code code = see_through(inspect, &request);
+	enum exit_code code = inspect_see_through(inspect, &request);
 	inspect->done += code == EXIT_DONE;
 	return code;
 }
@@ -124,7 +124,7 @@ static enum exit_code make_others(struct inspect *inspect)
 
 // ---- the answer ------------------------------------------------------------------------------------------------------
 
-static json_t *picture_json(const struct inspect *inspect, const struct inspect_picture *p)
+static json_t *inspect_picture_json(const struct inspect *inspect, const struct inspect_picture *p)
 {
 	char name[PATH_MAX] = "";
 	inspect_name(p, inspect->job.options.output, extension(inspect), name, sizeof(name));
@@ -142,12 +142,12 @@ static json_t *picture_json(const struct inspect *inspect, const struct inspect_
 	return o;
 }
 
-static json_t *answer_json(const struct inspect *inspect)
+static json_t *inspect_answer_json(const struct inspect *inspect)
 {
 	const struct candil_done *first = &inspect->list.pictures[0].done;
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < inspect->list.count; i++)
-		json_array_append_new(images, picture_json(inspect, &inspect->list.pictures[i]));
+		json_array_append_new(images, inspect_picture_json(inspect, &inspect->list.pictures[i]));
 	return json_pack("{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->job.options.scene),
 			 "scene_hash", cli_json_text(inspect->job.target.info.hash), "technique",
 			 candil_technique_name(inspect->accepted.technique), "device", cli_json_text(first->device),
@@ -157,10 +157,10 @@ static json_t *answer_json(const struct inspect *inspect)
 }
 
 // PREFIX.json, whole or not at all.
-static enum exit_code write_json(struct inspect *inspect)
+static enum exit_code inspect_write_json(struct inspect *inspect)
 {
 	char name[PATH_MAX];
-	json_t *object = answer_json(inspect);
+	json_t *object = inspect_answer_json(inspect);
 	char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
 	json_decref(object);
 	if (!text || snprintf(name, sizeof(name), "%s.json", inspect->job.options.output) >= (int)sizeof(name)) {
@@ -175,7 +175,7 @@ static enum exit_code write_json(struct inspect *inspect)
 	return good ? EXIT_DONE : job_fail_output(&inspect->job, name);
 }
 
-static void print_answer(const struct inspect *inspect)
+static void inspect_print_answer(const struct inspect *inspect)
 {
 	const struct candil_done *done = &inspect->list.pictures[0].done;
 	printf("images     %" PRIu32 ", %s-….%s; figures in %s.json\n", inspect->list.count, inspect->job.options.output,
@@ -196,15 +196,15 @@ static void print_answer(const struct inspect *inspect)
 		puts("camera     the scene has none: its bounds are framed");
 }
 
-static enum exit_code answer(struct inspect *inspect)
+static enum exit_code inspect_answer(struct inspect *inspect)
 {
 	progress_clear(&inspect->job.progress);
 	if (inspect->job.cli->json)
-		return cli_print_json(answer_json(inspect), stdout, EXIT_DONE);
-	enum exit_code code = write_json(inspect);
+		return cli_print_json(inspect_answer_json(inspect), stdout, EXIT_DONE);
+	enum exit_code code = inspect_write_json(inspect);
 	if (code != EXIT_DONE || inspect->job.options.quiet)
 		return code;
-	print_answer(inspect);
+	inspect_print_answer(inspect);
 	return cli_flush(stdout, EXIT_DONE);
 }
 
@@ -219,7 +219,7 @@ static void name_own_options(struct inspect *inspect)
 }
 
 // What of a parsed command line inspect cannot take; NULL: nothing.
-static const char *settle(struct inspect *inspect)
+static const char *inspect_settle(struct inspect *inspect)
 {
 	const struct candil_render_request *r = &inspect->job.options.request;
 	if (strcmp(inspect->job.options.output, "-") == 0)
@@ -245,7 +245,7 @@ static const char *settle(struct inspect *inspect)
 }
 
 // Before anything is computed: whether the first file can be written.
-static enum exit_code probe_output(struct inspect *inspect)
+static enum exit_code inspect_probe_output(struct inspect *inspect)
 {
 	char name[PATH_MAX];
 	errno = ENAMETOOLONG;
@@ -259,7 +259,7 @@ static enum exit_code do_inspect(struct inspect *inspect)
 {
 	struct candil_render_request *r = &inspect->job.options.request;
 	inspect_first(&inspect->list, r);
-	enum exit_code code = probe_output(inspect);
+	enum exit_code code = inspect_probe_output(inspect);
 	if (code != EXIT_DONE)
 		return code;
 	code = job_open(&inspect->job);
@@ -272,7 +272,7 @@ static enum exit_code do_inspect(struct inspect *inspect)
 	code = make_picture(inspect);
 	if (code == EXIT_DONE)
 		code = make_others(inspect);
-	return code == EXIT_DONE ? answer(inspect) : code;
+	return code == EXIT_DONE ? inspect_answer(inspect) : code;
 }
 
 static enum exit_code run_inspect(struct cli *cli, const struct command *self, int argc, char **argv)
@@ -284,7 +284,7 @@ static enum exit_code run_inspect(struct cli *cli, const struct command *self, i
 	inspect.job.cli = cli;
 	if (!inspect_options_parse(cli, self, argc, argv, &inspect.job.options, &code))
 		return code;
-	const char *wrong = settle(&inspect);
+	const char *wrong = inspect_settle(&inspect);
 	if (wrong)
 		return cli_usage(self, "%s", wrong);
 	inspect.job.stream = stdout;

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-static struct inspect_picture *add(struct inspect_list *list, const char *kind, const char *show,
-				   const struct candil_render_request *request)
+static struct inspect_picture *add_picture(struct inspect_list *list, const char *kind, const char *show,
+					   const struct candil_render_request *request)
 {
 	if (list->count == INSPECT_PICTURES_MAX)
 		return NULL;
@@ -18,7 +18,7 @@ static struct inspect_picture *add(struct inspect_list *list, const char *kind, 
 void inspect_first(struct inspect_list *list, const struct candil_render_request *request)
 {
 	list->count = 0;
-	add(list, "view", "radiance", request);
+	add_picture(list, "view", "radiance", request);
 }
 
 double inspect_figure(const struct candil_done *done, const char *name)
@@ -64,7 +64,7 @@ static void add_slices(struct inspect_list *list, const char *show, const struct
 		const uint32_t wide = grid->sides[axis == 0 ? 2 : 0], high = grid->sides[axis == 1 ? 2 : 1];
 		const uint32_t across = request->width / wide, down = request->height / high;
 		const uint32_t fit = across < down ? across : down, side = fit > 0 ? fit : 1;
-		struct inspect_picture *p = add(list, "slice", show, request);
+		struct inspect_picture *p = add_picture(list, "slice", show, request);
 		if (!p)
 			return;
 		p->axis = axis;
@@ -82,14 +82,14 @@ bool inspect_others(struct inspect_list *list, const struct candil_render_reques
 		return false;
 	// Those that need light first: the daemon keeps it from one to the next.
 	for (uint32_t level = 1; level <= grid.levels; level++) {
-		struct inspect_picture *p = add(list, "level", "radiance", request);
+		struct inspect_picture *p = add_picture(list, "level", "radiance", request);
 		if (p)
 			p->level = level;
 	}
 	add_slices(list, "radiance", &grid, request);
-	add(list, "view", "albedo", request);
-	add(list, "view", "normal", request);
-	add(list, "view", "coverage", request);
+	add_picture(list, "view", "albedo", request);
+	add_picture(list, "view", "normal", request);
+	add_picture(list, "view", "coverage", request);
 	add_slices(list, "coverage", &grid, request);
 	return true;
 }

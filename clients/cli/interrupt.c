@@ -9,7 +9,7 @@ static volatile sig_atomic_t seen; // a handler can reach nothing else
 static sigset_t mask_before;
 static struct sigaction before_int, before_term, before_hup;
 
-static void note(int number)
+static void interrupt_note(int number)
 {
 	if (seen++ > 0) {
 		signal(number, SIG_DFL);
@@ -20,7 +20,7 @@ static void note(int number)
 void interrupt_begin(void)
 {
 	sigset_t held;
-	struct sigaction action = {.sa_handler = note};
+	struct sigaction action = {.sa_handler = interrupt_note};
 	sigemptyset(&action.sa_mask);
 	sigemptyset(&held);
 	sigaddset(&held, SIGINT);

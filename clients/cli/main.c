@@ -40,7 +40,7 @@ static enum exit_code no_such_command(const char *name)
 }
 
 // candil help [COMMAND]
-static enum exit_code help(int argc, char **argv)
+static enum exit_code run_help(int argc, char **argv)
 {
 	if (argc == 1)
 		return print_help();
@@ -86,7 +86,7 @@ int main(int argc, char **argv)
 	}
 	int first = optind;
 	if (strcmp(argv[first], "help") == 0)
-		return (int)help(argc - first, argv + first);
+		return (int)run_help(argc - first, argv + first);
 	const struct command *command = find_command(argv[first]);
 	if (!command)
 		return (int)no_such_command(argv[first]);

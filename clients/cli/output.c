@@ -115,7 +115,7 @@ void output_close(struct output *output)
 }
 
 // output_close, whose errno is nobody's business.
-static bool closed(struct output *output, bool good)
+static bool output_closed(struct output *output, bool good)
 {
 	const int failure = errno;
 	output_close(output);
@@ -126,11 +126,11 @@ static bool closed(struct output *output, bool good)
 bool output_save(const char *path, const void *data, size_t bytes)
 {
 	struct output output;
-	return closed(&output, output_open(&output, path) && output_write(&output, data, bytes));
+	return output_closed(&output, output_open(&output, path) && output_write(&output, data, bytes));
 }
 
 bool output_probe(const char *path)
 {
 	struct output output;
-	return closed(&output, output_open(&output, path));
+	return output_closed(&output, output_open(&output, path));
 }

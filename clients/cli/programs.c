@@ -47,7 +47,7 @@ void program_daemon(char *path, size_t capacity)
 	snprintf(path, capacity, "candild");
 }
 
-static int start(char *const argv[], int out, int err, pid_t *pid)
+static int program_start(char *const argv[], int out, int err, pid_t *pid)
 {
 	posix_spawn_file_actions_t actions;
 	posix_spawn_file_actions_init(&actions);
@@ -67,7 +67,7 @@ static long long now_ms(void)
 }
 
 // Read one stream. false: it has ended.
-static bool collect(int fd, char *text, size_t capacity, size_t *used)
+static bool collect_stream(int fd, char *text, size_t capacity, size_t *used)
 {
 	char chunk[4096];
 	ssize_t got = read(fd, chunk, sizeof(chunk));
@@ -93,7 +93,7 @@ static bool collect_both(int out_fd, int err_fd, long long deadline, char *out, 
 		if (poll(p, 2, (int)left) < 0 && errno != EINTR)
 			return false;
 		for (int i = 0; i < 2; i++) {
-			if (p[i].fd >= 0 && p[i].revents != 0 && !collect(p[i].fd, text[i], capacity, &used[i]))
+			if (p[i].fd >= 0 && p[i].revents != 0 && !collect_stream(p[i].fd, text[i], capacity, &used[i]))
 				p[i].fd = -1;
 			p[i].revents = 0;
 		}
@@ -109,7 +109,7 @@ int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t
 	if (pipe2(out_pipe, O_CLOEXEC) != 0 || pipe2(err_pipe, O_CLOEXEC) != 0) {
 		failure = errno;
 	} else {
-		failure = start(argv, out_pipe[1], err_pipe[1], &pid);
+		failure = program_start(argv, out_pipe[1], err_pipe[1], &pid);
 		close(out_pipe[1]);
 		close(err_pipe[1]);
 		out_pipe[1] = err_pipe[1] = -1;

@@ -15,7 +15,7 @@ struct render {
 };
 
 // Settle which camera it is, and its name in the report.
-static void choose_camera(struct render *render)
+static void render_choose_camera(struct render *render)
 {
 	struct candil_render_request *request = &render->job.options.request;
 	if (request->has_camera || request->camera_name) {
@@ -28,7 +28,7 @@ static void choose_camera(struct render *render)
 }
 
 // One event of the render. false: the output cannot be written (errno).
-static bool take_event(void *user, const struct candil_event *event)
+static bool render_take_event(void *user, const struct candil_event *event)
 {
 	struct render *render = user;
 	switch (event->kind) {
@@ -55,16 +55,16 @@ static bool take_event(void *user, const struct candil_event *event)
 	}
 }
 
-static enum exit_code see_through(struct render *render)
+static enum exit_code render_see_through(struct render *render)
 {
 	struct candil_error error;
 	uint32_t id;
 	if (candil_submit_render(render->job.target.client, &render->job.options.request, &id, &error) != CANDIL_STATUS_OK)
 		return job_fail(&render->job, &error);
-	return job_follow(&render->job, id, take_event, render);
+	return job_follow(&render->job, id, render_take_event, render);
 }
 
-static enum exit_code say_report(struct render *render)
+static enum exit_code render_say_report(struct render *render)
 {
 	const enum exit_code code = strcmp(render->report.done.reason, "time") == 0 ? EXIT_DEADLINE : EXIT_DONE;
 	progress_clear(&render->job.progress);
@@ -87,10 +87,10 @@ static enum exit_code render_image(struct render *render)
 	enum exit_code code = job_open(&render->job);
 	if (code != EXIT_DONE)
 		return code;
-	choose_camera(render);
+	render_choose_camera(render);
 	progress_say(&render->job.progress, "rendering");
-	code = see_through(render);
-	return code == EXIT_DONE ? say_report(render) : code;
+	code = render_see_through(render);
+	return code == EXIT_DONE ? render_say_report(render) : code;
 }
 
 static enum exit_code run_render(struct cli *cli, const struct command *self, int argc, char **argv)

@@ -326,7 +326,7 @@ static void settle_samples(struct candil_render_request *request)
 		request->samples = noisy && open ? OPEN_SAMPLES : noisy ? usual.samples : 1;
 }
 
-static void init(struct render_options *options)
+static void options_init(struct render_options *options)
 {
 	memset(options, 0, sizeof(*options));
 	candil_render_request_init(&options->request);
@@ -336,8 +336,9 @@ static void init(struct render_options *options)
 }
 
 // Into options that were begun with init. `which`: BY_…. `format`: of an output whose name says none; NULL: it must.
-static bool parse(struct cli *cli, const struct command *self, int argc, char **argv, unsigned which, const char *format,
-		  struct render_options *options, struct sweep_texts *texts, enum exit_code *code)
+static bool options_parse(struct cli *cli, const struct command *self, int argc, char **argv, unsigned which,
+			  const char *format, struct render_options *options, struct sweep_texts *texts,
+			  enum exit_code *code)
 {
 	struct given given = {.format = format};
 	struct option long_options[SHARED + ROWS + 1];
@@ -366,7 +367,8 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 	}
 	if (options->edits.given)
 		options->request.edits = &options->edits.edits;
-	settle_samples(&options->request);
+	if (texts)
+		settle_samples(&options->request);
 	const char *wrong = NULL;
 	if (argc - optind != 1)
 		wrong = "one scene is needed";
@@ -386,24 +388,24 @@ static bool parse(struct cli *cli, const struct command *self, int argc, char **
 bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			  enum exit_code *code)
 {
-	init(options);
-	return parse(cli, self, argc, argv, BY_RENDER, NULL, options, NULL, code);
+	options_init(options);
+	return options_parse(cli, self, argc, argv, BY_RENDER, NULL, options, NULL, code);
 }
 
 bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			 struct sweep_texts *texts, enum exit_code *code)
 {
 	*texts = (struct sweep_texts){0};
-	init(options);
-	return parse(cli, self, argc, argv, BY_SWEEP, NULL, options, texts, code);
+	options_init(options);
+	return options_parse(cli, self, argc, argv, BY_SWEEP, NULL, options, texts, code);
 }
 
 bool inspect_options_parse(struct cli *cli, const struct command *self, int argc, char **argv,
 			   struct render_options *options, enum exit_code *code)
 {
-	init(options);
+	options_init(options);
 	options->request.samples = 1;
-	if (!parse(cli, self, argc, argv, BY_INSPECT, "png", options, NULL, code))
+	if (!options_parse(cli, self, argc, argv, BY_INSPECT, "png", options, NULL, code))
 		return false;
 	if (options->request.technique == CANDIL_TECHNIQUE_AUTO)
 		options->request.technique = (enum candil_technique)technique_with(TECHNIQUE_VOXELS);

@@ -149,7 +149,7 @@ static void put_scene_camera(json_t *object, const struct report *r)
 	json_object_set_new(object, "vfov_degrees", json_real(camera->vfov_degrees));
 }
 
-static json_t *camera_json(const struct report *r)
+static json_t *report_camera_json(const struct report *r)
 {
 	const struct candil_render_request *request = &r->options->request;
 	json_t *camera = json_pack("{s:s}", "source", r->camera);
@@ -229,7 +229,7 @@ json_t *report_json(const struct report *r)
 	put_text(o, "scene", r->options->scene);
 	put_text(o, "scene_hash", r->scene->hash);
 	put_number(o, "scene_warnings", (uint64_t)r->scene->warning_count + r->scene->warnings_more);
-	json_object_set_new(o, "camera", camera_json(r));
+	json_object_set_new(o, "camera", report_camera_json(r));
 	put_text(o, "technique", candil_technique_name(r->accepted.technique));
 	put_number(o, "depth", r->accepted.depth);
 	put_text(o, "device", done->device[0] ? done->device : r->accepted.device);

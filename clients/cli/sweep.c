@@ -102,7 +102,7 @@ static bool list_pictures(struct sweep *sweep)
 }
 
 // Before anything is computed: whether the first image that is due could be written.
-static enum exit_code probe_output(struct sweep *sweep)
+static enum exit_code sweep_probe_output(struct sweep *sweep)
 {
 	uint32_t i = 0;
 	while (i < sweep->picture_count && sweep->pictures[i].there)
@@ -167,7 +167,7 @@ static enum exit_code make_cameras(struct sweep *sweep)
 	return EXIT_DONE;
 }
 
-static void draw_progress(struct sweep *sweep, double fraction)
+static void sweep_draw_progress(struct sweep *sweep, double fraction)
 {
 	double due = (double)(sweep->picture_count - sweep->skipped);
 	double before = (double)sweep->written;
@@ -175,7 +175,7 @@ static void draw_progress(struct sweep *sweep, double fraction)
 			sweep->picture_count);
 }
 
-static bool write_image(struct sweep *sweep, const struct candil_image *image)
+static bool sweep_write_image(struct sweep *sweep, const struct candil_image *image)
 {
 	struct picture *p = sweep->batch[image->index];
 	sweep->job.output = p->name;
@@ -187,20 +187,20 @@ static bool write_image(struct sweep *sweep, const struct candil_image *image)
 }
 
 // One event of a request. false: an image cannot be written (errno).
-static bool take_event(void *user, const struct candil_event *event)
+static bool sweep_take_event(void *user, const struct candil_event *event)
 {
 	struct sweep *sweep = user;
 	switch (event->kind) {
 	case CANDIL_EVENT_PROGRESS: {
 		// Of the images in this request; those that are written count already.
 		double done = event->u.progress.fraction * sweep->batch_count - (sweep->written - sweep->written_before);
-		draw_progress(sweep, done > 0 ? done : 0);
+		sweep_draw_progress(sweep, done > 0 ? done : 0);
 		return true;
 	}
 	case CANDIL_EVENT_IMAGE:
-		if (!write_image(sweep, &event->u.image))
+		if (!sweep_write_image(sweep, &event->u.image))
 			return false;
-		draw_progress(sweep, 0);
+		sweep_draw_progress(sweep, 0);
 		return true;
 	case CANDIL_EVENT_DONE:
 		sweep->rays += event->u.done.rays;
@@ -235,7 +235,7 @@ static bool next_batch(struct sweep *sweep, uint32_t *at, struct candil_camera *
 	return sweep->batch_count > 0;
 }
 
-static enum exit_code see_through(struct sweep *sweep, const struct candil_camera *cameras)
+static enum exit_code sweep_see_through(struct sweep *sweep, const struct candil_camera *cameras)
 {
 	struct candil_error error;
 	uint32_t id;
@@ -243,7 +243,7 @@ static enum exit_code see_through(struct sweep *sweep, const struct candil_camer
 	if (candil_submit_sweep(sweep->job.target.client, &sweep->job.options.request, cameras, sweep->batch_count, &id,
 				&error) != CANDIL_STATUS_OK)
 		return job_fail(&sweep->job, &error);
-	return job_follow(&sweep->job, id, take_event, sweep);
+	return job_follow(&sweep->job, id, sweep_take_event, sweep);
 }
 
 static enum exit_code render_pictures(struct sweep *sweep)
@@ -253,9 +253,9 @@ static enum exit_code render_pictures(struct sweep *sweep)
 	enum exit_code code = job_open(&sweep->job);
 	if (code == EXIT_DONE)
 		code = make_cameras(sweep);
-	draw_progress(sweep, 0);
+	sweep_draw_progress(sweep, 0);
 	while (code == EXIT_DONE && next_batch(sweep, &at, cameras)) {
-		code = see_through(sweep, cameras);
+		code = sweep_see_through(sweep, cameras);
 		if (code == EXIT_DONE && interrupt_seen() && at < sweep->picture_count)
 			code = job_fail_between(&sweep->job);
 	}
@@ -264,7 +264,7 @@ static enum exit_code render_pictures(struct sweep *sweep)
 
 // ---- the summary -----------------------------------------------------------------------------------------------------
 
-static json_t *camera_json(const struct candil_camera *c)
+static json_t *sweep_camera_json(const struct candil_camera *c)
 {
 	if (c->name)
 		return json_pack("{s:o}", "name", cli_json_text(c->name));
@@ -272,24 +272,24 @@ static json_t *camera_json(const struct candil_camera *c)
 			 cli_json_vec3(&c->up), "vfov_degrees", c->vfov_degrees);
 }
 
-static json_t *picture_json(const struct sweep *sweep, const struct picture *p)
+static json_t *sweep_picture_json(const struct sweep *sweep, const struct picture *p)
 {
 	json_t *o = json_pack("{s:o,s:o,s:s}", "index", cli_json_u64(p->index), "image", cli_json_text(p->name), "state",
 			      p->written ? "written" : "skipped");
 	const struct candil_camera *c = sweep->cameras ? &sweep->cameras[p->index] : NULL;
 	if (o && c && (c->name || c->vfov_degrees > 0))
-		json_object_set_new(o, "camera", camera_json(c));
+		json_object_set_new(o, "camera", sweep_camera_json(c));
 	if (o && c && sweep->animation)
 		json_object_set_new(o, "time_s", json_real(c->time_s));
 	return o;
 }
 
-static json_t *summary_json(const struct sweep *sweep)
+static json_t *sweep_summary_json(const struct sweep *sweep)
 {
 	const struct candil_render_request *r = &sweep->job.options.request;
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < sweep->picture_count; i++)
-		json_array_append_new(images, picture_json(sweep, &sweep->pictures[i]));
+		json_array_append_new(images, sweep_picture_json(sweep, &sweep->pictures[i]));
 	return json_pack("{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output",
 			 cli_json_text(sweep->job.options.output), "scene", cli_json_text(sweep->job.options.scene),
 			 "format", candil_format_name(r->format), "width", cli_json_u64(r->width), "height",
@@ -300,12 +300,12 @@ static json_t *summary_json(const struct sweep *sweep)
 			 cli_json_u64(sweep->retries), "images", images);
 }
 
-static enum exit_code say_summary(struct sweep *sweep)
+static enum exit_code sweep_say_summary(struct sweep *sweep)
 {
 	const enum exit_code code = sweep->late ? EXIT_DEADLINE : EXIT_DONE;
 	progress_clear(&sweep->job.progress);
 	if (sweep->job.cli->json)
-		return cli_print_json(summary_json(sweep), stdout, code);
+		return cli_print_json(sweep_summary_json(sweep), stdout, code);
 	if (sweep->job.options.quiet)
 		return code;
 	printf("images     %u of %u cameras: %u written, %u there already\n", sweep->picture_count, sweep->count,
@@ -362,11 +362,11 @@ static enum exit_code do_sweep(struct sweep *sweep)
 		errno = ENOMEM;
 		return cli_fail_errno(sweep->job.cli, "the list of images", stdout);
 	}
-	code = probe_output(sweep);
+	code = sweep_probe_output(sweep);
 	// With nothing left to do, neither a daemon nor the scene is asked for.
 	if (code == EXIT_DONE && sweep->skipped < sweep->picture_count)
 		code = render_pictures(sweep);
-	return code == EXIT_DONE ? say_summary(sweep) : code;
+	return code == EXIT_DONE ? sweep_say_summary(sweep) : code;
 }
 
 static enum exit_code run_sweep(struct cli *cli, const struct command *self, int argc, char **argv)

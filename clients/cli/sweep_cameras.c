@@ -14,22 +14,22 @@ struct list {
 	struct candil_error *error;
 };
 
-static bool refuse(struct list *list, const char *what)
+static bool cameras_refuse(struct list *list, const char *what)
 {
 	list->error->code = CANDIL_STATUS_BAD_ARGUMENT;
 	snprintf(list->error->text, sizeof(list->error->text), "camera %u of --cameras: %s", list->count, what);
 	return false;
 }
 
-static bool append(struct list *list, const double v[10])
+static bool cameras_append(struct list *list, const double v[10])
 {
 	if (list->count == SWEEP_CAMERAS_MAX)
-		return refuse(list, "there are too many");
+		return cameras_refuse(list, "there are too many");
 	if (list->count == list->capacity) {
 		uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
 		struct candil_camera *bigger = realloc(list->cameras, capacity * sizeof(*bigger));
 		if (!bigger)
-			return refuse(list, "out of memory");
+			return cameras_refuse(list, "out of memory");
 		list->cameras = bigger;
 		list->capacity = capacity;
 	}
@@ -39,7 +39,7 @@ static bool append(struct list *list, const double v[10])
 }
 
 // `count` numbers out of an array of just as many.
-static bool take_numbers(const json_t *array, double *out, size_t count)
+static bool cameras_take_numbers(const json_t *array, double *out, size_t count)
 {
 	if (!json_is_array(array) || json_array_size(array) != count)
 		return false;
@@ -52,49 +52,50 @@ static bool take_numbers(const json_t *array, double *out, size_t count)
 	return true;
 }
 
-static bool take_object(struct list *list, json_t *object)
+static bool cameras_take_object(struct list *list, json_t *object)
 {
 	double v[10] = {0, 0, 0, 0, 0, 0, 0, 1, 0, 0};
 	const char *key;
 	json_t *value;
 	json_object_foreach(object, key, value)
 	{
-		bool good = strcmp(key, "eye") == 0      ? take_numbers(value, v, 3)
-			    : strcmp(key, "target") == 0 ? take_numbers(value, v + 3, 3)
-			    : strcmp(key, "up") == 0     ? take_numbers(value, v + 6, 3)
+		bool good = strcmp(key, "eye") == 0      ? cameras_take_numbers(value, v, 3)
+			    : strcmp(key, "target") == 0 ? cameras_take_numbers(value, v + 3, 3)
+			    : strcmp(key, "up") == 0     ? cameras_take_numbers(value, v + 6, 3)
 							 : strcmp(key, "vfov") == 0 && json_is_number(value);
 		if (!good)
-			return refuse(list, "it has \"eye\", \"target\", \"up\" of three numbers each and \"vfov\" of one");
+			return cameras_refuse(
+			    list, "it has \"eye\", \"target\", \"up\" of three numbers each and \"vfov\" of one");
 	}
 	if (!json_object_get(object, "eye") || !json_object_get(object, "target") || !json_object_get(object, "vfov"))
-		return refuse(list, "\"eye\", \"target\" and \"vfov\" are needed");
+		return cameras_refuse(list, "\"eye\", \"target\" and \"vfov\" are needed");
 	v[9] = json_number_value(json_object_get(object, "vfov"));
-	return append(list, v);
+	return cameras_append(list, v);
 }
 
-static bool take_camera(struct list *list, json_t *value)
+static bool cameras_take_camera(struct list *list, json_t *value)
 {
 	double v[10];
 	if (json_is_object(value))
-		return take_object(list, value);
-	if (take_numbers(value, v, 10))
-		return append(list, v);
-	return refuse(list, "it is neither an array of ten numbers nor an object");
+		return cameras_take_object(list, value);
+	if (cameras_take_numbers(value, v, 10))
+		return cameras_append(list, v);
+	return cameras_refuse(list, "it is neither an array of ten numbers nor an object");
 }
 
 // A camera, or an array of cameras.
-static bool take_value(struct list *list, json_t *value)
+static bool cameras_take_value(struct list *list, json_t *value)
 {
 	if (!json_is_array(value) || json_is_number(json_array_get(value, 0)))
-		return take_camera(list, value);
+		return cameras_take_camera(list, value);
 	for (size_t i = 0; i < json_array_size(value); i++) {
-		if (!take_camera(list, json_array_get(value, i)))
+		if (!cameras_take_camera(list, json_array_get(value, i)))
 			return false;
 	}
 	return true;
 }
 
-static bool take_text(struct list *list, const char *text, size_t bytes)
+static bool cameras_take_text(struct list *list, const char *text, size_t bytes)
 {
 	static const char blank[] = " \t\r\n";
 	size_t at = 0;
@@ -102,20 +103,20 @@ static bool take_text(struct list *list, const char *text, size_t bytes)
 		while (at < bytes && strchr(blank, text[at]) && text[at] != '\0')
 			at++;
 		if (at == bytes)
-			return list->count > 0 || refuse(list, "there is none");
+			return list->count > 0 || cameras_refuse(list, "there is none");
 		json_error_t where;
 		json_t *value = json_loadb(text + at, bytes - at, JSON_DISABLE_EOF_CHECK, &where);
 		if (!value)
-			return refuse(list, where.text);
+			return cameras_refuse(list, where.text);
 		at += (size_t)where.position; // what was read, on success
-		bool good = take_value(list, value);
+		bool good = cameras_take_value(list, value);
 		json_decref(value);
 		if (!good)
 			return false;
 	}
 }
 
-static char *read_file(const char *path, size_t *bytes, struct candil_error *error)
+static char *cameras_read_file(const char *path, size_t *bytes, struct candil_error *error)
 {
 	char *text = NULL;
 	size_t capacity = 0;
@@ -149,10 +150,10 @@ bool sweep_cameras_read(const char *path, struct candil_camera **cameras, uint32
 {
 	struct list list = {.error = error};
 	size_t bytes;
-	char *text = read_file(path, &bytes, error);
+	char *text = cameras_read_file(path, &bytes, error);
 	if (!text)
 		return false;
-	bool good = take_text(&list, text, bytes);
+	bool good = cameras_take_text(&list, text, bytes);
 	free(text);
 	if (!good) {
 		free(list.cameras);

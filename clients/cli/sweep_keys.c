@@ -7,16 +7,17 @@
 #include "clients/cli/sweep_cameras.h"
 
 // Catmull and Rom 1974, uniform: through b and c, with the slopes of a to c and b to d.
-static double spline(double a, double b, double c, double d, double t)
+static double spline_number(double a, double b, double c, double d, double t)
 {
 	const double t2 = t * t, t3 = t2 * t;
 	return 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t2 + (3 * b - a - 3 * c + d) * t3);
 }
 
-static struct candil_vec3 spline3(const struct candil_vec3 v[4], double t)
+static struct candil_vec3 spline_vec3(const struct candil_vec3 v[4], double t)
 {
-	return (struct candil_vec3){spline(v[0].x, v[1].x, v[2].x, v[3].x, t), spline(v[0].y, v[1].y, v[2].y, v[3].y, t),
-				    spline(v[0].z, v[1].z, v[2].z, v[3].z, t)};
+	return (struct candil_vec3){spline_number(v[0].x, v[1].x, v[2].x, v[3].x, t),
+				    spline_number(v[0].y, v[1].y, v[2].y, v[3].y, t),
+				    spline_number(v[0].z, v[1].z, v[2].z, v[3].z, t)};
 }
 
 // Key `i`, which may lie one beyond either end: there the line of the last two goes on.
@@ -32,7 +33,7 @@ static struct candil_camera key_at(const struct candil_camera *keys, uint32_t co
 	    .vfov_degrees = 2 * a->vfov_degrees - b->vfov_degrees};
 }
 
-static struct candil_camera between(const struct candil_camera *keys, uint32_t count, uint32_t key, double t)
+static struct candil_camera camera_between(const struct candil_camera *keys, uint32_t count, uint32_t key, double t)
 {
 	struct candil_vec3 eye[4], target[4], up[4];
 	double angle[4];
@@ -43,10 +44,10 @@ static struct candil_camera between(const struct candil_camera *keys, uint32_t c
 		up[k] = c.up;
 		angle[k] = c.vfov_degrees;
 	}
-	const double vfov = spline(angle[0], angle[1], angle[2], angle[3], t);
-	return (struct candil_camera){.eye = spline3(eye, t),
-				      .target = spline3(target, t),
-				      .up = spline3(up, t),
+	const double vfov = spline_number(angle[0], angle[1], angle[2], angle[3], t);
+	return (struct candil_camera){.eye = spline_vec3(eye, t),
+				      .target = spline_vec3(target, t),
+				      .up = spline_vec3(up, t),
 				      .vfov_degrees = fmin(fmax(vfov, fmin(angle[1], angle[2])), fmax(angle[1], angle[2]))};
 }
 
@@ -58,7 +59,7 @@ struct candil_camera *sweep_keys_spread(const struct candil_camera *keys, uint32
 		const uint32_t key = (uint32_t)floor(at);
 		// On a key to the bit, whatever the spline rounds.
 		out[i] = key + 1 >= count || !(at > key) ? keys[key < count ? key : count - 1]
-							 : between(keys, count, key, at - key);
+							 : camera_between(keys, count, key, at - key);
 	}
 	return out;
 }

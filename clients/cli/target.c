@@ -23,10 +23,10 @@
 
 extern char **environ;
 
-static candil_status fail(struct candil_error *error, candil_status code, const char *format, ...)
+static candil_status target_fail(struct candil_error *error, candil_status code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-static candil_status fail(struct candil_error *error, candil_status code, const char *format, ...)
+static candil_status target_fail(struct candil_error *error, candil_status code, const char *format, ...)
 {
 	va_list args;
 	va_start(args, format);
@@ -47,15 +47,16 @@ static candil_status check_file(const char *path, const struct candil_load_reque
 {
 	struct stat about;
 	if (stat(path, &about) != 0)
-		return errno == ENOENT || errno == ENOTDIR ? fail(error, CANDIL_STATUS_SCENE_NOT_FOUND,
-								  "there is no scene and no file named %.150s; candil "
-								  "scenes lists the scenes",
-								  path)
-							   : CANDIL_STATUS_OK;
+		return errno == ENOENT || errno == ENOTDIR
+			   ? target_fail(error, CANDIL_STATUS_SCENE_NOT_FOUND,
+					 "there is no scene and no file named %.150s; candil "
+					 "scenes lists the scenes",
+					 path)
+			   : CANDIL_STATUS_OK;
 	if (S_ISDIR(about.st_mode))
-		return fail(error, CANDIL_STATUS_SCENE_FILE, "%.150s is a folder: name the scene file in it", path);
+		return target_fail(error, CANDIL_STATUS_SCENE_FILE, "%.150s is a folder: name the scene file in it", path);
 	if (!scene_options_fit(path, how))
-		return fail(error, CANDIL_STATUS_BAD_ARGUMENT, SCENE_OPTIONS_ARE_FOR_OBJ);
+		return target_fail(error, CANDIL_STATUS_BAD_ARGUMENT, SCENE_OPTIONS_ARE_FOR_OBJ);
 	return CANDIL_STATUS_OK;
 }
 
@@ -91,18 +92,18 @@ static candil_status connect_private(struct target *target, struct candil_error 
 {
 	int ends[2];
 	if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-		return fail(error, CANDIL_STATUS_CONNECT, "cannot make a socket pair: %s", strerror(errno));
+		return target_fail(error, CANDIL_STATUS_CONNECT, "cannot make a socket pair: %s", strerror(errno));
 	int failure = spawn_private(ends[1], &target->private_daemon);
 	close(ends[1]);
 	if (failure != 0) {
 		close(ends[0]);
 		target->private_daemon = 0;
-		return fail(error, CANDIL_STATUS_CONNECT, "no daemon runs, and candild cannot be started for this call: %s",
-			    strerror(failure));
+		return target_fail(error, CANDIL_STATUS_CONNECT,
+				   "no daemon runs, and candild cannot be started for this call: %s", strerror(failure));
 	}
 	candil_status status = candil_connect_fd(ends[0], &target->client, error);
 	if (status == CANDIL_STATUS_CONNECT)
-		fail(error, status, "candild was started for this call but ended at once; candil doctor may say why");
+		target_fail(error, status, "candild was started for this call but ended at once; candil doctor may say why");
 	return status;
 }
 
@@ -127,14 +128,15 @@ static candil_status connect_any(struct target *target, const char *address, con
 	bool named = !strpbrk(scene, "./");
 	char nowhere[256];
 	if (!candil_default_address(nowhere, sizeof(nowhere)))
-		return fail(
+		return target_fail(
 		    error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
 		    "there is no file %.120s, and no daemon to ask, for XDG_RUNTIME_DIR is not set; --connect names one",
 		    scene);
-	return fail(error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
-		    "there is no file %.120s, and no daemon at the default address that may have a scene of that name; "
-		    "--connect names another",
-		    scene);
+	return target_fail(
+	    error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
+	    "there is no file %.120s, and no daemon at the default address that may have a scene of that name; "
+	    "--connect names another",
+	    scene);
 }
 
 // Load the file under a name that no other call uses. *loaded: it is there, whatever is returned.
@@ -156,7 +158,7 @@ static candil_status load_temporary(struct target *target, const char *file, con
 			break;
 		// A private daemon goes with its connection; another one would keep the scene, so its answer is waited for.
 		if (status == CANDIL_STATUS_OK && target->private_daemon != 0)
-			return fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+			return target_fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 	}
 	if (status == CANDIL_STATUS_OK && event.kind == CANDIL_EVENT_ERROR) {
 		*error = event.u.error;
@@ -167,7 +169,7 @@ static candil_status load_temporary(struct target *target, const char *file, con
 	*loaded = true;
 	*info = event.u.scene;
 	if (interrupt_seen())
-		return fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+		return target_fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 	return CANDIL_STATUS_OK;
 }
 
@@ -198,16 +200,16 @@ static candil_status describe_named(struct target *target, const char *name, str
 		}
 		const struct candil_scene_entry *scene = find_scene(&list, name);
 		if (!scene && waited)
-			return fail(error, CANDIL_STATUS_SCENE_FILE,
-				    "%s was being loaded, and that failed or was cancelled; candil load FILE says why",
-				    name);
+			return target_fail(
+			    error, CANDIL_STATUS_SCENE_FILE,
+			    "%s was being loaded, and that failed or was cancelled; candil load FILE says why", name);
 		if (!scene)
 			return CANDIL_STATUS_SCENE_NOT_FOUND;
 		waited = true;
 		if (scene->loading)
 			interrupt_pause(LOOK_MS);
 	}
-	return fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+	return target_fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 }
 
 candil_status target_open(struct target *target, const char *address, const char *scene,
@@ -222,8 +224,8 @@ candil_status target_open(struct target *target, const char *address, const char
 		snprintf(target->scene, sizeof(target->scene), "%s", scene);
 		status = describe_named(target, scene, &target->info, error);
 		if (status == CANDIL_STATUS_OK && scene_options_given(how))
-			return fail(error, CANDIL_STATUS_BAD_ARGUMENT,
-				    "%s is loaded already: give --up and --unit to candil load", scene);
+			return target_fail(error, CANDIL_STATUS_BAD_ARGUMENT,
+					   "%s is loaded already: give --up and --unit to candil load", scene);
 		if (status != CANDIL_STATUS_SCENE_NOT_FOUND)
 			return status;
 	}
@@ -267,7 +269,7 @@ static void wait_private(pid_t pid)
 	waitpid(pid, NULL, 0);
 }
 
-static void unload(const struct target *target, const char *name)
+static void target_unload(const struct target *target, const char *name)
 {
 	struct candil_error error;
 	candil_set_timeout(target->client, ANSWER_MS);
@@ -280,9 +282,9 @@ static void unload(const struct target *target, const char *name)
 void target_close(struct target *target)
 {
 	if (target->client && target->temporary && !target->private_daemon)
-		unload(target, target->scene);
+		target_unload(target, target->scene);
 	if (target->client && target->picture_temporary && !target->private_daemon)
-		unload(target, target->picture);
+		target_unload(target, target->picture);
 	candil_disconnect(target->client);
 	if (target->private_daemon)
 		wait_private(target->private_daemon);

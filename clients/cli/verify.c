@@ -10,28 +10,28 @@ struct reader {
 	uint64_t size;
 };
 
-static bool take(const struct reader *r, void *out, size_t bytes)
+static bool verify_take(const struct reader *r, void *out, size_t bytes)
 {
 	return fread(out, 1, bytes, r->file) == bytes;
 }
 
-static bool go(const struct reader *r, uint64_t to)
+static bool verify_seek(const struct reader *r, uint64_t to)
 {
 	return to <= r->size && fseeko(r->file, (off_t)to, SEEK_SET) == 0;
 }
 
-static bool skip(const struct reader *r, uint64_t bytes)
+static bool verify_skip(const struct reader *r, uint64_t bytes)
 {
 	off_t at = ftello(r->file);
-	return at >= 0 && bytes <= r->size && go(r, (uint64_t)at + bytes);
+	return at >= 0 && bytes <= r->size && verify_seek(r, (uint64_t)at + bytes);
 }
 
-static uint32_t big(const uint8_t *b)
+static uint32_t big_endian(const uint8_t *b)
 {
 	return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
 }
 
-static uint32_t little(const uint8_t *b)
+static uint32_t little_endian(const uint8_t *b)
 {
 	return (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
 }
@@ -43,12 +43,12 @@ static bool verify_png(const struct reader *r, uint32_t width, uint32_t height)
 	static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 	uint8_t head[8 + 8 + 13 + 4], chunk[8];
 	bool data = false;
-	if (!take(r, head, sizeof(head)) || memcmp(head, signature, 8) != 0 || memcmp(head + 12, "IHDR", 4) != 0)
+	if (!verify_take(r, head, sizeof(head)) || memcmp(head, signature, 8) != 0 || memcmp(head + 12, "IHDR", 4) != 0)
 		return false;
-	if (big(head + 8) != 13 || big(head + 16) != width || big(head + 20) != height)
+	if (big_endian(head + 8) != 13 || big_endian(head + 16) != width || big_endian(head + 20) != height)
 		return false;
-	while (take(r, chunk, sizeof(chunk))) {
-		if (!skip(r, (uint64_t)big(chunk) + 4))
+	while (verify_take(r, chunk, sizeof(chunk))) {
+		if (!verify_skip(r, (uint64_t)big_endian(chunk) + 4))
 			return false;
 		if (memcmp(chunk + 4, "IEND", 4) == 0)
 			return data && (uint64_t)ftello(r->file) == r->size;
@@ -66,7 +66,7 @@ struct exr {
 };
 
 // A string with its zero. false: the file ends, or it is too long.
-static bool take_text(const struct reader *r, char text[TEXT_MAX])
+static bool verify_take_text(const struct reader *r, char text[TEXT_MAX])
 {
 	for (unsigned i = 0; i < TEXT_MAX; i++) {
 		int c = getc(r->file);
@@ -83,18 +83,18 @@ static bool take_attribute(const struct reader *r, const char *name, struct exr 
 {
 	char type[TEXT_MAX];
 	uint8_t bytes[4], window[16];
-	if (!take_text(r, type) || !take(r, bytes, 4))
+	if (!verify_take_text(r, type) || !verify_take(r, bytes, 4))
 		return false;
-	uint32_t size = little(bytes);
+	uint32_t size = little_endian(bytes);
 	if (strcmp(name, "dataWindow") == 0 && size == 16) {
-		exr->has_window = take(r, window, 16);
+		exr->has_window = verify_take(r, window, 16);
 		for (unsigned i = 0; exr->has_window && i < 4; i++)
-			exr->window[i] = (int32_t)little(window + 4u * i);
+			exr->window[i] = (int32_t)little_endian(window + 4u * i);
 		return exr->has_window;
 	}
 	if (strcmp(name, "compression") == 0 && size == 1)
-		return exr->has_compression = take(r, &exr->compression, 1);
-	return skip(r, size);
+		return exr->has_compression = verify_take(r, &exr->compression, 1);
+	return verify_skip(r, size);
 }
 
 static bool take_header(const struct reader *r, struct exr *exr)
@@ -103,9 +103,9 @@ static bool take_header(const struct reader *r, struct exr *exr)
 	uint8_t head[8];
 	char name[TEXT_MAX];
 	// Version 2; long names are the one flag of a file of scan lines in one part.
-	if (!take(r, head, 8) || memcmp(head, magic, 4) != 0 || (little(head + 4) & ~0x400u) != 2)
+	if (!verify_take(r, head, 8) || memcmp(head, magic, 4) != 0 || (little_endian(head + 4) & ~0x400u) != 2)
 		return false;
-	while (take_text(r, name)) {
+	while (verify_take_text(r, name)) {
 		if (name[0] == '\0')
 			return exr->has_window && exr->has_compression;
 		if (!take_attribute(r, name, exr))
@@ -121,10 +121,10 @@ static const uint32_t block_lines[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
 static bool take_block(const struct reader *r, uint64_t offset, int64_t line, uint64_t *end)
 {
 	uint8_t head[8];
-	if (!go(r, offset) || !take(r, head, 8) || (int32_t)little(head) != line)
+	if (!verify_seek(r, offset) || !verify_take(r, head, 8) || (int32_t)little_endian(head) != line)
 		return false;
-	*end = offset + 8 + little(head + 4);
-	return little(head + 4) > 0 && *end <= r->size;
+	*end = offset + 8 + little_endian(head + 4);
+	return little_endian(head + 4) > 0 && *end <= r->size;
 }
 
 static bool verify_exr(const struct reader *r, uint32_t width, uint32_t height)
@@ -141,9 +141,9 @@ static bool verify_exr(const struct reader *r, uint32_t width, uint32_t height)
 	for (uint64_t i = 0; i < blocks; i++) {
 		uint8_t b[8];
 		uint64_t end;
-		if (!go(r, table + 8 * i) || !take(r, b, 8))
+		if (!verify_seek(r, table + 8 * i) || !verify_take(r, b, 8))
 			return false;
-		uint64_t offset = (uint64_t)little(b + 4) << 32 | little(b);
+		uint64_t offset = (uint64_t)little_endian(b + 4) << 32 | little_endian(b);
 		if (offset < table + 8 * blocks || !take_block(r, offset, top + (int64_t)i * lines, &end))
 			return false;
 		last = end > last ? end : last;
@@ -160,7 +160,7 @@ bool verify_image(const char *path, bool png, uint32_t width, uint32_t height)
 	if (fseeko(r.file, 0, SEEK_END) == 0) {
 		off_t size = ftello(r.file);
 		r.size = size > 0 ? (uint64_t)size : 0;
-		if (size > 0 && go(&r, 0))
+		if (size > 0 && verify_seek(&r, 0))
 			whole = png ? verify_png(&r, width, height) : verify_exr(&r, width, height);
 	}
 	fclose(r.file);

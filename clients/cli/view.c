@@ -2,11 +2,12 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846;
+#include "clients/cli/angles.h"
+
 static const double vfov_degrees = 40.0;
 static const double margin = 1.04;
 
-static double dot(const struct candil_vec3 *a, const struct candil_vec3 *b)
+static double view_dot(const struct candil_vec3 *a, const struct candil_vec3 *b)
 {
 	return a->x * b->x + a->y * b->y + a->z * b->z;
 }
@@ -19,8 +20,8 @@ static double fitting_distance(const struct candil_vec3 *half, const struct cand
 	for (int i = 0; i < 8; i++) {
 		struct candil_vec3 corner = {i & 1 ? half->x : -half->x, i & 2 ? half->y : -half->y,
 					     i & 4 ? half->z : -half->z};
-		double sideways = fmax(fabs(dot(&corner, right)) / tan_h, fabs(dot(&corner, up)) / tan_v);
-		distance = fmax(distance, dot(&corner, back) + margin * sideways);
+		double sideways = fmax(fabs(view_dot(&corner, right)) / tan_h, fabs(view_dot(&corner, up)) / tan_v);
+		distance = fmax(distance, view_dot(&corner, back) + margin * sideways);
 	}
 	return distance;
 }
@@ -43,12 +44,12 @@ void view_frame_bounds(const struct candil_scene_info *scene, struct candil_rend
 	struct candil_vec3 centre, half;
 	find_box(scene, &centre, &half);
 	// A floor seen from its own height would be a line: up to 35 degrees above it. A wall along Z: from its side.
-	double elevation = 35.0 * (1.0 - fmin(1.0, 2.0 * half.y / fmax(half.x, half.z))) * pi / 180.0;
-	double azimuth = half.x < 0.1 * half.z ? 60.0 * pi / 180.0 : 0.0;
+	double elevation = angles_radians(35.0 * (1.0 - fmin(1.0, 2.0 * half.y / fmax(half.x, half.z))));
+	double azimuth = half.x < 0.1 * half.z ? angles_radians(60.0) : 0.0;
 	const struct candil_vec3 back = {cos(elevation) * sin(azimuth), sin(elevation), cos(elevation) * cos(azimuth)};
 	const struct candil_vec3 right = {cos(azimuth), 0, -sin(azimuth)};
 	const struct candil_vec3 up = {-sin(elevation) * sin(azimuth), cos(elevation), -sin(elevation) * cos(azimuth)};
-	double tan_v = tan(0.5 * vfov_degrees * pi / 180.0);
+	double tan_v = tan(angles_radians(0.5 * vfov_degrees));
 	double tan_h = tan_v * (double)request->width / (double)request->height;
 	double distance = fitting_distance(&half, &right, &up, &back, tan_h, tan_v);
 	request->eye.x = centre.x + distance * back.x;
@@ -65,12 +66,12 @@ void view_orbit(const struct candil_scene_info *scene, const struct candil_rende
 {
 	struct candil_vec3 centre, half;
 	find_box(scene, &centre, &half);
-	double tan_v = tan(0.5 * vfov_degrees * pi / 180.0);
+	double tan_v = tan(angles_radians(0.5 * vfov_degrees));
 	double tan_h = tan_v * (double)request->width / (double)request->height;
 	double narrow = atan(fmin(tan_v, tan_h));
-	double distance = radius > 0.0 ? radius : margin * sqrt(dot(&half, &half)) / sin(narrow);
-	double azimuth = 2.0 * pi * (double)index / (double)count;
-	double height = elevation * pi / 180.0;
+	double distance = radius > 0.0 ? radius : margin * sqrt(view_dot(&half, &half)) / sin(narrow);
+	double azimuth = 2.0 * ANGLES_PI * (double)index / (double)count;
+	double height = angles_radians(elevation);
 	*camera = (struct candil_camera){.target = centre, .up = {0, 1, 0}, .vfov_degrees = vfov_degrees};
 	camera->eye.x = centre.x + distance * cos(height) * sin(azimuth);
 	camera->eye.y = centre.y + distance * sin(height);

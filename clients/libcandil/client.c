@@ -70,7 +70,7 @@ bool candil_default_address(char *path, size_t capacity)
 }
 
 // Say hello and wait for the answer.
-static candil_status greet(candil_client *client, struct candil_error *error)
+static candil_status client_greet(candil_client *client, struct candil_error *error)
 {
 	candil_Hello hello = {.version_min = CANDIL_VERSION, .version_max = CANDIL_VERSION};
 	snprintf(hello.client, sizeof(hello.client), "libcandil %s", CANDIL_VERSION_STRING);
@@ -102,7 +102,7 @@ candil_status candil_connect_fd(int fd, candil_client **client, struct candil_er
 		return error_set(error, CANDIL_STATUS_MEMORY, "out of memory for a connection");
 	}
 	connection_init(&made->connection, fd);
-	candil_status status = greet(made, error);
+	candil_status status = client_greet(made, error);
 	if (status == CANDIL_STATUS_OK)
 		*client = made;
 	else

@@ -427,7 +427,7 @@ static void read_error(const candil_Error *from, struct candil_error *to)
 	TEXT(to->text, from->message[0] ? from->message : "the daemon gave no reason");
 }
 
-static bool decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message)
+static bool decode_message(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message)
 {
 	pb_istream_t stream = pb_istream_from_buffer(body, bytes);
 	return pb_decode(&stream, fields, message);
@@ -435,13 +435,13 @@ static bool decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields
 
 bool message_read_image(const uint8_t *body, size_t bytes, candil_ImageFrame *frame)
 {
-	return decode(body, bytes, candil_ImageFrame_fields, frame);
+	return decode_message(body, bytes, candil_ImageFrame_fields, frame);
 }
 
 bool message_read_server(const uint8_t *body, size_t bytes, struct candil_server *server)
 {
 	candil_HelloReply reply = candil_HelloReply_init_zero;
-	if (!decode(body, bytes, candil_HelloReply_fields, &reply))
+	if (!decode_message(body, bytes, candil_HelloReply_fields, &reply))
 		return false;
 	server->version = reply.version;
 	TEXT(server->name, reply.server);
@@ -470,7 +470,7 @@ bool message_read_event(uint8_t type, const uint8_t *body, size_t bytes, struct 
 #define READ(upper, kind_name, member, fields, convert) \
 	case MESSAGE_##upper: \
 		event->kind = CANDIL_EVENT_##kind_name; \
-		if (!decode(body, bytes, fields, &m.member)) \
+		if (!decode_message(body, bytes, fields, &m.member)) \
 			return false; \
 		convert; \
 		return true;
@@ -487,7 +487,7 @@ bool message_read_event(uint8_t type, const uint8_t *body, size_t bytes, struct 
 		return true;
 	case MESSAGE_PONG:
 		event->kind = CANDIL_EVENT_PONG;
-		if (!decode(body, bytes, candil_Ping_fields, &m.ping))
+		if (!decode_message(body, bytes, candil_Ping_fields, &m.ping))
 			return false;
 		event->u.pong.bytes = m.ping.payload.size;
 		memcpy(event->u.pong.payload, m.ping.payload.bytes, m.ping.payload.size);
