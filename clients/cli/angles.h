@@ -1,4 +1,4 @@
-// Angles of the command line, which are degrees, for the functions of math.h.
+// The command line has angles in degrees, the functions of math.h take radians.
 #ifndef CANDIL_CLI_ANGLES_H
 #define CANDIL_CLI_ANGLES_H
 

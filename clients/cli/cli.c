@@ -44,7 +44,7 @@ bool cli_common_option(struct cli *cli, const struct command *self, int option, 
 		*code = cli_help(self);
 		return false;
 	default:
-		// getopt_long has said what is wrong.
+		// getopt_long has printed what is wrong.
 		fprintf(stderr, "candil: see candil %s --help\n", self->name);
 		*code = EXIT_USAGE;
 		return false;
@@ -191,7 +191,7 @@ bool cli_parse_u32(const char *text, uint32_t *out)
 	return true;
 }
 
-// The decimal number at *text, which is moved behind it.
+// Read the decimal number at *text and move *text behind it.
 static bool take_double(const char **text, double *out)
 {
 	char *end;
@@ -258,7 +258,7 @@ json_t *cli_json_u64(uint64_t value)
 
 json_t *cli_json_vec3(const struct candil_vec3 *v)
 {
-	// json_real refuses what is not finite; a scene may have no bounds.
+	// json_real refuses a number that is not finite, and a scene without bounds has such numbers.
 	if (!isfinite(v->x) || !isfinite(v->y) || !isfinite(v->z))
 		return json_null();
 	return json_pack("[f,f,f]", v->x, v->y, v->z);

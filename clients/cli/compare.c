@@ -1,4 +1,5 @@
-// compare: hands over to a program that links the image library, which would make this one slow to start.
+// compare: starts candil-compare in its place. That program links the image library, which would make this one slow to
+// start.
 #include <errno.h>
 #include <string.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
-// doctor: what this machine has and lacks for a render. The devices are the worker's to find, because it alone links the
-// GPU libraries: candil-worker --doctor prints them as JSON.
+// doctor: prints what this machine has and lacks for a render. The worker alone links the GPU libraries, so it finds the
+// devices: candil-worker --doctor prints them as JSON.
 #include <errno.h>
 #include <string.h>
 
@@ -18,8 +18,8 @@ struct findings {
 	struct daemon_check daemon;
 	struct kernel_check kernel;
 	struct cache_check cache;
-	json_t *worker; // the object it printed, or {"why"}
-	json_t *sandbox; // what the loader's sandbox upholds here, or {"why"}
+	json_t *worker; // the object that it printed, or {"why"}
+	json_t *sandbox; // what of the loader's sandbox works here, or {"why"}
 	json_t *missing; // [{"what", "package"}]
 	bool ok;
 };
@@ -65,7 +65,7 @@ static json_t *failure_json(const char *why)
 	return json_pack("{s:o}", "why", cli_json_text(why));
 }
 
-// Run the worker's part and take what it found, whatever fields it has.
+// Run candil-worker --doctor and keep the object that it prints, whatever its fields are.
 static void check_devices(struct findings *f)
 {
 	static char out[WORKER_BYTES], err[WORKER_BYTES];
@@ -89,7 +89,7 @@ static void check_devices(struct findings *f)
 	json_array_foreach(json_object_get(f->worker, "missing"), i, entry) json_array_append(f->missing, entry);
 }
 
-// The loader tries its own sandbox out. A layer that does not hold keeps no render from working.
+// The loader tries its own sandbox. Renders work even if a layer of it does not.
 static void check_sandbox(struct findings *f)
 {
 	static char out[4096], err[4096];

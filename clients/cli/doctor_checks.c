@@ -73,7 +73,7 @@ void doctor_check_program(struct program_check *check, char *argument)
 	}
 }
 
-// A worker that starts has neither a device nor a reason yet: it is given some time.
+// A worker that is starting has neither a device nor a reason for having none, so the check waits for it.
 static void check_worker_of(candil_client *client, struct daemon_check *check)
 {
 	const struct timespec pause = {0, 50 * 1000 * 1000};
@@ -135,7 +135,7 @@ void doctor_check_kernel(struct kernel_check *check)
 	check->landlock_abi = abi > 0 ? (int)abi : 0;
 }
 
-// Whether the folder, or the nearest one above it that exists, can be written to.
+// Whether the folder can be written to, or made: the nearest folder above it that exists can be written to.
 static bool can_be_made(const char *path)
 {
 	char copy[PROGRAM_PATH];

@@ -11,11 +11,11 @@ struct program_check {
 	bool needed; // for a render
 	bool works; // it is there and starts
 	char path[PROGRAM_PATH];
-	char why[256]; // it does not
+	char why[256]; // why it does not work; "" if it does
 	char library[64]; // the shared library that it misses, "" if that is not the reason
 };
 
-// Start the program once with `argument`, which makes it end at once whatever its exit status.
+// Start the program with `argument`, with which it ends at once. Any exit status of its own counts as working.
 void doctor_check_program(struct program_check *check, char *argument);
 
 struct daemon_check {
@@ -23,8 +23,9 @@ struct daemon_check {
 	bool ready; // its worker has a device
 	char address[256];
 	char what[256]; // its name, or why it is not reachable
-	char device[256]; // its worker's; not ready: why it has none
+	char device[256]; // the worker's device; if it is not ready, why it has none
 };
+// Connect to the daemon at `address`; NULL: the default one.
 void doctor_check_daemon(struct daemon_check *check, const char *address);
 
 struct kernel_check {
@@ -36,8 +37,8 @@ struct kernel_check {
 void doctor_check_kernel(struct kernel_check *check);
 
 struct cache_check {
-	char path[PROGRAM_PATH]; // "" if there is no place for one
-	bool writable; // without it every worker compiles its shaders anew
+	char path[PROGRAM_PATH]; // where Mesa keeps compiled shaders; "" if it has no place
+	bool writable; // false: every worker compiles its shaders again
 };
 void doctor_check_cache(struct cache_check *check);
 

@@ -16,7 +16,7 @@ struct pair {
 	size_t count;
 };
 
-// Cut the next pair off "key=1,2,key=3". false: there is none, or it is none.
+// Cut the next pair off "key=1,2,key=3". false: what is there is no pair.
 static bool next_pair(char **text, struct pair *pair)
 {
 	char *equals = strchr(*text, '=');
@@ -42,7 +42,8 @@ static bool next_pair(char **text, struct pair *pair)
 	return true;
 }
 
-// "NAME:key=…": cut at the last colon before the first '='. NULL: there is none, or no name.
+// Cut "NAME:key=…" at the last colon before the first '='. Returns what is behind the colon. NULL: there is no such colon,
+// or no name before it.
 static char *cut_name(char *text)
 {
 	char *equals = strchr(text, '='), *colon = NULL;
@@ -55,7 +56,7 @@ static char *cut_name(char *text)
 	return colon + 1;
 }
 
-// Three numbers, or with `grey` one for all three.
+// Three numbers; with `grey` also one number, which counts for all three.
 static bool take_vector(const struct pair *pair, bool grey, struct candil_vec3 *out)
 {
 	if (pair->count != 3 && !(grey && pair->count == 1))
@@ -97,7 +98,7 @@ static bool take_light_pair(const struct pair *pair, struct light_text *t)
 	return strcmp(pair->key, "cone") == 0 && pair->count == 2;
 }
 
-// Whether what was said fits the kind: no more and no less.
+// Whether a light of this kind has every key that it needs and no other.
 static bool light_fits(enum candil_light_kind kind, const struct light_text *t)
 {
 	const bool point = kind == CANDIL_LIGHT_POINT, spot = kind == CANDIL_LIGHT_SPOT;
@@ -175,7 +176,7 @@ static bool take_material(char *text, struct edit_options *o)
 	return true;
 }
 
-// An axis and an angle in degrees as a quaternion.
+// Make a quaternion of an axis and an angle in degrees.
 static bool take_rotation(const struct pair *pair, double out[4])
 {
 	const double length = sqrt(pair->v[0] * pair->v[0] + pair->v[1] * pair->v[1] + pair->v[2] * pair->v[2]);

@@ -1,5 +1,5 @@
-// --light, --replace-lights, --material, --node, --animation and --at: what one request changes of its scene. Shared by
-// render and sweep.
+// The options that change the scene for one request: --light, --replace-lights, --material, --node, --animation and --at.
+// render, sweep and inspect share them.
 #ifndef CANDIL_CLI_EDIT_OPTIONS_H
 #define CANDIL_CLI_EDIT_OPTIONS_H
 
@@ -29,19 +29,21 @@ struct edit_options {
 	struct candil_node_edit nodes[LIMIT_EDIT_NODES];
 	bool given; // at least one
 	bool at; // --at
-	bool full; // the last one failed because there are as many of its kind as a request can have
+	bool full; // the last one failed because a request can have no more of its kind
 };
 
 void edit_options_init(struct edit_options *options);
 
-// Take one option. Cuts `value` up: names point into it. false: the value is wrong, or there are too many.
-bool edit_option(int option, char *value, struct edit_options *options);
+// Whether an option is one of these.
 bool edit_is_option(int option);
+
+// Take one option. Cuts `value` up: names point into it. false: the value is wrong, or `full`.
+bool edit_option(int option, char *value, struct edit_options *options);
 
 // What an option takes, for a sentence.
 const char *edit_option_form(int option);
 
-// For --help of render and sweep.
+// For the help of render and sweep.
 #define EDIT_OPTIONS_HELP \
 	"  --light KIND:KEY=VALUE,...\n" \
 	"                        one more light for this picture, up to 32 times: point:at=x,y,z,intensity=I;\n" \

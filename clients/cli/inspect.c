@@ -23,9 +23,9 @@ struct inspect {
 	struct job job;
 	struct inspect_list list;
 	uint32_t done; // pictures that are written
-	struct candil_accepted accepted; // of the first
+	struct candil_accepted accepted; // of the first picture
 	bool framed; // the scene has no camera
-	char own[OWN_OPTIONS][LIMIT_OPTION_NAME + 1]; // names of the own options, the technique's name before a dot
+	char own[OWN_OPTIONS][LIMIT_OPTION_NAME + 1]; // names of the own options: the technique's name, a dot, a word
 	char wrong[256]; // the sentence that says what inspect cannot take
 };
 
@@ -47,7 +47,7 @@ static bool inspect_write_image(const struct inspect *inspect, struct inspect_pi
 	return output_save(name, image->data, image->bytes);
 }
 
-// One event of the picture that is under way. false: it cannot be written (errno).
+// Take one event of the picture that is under way. false: its file cannot be written, errno says why.
 static bool inspect_take_event(void *user, const struct candil_event *event)
 {
 	struct inspect *inspect = user;
@@ -80,7 +80,7 @@ static enum exit_code inspect_see_through(struct inspect *inspect, const struct 
 	return job_follow(&inspect->job, id, inspect_take_event, inspect);
 }
 
-// The next of the list.
+// Make the next picture of the list.
 static enum exit_code make_picture(struct inspect *inspect)
 {
 	const struct inspect_picture *p = &inspect->list.pictures[inspect->done];
@@ -156,7 +156,7 @@ static json_t *inspect_answer_json(const struct inspect *inspect)
 			 cli_json_u64(first->elapsed_us), "images", images);
 }
 
-// PREFIX.json, whole or not at all.
+// Write PREFIX.json, whole or not at all.
 static enum exit_code inspect_write_json(struct inspect *inspect)
 {
 	char name[PATH_MAX];
@@ -210,7 +210,7 @@ static enum exit_code inspect_answer(struct inspect *inspect)
 
 // ---- the command -----------------------------------------------------------------------------------------------------
 
-// The names of the options that inspect sets itself.
+// Make the names of the options that inspect sets itself.
 static void name_own_options(struct inspect *inspect)
 {
 	const char *technique = candil_technique_name(inspect->job.options.request.technique);
@@ -218,7 +218,7 @@ static void name_own_options(struct inspect *inspect)
 		snprintf(inspect->own[i], sizeof(inspect->own[i]), "%s.%s", technique, own_words[i]);
 }
 
-// What of a parsed command line inspect cannot take; NULL: nothing.
+// Check a parsed command line. Returns the sentence that says what inspect cannot take; NULL: it can take everything.
 static const char *inspect_settle(struct inspect *inspect)
 {
 	const struct candil_render_request *r = &inspect->job.options.request;
@@ -244,7 +244,7 @@ static const char *inspect_settle(struct inspect *inspect)
 	return NULL;
 }
 
-// Before anything is computed: whether the first file can be written.
+// Find out before anything is computed whether the first file can be written.
 static enum exit_code inspect_probe_output(struct inspect *inspect)
 {
 	char name[PATH_MAX];
@@ -277,7 +277,7 @@ static enum exit_code do_inspect(struct inspect *inspect)
 
 static enum exit_code run_inspect(struct cli *cli, const struct command *self, int argc, char **argv)
 {
-	// Large, and not needed twice.
+	// Static because it is too large for the stack; a process runs one command.
 	static struct inspect inspect;
 	enum exit_code code = EXIT_DONE;
 	memset(&inspect, 0, sizeof(inspect));

@@ -31,7 +31,7 @@ double inspect_figure(const struct candil_done *done, const char *name)
 
 struct grid {
 	uint32_t sides[3];
-	uint32_t middle[3]; // cell
+	uint32_t middle[3]; // the cell in the middle of the scene's bounds
 	uint32_t levels; // above the voxels
 };
 
@@ -44,7 +44,7 @@ static bool axis_of(const struct candil_done *done, int axis, double middle, str
 	if (!(side >= 1 && side <= 65536))
 		return false;
 	grid->sides[axis] = (uint32_t)side;
-	grid->middle[axis] = cell > 0 ? (uint32_t)fmin(cell, side - 1) : 0; // of no bounds: a NaN, which is not above 0
+	grid->middle[axis] = cell > 0 ? (uint32_t)fmin(cell, side - 1) : 0; // without bounds it is NaN, which is not above 0
 	return true;
 }
 
@@ -80,7 +80,7 @@ bool inspect_others(struct inspect_list *list, const struct candil_render_reques
 	struct grid grid;
 	if (!find_grid(&list->pictures[0].done, scene, &grid))
 		return false;
-	// Those that need light first: the daemon keeps it from one to the next.
+	// Pictures of light come first, one after the other, because the daemon keeps the light between them.
 	for (uint32_t level = 1; level <= grid.levels; level++) {
 		struct inspect_picture *p = add_picture(list, "level", "radiance", request);
 		if (p)

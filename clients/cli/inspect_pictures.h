@@ -1,4 +1,4 @@
-// What `candil inspect` shows of a scene's voxels: the list of its pictures.
+// The list of the pictures that `candil inspect` makes of a scene's voxels.
 #ifndef CANDIL_CLI_INSPECT_PICTURES_H
 #define CANDIL_CLI_INSPECT_PICTURES_H
 
@@ -23,18 +23,18 @@ struct inspect_list {
 	uint32_t count;
 };
 
-// The first picture of the list, the view of the radiance, whose figures say what else there is.
+// Begin the list with the first picture, the view of the radiance. The figures of its answer say what else there is.
 void inspect_first(struct inspect_list *list, const struct candil_render_request *request);
 
-// All others, once the first is done: slices through the middle of the scene's bounds, one cell a whole number of pixels and
-// no more pixels than the request has, unless the grid has more cells. false: the figures tell of no grid.
+// Add all others, once the first is done. A cell of a slice is a whole number of pixels, and a slice has no more pixels than
+// the request asks for, unless the grid has more cells. false: the figures tell of no grid.
 bool inspect_others(struct inspect_list *list, const struct candil_render_request *request,
 		    const struct candil_scene_info *scene);
 
-// A figure by its name; NaN if it was not told.
+// The value of the figure with this name; NaN: there is none.
 double inspect_figure(const struct candil_done *done, const char *name);
 
-// "PREFIX-slice-x-radiance.png". false: it does not fit.
+// Write the name of a picture's file, for example "PREFIX-slice-x-radiance.png". false: it does not fit.
 bool inspect_name(const struct inspect_picture *picture, const char *prefix, const char *extension, char *name,
 		  size_t capacity);
 

@@ -5,7 +5,7 @@
 #include <signal.h>
 #include <time.h>
 
-static volatile sig_atomic_t seen; // a handler can reach nothing else
+static volatile sig_atomic_t seen; // global because a signal handler can reach nothing else
 static sigset_t mask_before;
 static struct sigaction before_int, before_term, before_hup;
 
@@ -31,7 +31,7 @@ void interrupt_begin(void)
 	sigaction(SIGTERM, &action, &before_term);
 	sigaction(SIGHUP, &action, &before_hup);
 	if (before_hup.sa_handler == SIG_IGN)
-		sigaction(SIGHUP, &before_hup, NULL); // nohup asked for that
+		sigaction(SIGHUP, &before_hup, NULL); // nohup: a lost terminal must not end the program
 }
 
 void interrupt_end(void)

@@ -1,5 +1,5 @@
-// Ctrl-C and SIGTERM, taken only while waiting, so that none is lost between a check and a wait. The second one ends the
-// program at once.
+// Interrupts: Ctrl-C (SIGINT), SIGTERM and SIGHUP. They are taken only while the program waits, so that none is lost between
+// a check and a wait. The second one ends the program at once.
 #ifndef CANDIL_CLI_INTERRUPT_H
 #define CANDIL_CLI_INTERRUPT_H
 
@@ -7,17 +7,19 @@
 
 #include "clients/libcandil/candil.h"
 
-// From now on the two signals are held back but in interrupt_wait. interrupt_end: as they were before.
+// From interrupt_begin on the signals are held back, except in interrupt_wait and interrupt_pause. interrupt_end restores
+// what was before.
 void interrupt_begin(void);
 void interrupt_end(void);
 
+// Whether an interrupt has come since interrupt_begin.
 bool interrupt_seen(void);
 
-// Sleep for so long, or until an interrupt.
+// Sleep for that long, or until an interrupt.
 void interrupt_pause(long milliseconds);
 
-// Wait for the client's next event. true: it is filled in. false: an interrupt came first (only the first one is reported
-// that way), or *status is not OK: the connection is over.
+// Wait for the client's next event. true: *event is filled in. false: the first interrupt came before it, or *status is not
+// CANDIL_STATUS_OK and the connection is over.
 bool interrupt_wait(candil_client *client, struct candil_event *event, candil_status *status, struct candil_error *error);
 
 #endif

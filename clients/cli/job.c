@@ -59,7 +59,7 @@ enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user,
 	candil_status status = CANDIL_STATUS_OK;
 	struct candil_error error;
 	struct candil_event event = {0};
-	int failure = 0; // of the output: errno
+	int failure = 0; // errno of an output that could not be written
 	while (status == CANDIL_STATUS_OK && !event.ends_request) {
 		if (!interrupt_wait(client, &event, &status, &error)) {
 			if (status == CANDIL_STATUS_OK)
@@ -71,8 +71,8 @@ enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user,
 		if (event.kind == CANDIL_EVENT_ERROR && !failure)
 			return job_fail(job, &event.u.error);
 		if (!failure && !take(user, &event)) {
-			// Its end must be heard all the same: until then the connection takes no other call, and the scene
-			// that was loaded for this one must be unloaded.
+			// The request must still be seen through to its end: the connection takes no other call before, and
+			// a scene that was loaded for this command has to be unloaded.
 			failure = errno ? errno : EIO;
 			if (!event.ends_request)
 				status = candil_cancel(client, id, &error);

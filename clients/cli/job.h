@@ -1,7 +1,9 @@
-// What the commands that make pictures share (render, sweep, inspect): their options, the scene, the daemon, the bar, and
-// how a request is seen through to its end.
+// What the commands that make pictures share (render, sweep, inspect): their options, the scene, the daemon, the progress
+// bar, and how a request is seen through to its end. The order of the calls:
 //
-//   job_begin, job_open, (submit, job_follow)*, job_end; every failure is said by job_fail or job_fail_output
+//	job_begin, job_open, (submit a request, job_follow) as often as needed, job_end
+//
+// job_fail and its relatives print every failure.
 #ifndef CANDIL_CLI_JOB_H
 #define CANDIL_CLI_JOB_H
 
@@ -13,28 +15,29 @@ struct job {
 	const struct cli *cli;
 	FILE *stream; // where the answer goes, and with --json failures
 	struct render_options options; // parsed
-	const char *output; // the file that is being written: job_follow names it if that fails
+	const char *output; // the file that is being written, which job_follow names if that fails
 	struct target target;
 	struct progress progress;
 };
 
-// Fill in what the options do not, and hold Ctrl-C back for interrupt_wait. job_end, due in any case, is the end of both.
+// Begin a job whose options are parsed, and hold interrupts back (interrupt.h). job_end must follow in any case.
 void job_begin(struct job *job);
 void job_end(struct job *job);
 
-// Say a failure, on a line of its own, and give the command's exit code.
+// Print a failure on a line of its own. Returns the exit code of the command.
 enum exit_code job_fail(struct job *job, const struct candil_error *error);
-enum exit_code job_fail_output(struct job *job, const char *name); // it cannot be written; errno says why
+// The same for an output that cannot be written; errno says why.
+enum exit_code job_fail_output(struct job *job, const char *name);
 
-// Find a daemon and the scene, and the picture of its surroundings; says so and fails if there is none. Once is enough.
+// The same for an interrupt that came while no request was under way.
+enum exit_code job_fail_between(struct job *job);
+
+// Find a daemon, the scene, and the picture of its surroundings, or print why not. A second call does nothing.
 enum exit_code job_open(struct job *job);
 
-// Hand each event of request `id`, but a failure, to `take` until it ends. `take` false: `output` cannot be written, errno
-// says why; then, as after an interrupt, the daemon is asked to cancel, and the end is waited for.
+// Hand each event of request `id` to `take`, until the request ends; print its failure. `take` returns false if `output`
+// cannot be written, with errno: then, as after an interrupt, the daemon is asked to cancel, and the end is waited for.
 enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event),
 			  void *user);
-
-// An interrupt came while no request was under way: the failure that says so.
-enum exit_code job_fail_between(struct job *job);
 
 #endif

@@ -1,4 +1,4 @@
-// candil, the command line: finds the command and hands over.
+// candil, the command line: finds the command and runs it.
 #include "clients/cli/cli.h"
 
 #include <string.h>
@@ -61,7 +61,7 @@ int main(int argc, char **argv)
 	struct cli cli = {0};
 	int option;
 	if (argc > 0)
-		argv[0] = program; // what getopt_long puts before its sentences
+		argv[0] = program; // getopt_long puts it before its sentences
 	while ((option = getopt_long(argc, argv, "+hV", options, NULL)) != -1) {
 		switch (option) {
 		case OPTION_CONNECT:
@@ -91,6 +91,6 @@ int main(int argc, char **argv)
 	if (!command)
 		return (int)no_such_command(argv[first]);
 	argv[first] = program;
-	optind = 0; // makes getopt_long start anew on what follows the command
+	optind = 0; // makes getopt_long begin again with what follows the command
 	return (int)command->run(&cli, command, argc - first, argv + first);
 }

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// A new file in the folder of the output.
+// Make a new file in the folder of the output.
 static bool open_temporary(struct output *output)
 {
 	char *copy = strdup(output->path);
@@ -58,7 +58,7 @@ bool output_open(struct output *output, const char *path)
 		output->fd = open(output->path, O_WRONLY | O_CLOEXEC);
 		return output->fd >= 0;
 	}
-	// A file that its owner made read-only is not to be replaced behind his back.
+	// A read-only file could be replaced, but its owner does not want that.
 	if (there && access(output->path, W_OK) != 0)
 		return false;
 	output->can_replace = true;
@@ -114,7 +114,7 @@ void output_close(struct output *output)
 	*output = (struct output){.fd = -1};
 }
 
-// output_close, whose errno is nobody's business.
+// Call output_close, and leave errno as it was.
 static bool output_closed(struct output *output, bool good)
 {
 	const int failure = errno;

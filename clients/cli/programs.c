@@ -66,7 +66,7 @@ static long long now_ms(void)
 	return (long long)t.tv_sec * 1000 + t.tv_nsec / 1000000;
 }
 
-// Read one stream. false: it has ended.
+// Append what can be read from one stream to `text`. false: the stream has ended.
 static bool collect_stream(int fd, char *text, size_t capacity, size_t *used)
 {
 	char chunk[4096];
@@ -80,7 +80,7 @@ static bool collect_stream(int fd, char *text, size_t capacity, size_t *used)
 	return got > 0;
 }
 
-// Both streams until both have ended. false: not in time.
+// Read both streams until both have ended. false: they have not by the deadline.
 static bool collect_both(int out_fd, int err_fd, long long deadline, char *out, char *err, size_t capacity)
 {
 	size_t used[2] = {0, 0};

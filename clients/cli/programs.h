@@ -1,5 +1,5 @@
-// Where candil's other programs are, and running them. Everything is looked for from this executable's own place:
-// bin/candil, bin/candild, libexec/candil/….
+// Finding and running candil's other programs. They are found by the place of this executable: bin/candil, bin/candild,
+// libexec/candil/….
 #ifndef CANDIL_CLI_PROGRAMS_H
 #define CANDIL_CLI_PROGRAMS_H
 
@@ -9,15 +9,16 @@
 
 #define PROGRAM_PATH 4096
 
-// Path of a program in libexec/candil, whether or not it is there. false: this executable's own place is unknown.
+// The path of a program in libexec/candil, whether or not it exists. false: the place of this executable is unknown, or the
+// path does not fit.
 bool program_libexec(const char *name, char *path, size_t capacity);
 
-// Path of candild: beside this executable, else the bare name, for PATH.
+// The path of candild beside this executable; if there is none, the bare name, which is looked for in PATH.
 void program_daemon(char *path, size_t capacity);
 
-// Run a program (looked for in PATH if argv[0] has no slash) with its standard input empty and collect what it writes, at
-// most `capacity` - 1 bytes of each stream, the rest dropped; both are terminated. Killed after timeout_ms. Returns its exit
-// status, 128 + signal, or -1 if it could not be started (errno) or did not end in time (errno ETIMEDOUT).
+// Run a program with empty standard input; it is looked for in PATH if argv[0] has no slash. `out` and `err` get the first
+// `capacity` - 1 bytes of each stream and a zero. The program is killed after `timeout_ms`. Returns its exit status, or 128
+// plus the signal that ended it, or -1 with errno if it could not be started or did not end in time (ETIMEDOUT).
 int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t capacity);
 
 #endif

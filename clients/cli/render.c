@@ -11,10 +11,10 @@ struct render {
 	struct job job;
 	struct output output;
 	struct report report;
-	struct candil_image final; // data: ours
+	struct candil_image final; // its `data` is this command's to free
 };
 
-// Settle which camera it is, and its name in the report.
+// Choose the camera, and its word in the report.
 static void render_choose_camera(struct render *render)
 {
 	struct candil_render_request *request = &render->job.options.request;
@@ -27,7 +27,7 @@ static void render_choose_camera(struct render *render)
 		view_frame_bounds(&render->job.target.info, request);
 }
 
-// One event of the render. false: the output cannot be written (errno).
+// Take one event of the render. false: the output cannot be written, errno says why.
 static bool render_take_event(void *user, const struct candil_event *event)
 {
 	struct render *render = user;
@@ -81,7 +81,7 @@ static enum exit_code render_say_report(struct render *render)
 
 static enum exit_code render_image(struct render *render)
 {
-	// Before anything is computed: an output that cannot be written must not cost a render.
+	// The output is opened first, so that no render is wasted on one that cannot be written.
 	if (!output_open(&render->output, render->job.options.output))
 		return job_fail_output(&render->job, render->job.options.output);
 	enum exit_code code = job_open(&render->job);
@@ -95,7 +95,7 @@ static enum exit_code render_image(struct render *render)
 
 static enum exit_code run_render(struct cli *cli, const struct command *self, int argc, char **argv)
 {
-	// Large, and not needed twice.
+	// Static because it is too large for the stack; a process runs one command.
 	static struct render render;
 	enum exit_code code = EXIT_DONE;
 	memset(&render, 0, sizeof(render));

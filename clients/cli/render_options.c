@@ -117,11 +117,11 @@ static void list_options(unsigned command, struct option out[SHARED + ROWS + 1])
 	out[count] = (struct option){0};
 }
 
-// What was given, as far as it must fit together.
+// What was given on the command line and must fit together.
 struct given {
 	const char *format;
 	bool half, single, exposure, view, turn, scale, orthographic, panorama;
-	const char *word; // of a list: the one that is wrong
+	const char *word; // the wrong word of a list
 };
 
 // What an option takes, for a sentence.
@@ -154,7 +154,7 @@ static bool parse_setting(char *text, struct render_options *options)
 	return true;
 }
 
-// One option with its value. false: the value is wrong.
+// Take one option with its value. false: the value is wrong.
 static bool take_option(int option, char *value, struct render_options *options, struct given *given)
 {
 	struct candil_render_request *r = &options->request;
@@ -240,7 +240,7 @@ static bool take_flag(int option, struct render_options *options, struct given *
 	}
 }
 
-// What a sweep alone takes. false: it is another option.
+// Take an option that only a sweep has. false: it is another option.
 static bool take_sweep_option(int option, const char *value, struct sweep_texts *texts)
 {
 	switch (option) {
@@ -282,7 +282,7 @@ static const char *format_of(const struct render_options *options, const struct 
 	return dot && strcasecmp(dot, ".png") == 0 ? "png" : NULL;
 }
 
-// The sentence that says what does not fit together, or NULL.
+// Set the format of the image. Returns the sentence that says what does not fit together, or NULL.
 static const char *settle_format(struct render_options *options, const struct given *given)
 {
 	const char *format = format_of(options, given);
@@ -301,7 +301,7 @@ static const char *settle_format(struct render_options *options, const struct gi
 	return options->request.aovs ? "--aov needs EXR output" : NULL;
 }
 
-// The sentence that says which option would do nothing, or NULL.
+// Returns the sentence that says which option would do nothing, or NULL.
 static const char *find_idle(const struct render_options *options, const struct given *given)
 {
 	if (given->orthographic && given->panorama)
@@ -313,9 +313,9 @@ static const char *find_idle(const struct render_options *options, const struct 
 	return NULL;
 }
 
-// Without --spp: as many samples as make a picture to look at. A technique without noise needs one. Where an error or a
-// deadline ends the render, there are as many as will ever do. The daemon has the same defaults, but a sweep must know the
-// number, which bounds how many cameras go into one request.
+// Set the samples of a sweep without --spp to the daemon's default. A sweep must know the number, because it bounds how many
+// cameras go into one request. A technique without noise needs one sample. Where an error or a deadline ends the render, the
+// number is more than any picture needs.
 static void settle_samples(struct candil_render_request *request)
 {
 	struct candil_render_request usual;
@@ -335,7 +335,8 @@ static void options_init(struct render_options *options)
 	edit_options_init(&options->edits);
 }
 
-// Into options that were begun with init. `which`: BY_…. `format`: of an output whose name says none; NULL: it must.
+// Parse into options that options_init began. `which`: one of BY_…. `format`: that of an output whose name has no extension;
+// NULL: the name must have one. `texts`: NULL but for a sweep.
 static bool options_parse(struct cli *cli, const struct command *self, int argc, char **argv, unsigned which,
 			  const char *format, struct render_options *options, struct sweep_texts *texts,
 			  enum exit_code *code)

@@ -1,4 +1,4 @@
-// The command line of `candil render`, parsed.
+// The command lines of `candil render`, `candil sweep` and `candil inspect`, parsed.
 #ifndef CANDIL_CLI_RENDER_OPTIONS_H
 #define CANDIL_CLI_RENDER_OPTIONS_H
 
@@ -10,27 +10,28 @@ struct render_options {
 	const char *output; // "-": standard output
 	bool quiet;
 	struct candil_render_request request; // all but `scene`; strings point into argv
-	struct candil_load_request load; // up and metres_per_unit
+	struct candil_load_request load; // only `up` and `metres_per_unit`
 	struct candil_option settings[16]; // what request.options points at
 	struct edit_options edits; // what request.edits points at
 };
 
-// What `candil sweep` takes besides, and as text: sweep.c knows what it means. NULL: not given.
+// What only `candil sweep` takes, as text, which sweep.c parses. NULL: not given.
 struct sweep_texts {
 	const char *orbit, *cameras, *keys, *frames, *fps, *shard;
 	bool force;
 };
 
-// true: *options is filled in. false: return *code from the command. Writes into argv (splits NAME=VALUE).
+// Parse the command line of `candil render`. true: *options is filled in. false: return *code from the command. Writes into
+// argv to split NAME=VALUE. The samples are 0, the daemon's default, without --spp.
 bool render_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			  enum exit_code *code);
 
-// The same for `candil sweep`, which has one camera after the other, so that --camera, --progressive and "-" are refused.
+// The same for `candil sweep`, which does not take --at and --progressive. The samples are never 0.
 bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			 struct sweep_texts *texts, enum exit_code *code);
 
-// The same for `candil inspect`, whose output is what its files' names begin with: PNG unless --format says exr, one sample
-// a pixel unless --spp does, and the technique that has voxels unless --technique names one.
+// The same for `candil inspect`, whose output is the beginning of its files' names. The defaults are PNG, one sample and the
+// technique that has voxels.
 bool inspect_options_parse(struct cli *cli, const struct command *self, int argc, char **argv,
 			   struct render_options *options, enum exit_code *code);
 

@@ -33,13 +33,13 @@ bool value_background(const char *text, struct candil_render_request *r)
 	r->environment = r->has_background ? NULL : text;
 	if (r->has_background)
 		r->background = (struct candil_vec3){v[0], v[1], v[2]};
-	// What looks like numbers was meant as a colour: all of it, or the first of a list.
+	// A text that looks like numbers, or like a list that begins with one, was meant as a colour.
 	const size_t numbers = strspn(text, "0123456789.,+-eE ");
 	const bool list = strchr(text, ',') && strspn(text, "0123456789+-") > 0;
 	return r->has_background || (text[numbers] != '\0' && !list);
 }
 
-// Cut the next word off a list with commas. NULL at the end.
+// Cut the next word off a list with commas. NULL: the list has ended.
 static char *next_word(char **list)
 {
 	char *word;

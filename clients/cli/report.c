@@ -9,7 +9,7 @@ static bool is_simulated(const struct candil_effect_report *effect)
 	return effect->state == CANDIL_EFFECT_SIMULATED || effect->state == CANDIL_EFFECT_FORCED;
 }
 
-// If the daemon told of every source of light that it is left out: what would give some.
+// If every source of light is left out, print that, and what would give light.
 static void print_unlit(const struct candil_accepted *accepted, FILE *stream)
 {
 	const uint32_t sources = 1u << CANDIL_EFFECT_EMITTERS | 1u << CANDIL_EFFECT_LIGHTS | 1u << CANDIL_EFFECT_ENVIRONMENT;
@@ -66,7 +66,7 @@ void report_print_stages(const struct candil_done *done, FILE *stream)
 	fputc('\n', stream);
 }
 
-// What a clamp took, if there was one.
+// Print how much light a clamp removed, if there was one.
 static void print_clamp(const struct candil_done *done, FILE *stream)
 {
 	for (uint32_t i = 0; i < done->figure_count; i++)
@@ -121,7 +121,7 @@ void report_print(const struct report *r, FILE *stream)
 			r->scene->warning_count + r->scene->warnings_more);
 }
 
-// The scene's camera that the render took; NULL if the list that came is too short for it.
+// The camera of the scene that was used; NULL: the list that the daemon sent does not reach to it.
 static const struct candil_camera_info *find_camera(const struct report *r)
 {
 	const char *name = r->options->request.camera_name;
@@ -142,7 +142,7 @@ static void put_scene_camera(json_t *object, const struct report *r)
 	json_object_set_new(object, "name", cli_json_text(camera->name));
 	const struct candil_edits *edits = r->options->request.edits;
 	if (edits && (edits->node_count > 0 || edits->animation))
-		return; // it may stand elsewhere
+		return; // the edit may have moved it
 	json_object_set_new(object, "eye", cli_json_vec3(&camera->eye));
 	json_object_set_new(object, "target", cli_json_vec3(&camera->target));
 	json_object_set_new(object, "up", cli_json_vec3(&camera->up));

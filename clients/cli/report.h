@@ -1,4 +1,4 @@
-// What is said about a finished render.
+// The report on a finished render.
 #ifndef CANDIL_CLI_REPORT_H
 #define CANDIL_CLI_REPORT_H
 
@@ -7,11 +7,11 @@
 struct report {
 	const struct render_options *options;
 	const struct candil_scene_info *scene;
-	const char *camera; // "scene", "given" or "framed"
+	const char *camera; // where it came from: "scene", "given" or "framed"
 	struct candil_accepted accepted;
 	struct candil_done done;
 	uint64_t bytes; // of the image
-	unsigned images; // written, intermediate ones included
+	unsigned images; // how many were written, intermediate ones included
 };
 
 #define REPORT_JSON_HELP \
@@ -24,13 +24,14 @@ struct report {
 	"\"estimated_relmse\" (null: unknown), \"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
 	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
 
-// [{"name", "us"}] and [{"name", "value", "unit"}] of a finished render.
+// The stages, [{"name", "us"}], and the figures, [{"name", "value", "unit"}], of a finished render.
 json_t *report_stages_json(const struct candil_done *done);
 json_t *report_figures_json(const struct candil_done *done);
 
-// "time       12.3 ms: queue 0.0, …", a line.
+// Print a line such as "time       12.3 ms: queue 0.0, …".
 void report_print_stages(const struct candil_done *done, FILE *stream);
 
+// The whole report as lines and as one object.
 void report_print(const struct report *report, FILE *stream);
 json_t *report_json(const struct report *report);
 

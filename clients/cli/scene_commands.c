@@ -1,4 +1,4 @@
-// load, unload, scenes, describe.
+// load, unload, scenes, describe: the scenes of a daemon.
 #include <inttypes.h>
 #include <string.h>
 
@@ -16,7 +16,7 @@ static enum exit_code show_scene(const struct cli *cli, const struct candil_scen
 	return cli_flush(stdout, EXIT_DONE);
 }
 
-// The file's name without folder and extension.
+// Write the name of a file without its folder and extension.
 static void name_from_file(const char *file, char *name, size_t capacity)
 {
 	const char *slash = strrchr(file, '/');

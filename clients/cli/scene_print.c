@@ -18,7 +18,7 @@ static void print_cameras(const struct candil_scene_info *s)
 		       cli_s(s->camera_count - s->camera_list_count));
 }
 
-// Names in lines of some 100 columns, and how many more there are.
+// Print names in lines of about 100 columns, then how many more there are.
 static void print_names(const char *label, const char (*names)[64], uint32_t listed, uint32_t count)
 {
 	int column = 0;
@@ -76,7 +76,7 @@ void scene_print(const struct candil_scene_info *s)
 {
 	if (s->name[0])
 		printf("scene       %s (%s)\n", s->name, s->file);
-	else // it was loaded for this call only
+	else // it was loaded for this command alone
 		printf("scene       %s\n", s->file);
 	printf("holds       %" PRIu32 " triangle%s, %" PRIu32 " material%s, %" PRIu32
 	       " texture%s; %.1f MiB, loaded in %.0f ms\n",

@@ -1,4 +1,4 @@
-// How a scene is shown.
+// What is in a scene, as lines and as one object.
 #ifndef CANDIL_CLI_SCENE_PRINT_H
 #define CANDIL_CLI_SCENE_PRINT_H
 

@@ -1,7 +1,7 @@
 // sweep: pictures of one scene from many cameras, or at many times of an animation, each in a file of its own.
 //
-// A run that was cut short is simply started again: what it finished is on disk under its final name, whole (output.h), is
-// recognised as such (verify.h) and left alone.
+// A run that was cut short can simply be started again. An image that it finished is on disk, whole, under its final name
+// (output.h); it is recognised (verify.h) and left alone.
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,23 +17,23 @@
 struct picture {
 	uint32_t index;
 	char *name;
-	bool there; // whole, under its name
+	bool there; // the file exists and is whole
 	bool written; // by this call
 };
 
 struct sweep {
 	struct job job;
 	struct sweep_texts texts;
-	struct candil_camera *cameras; // all; with --orbit and --animation not before the scene is known
-	uint32_t count; // 0: of an animation by --fps, before the scene is known
+	struct candil_camera *cameras; // all of them; NULL before the scene is known, if they depend on it
+	uint32_t count; // of all cameras; 0 before the scene is known, if an animation by --fps decides
 	double elevation, radius;
 	const char *animation; // NULL: none
 	double fps;
-	uint32_t shard, shards; // this one, from 1
+	uint32_t shard, shards; // this one, from 1, and how many there are
 	struct picture *pictures; // of this shard
 	uint32_t picture_count, written, skipped;
 	struct picture *batch[CANDIL_SWEEP_CAMERAS]; // of the request that is under way
-	uint32_t batch_count, written_before; // `written` when it was submitted
+	uint32_t batch_count, written_before; // pictures of the request; `written` when it was submitted
 	uint32_t retries;
 	bool late; // an image ended at its deadline
 	uint64_t rays, elapsed_us;
@@ -42,7 +42,7 @@ struct sweep {
 
 // ---- before the scene ------------------------------------------------------------------------------------------------
 
-// What says how many frames there are, and from where.
+// Check which options say how many images there are, and from where.
 static const char *settle_source(struct sweep *sweep)
 {
 	const struct sweep_texts *t = &sweep->texts;
@@ -59,7 +59,7 @@ static const char *settle_source(struct sweep *sweep)
 	return t->fps && (sources > 0 || t->frames) ? "--fps is for --animation alone, without --frames" : NULL;
 }
 
-// The sentence that says what does not fit together, or NULL.
+// Parse the texts. Returns the sentence that says what does not fit together, or NULL.
 static const char *settle_texts(struct sweep *sweep)
 {
 	const struct sweep_texts *t = &sweep->texts;
@@ -82,7 +82,7 @@ static const char *settle_texts(struct sweep *sweep)
 	return NULL;
 }
 
-// Name this shard's images and see which of them are there.
+// Name the images of this shard, and look which of them exist. false: no memory.
 static bool list_pictures(struct sweep *sweep)
 {
 	const struct candil_render_request *r = &sweep->job.options.request;
@@ -101,7 +101,7 @@ static bool list_pictures(struct sweep *sweep)
 	return true;
 }
 
-// Before anything is computed: whether the first image that is due could be written.
+// Find out before anything is computed whether the first image that is due can be written.
 static enum exit_code sweep_probe_output(struct sweep *sweep)
 {
 	uint32_t i = 0;
@@ -126,7 +126,7 @@ static enum exit_code length_of(struct sweep *sweep, double *seconds)
 	return job_fail(&sweep->job, &error);
 }
 
-// The one camera of an animation's frames: as render chooses it.
+// The one camera of all frames of an animation, chosen as `candil render` chooses it.
 static struct candil_camera one_camera(struct sweep *sweep)
 {
 	struct candil_render_request *r = &sweep->job.options.request;
@@ -139,7 +139,7 @@ static struct candil_camera one_camera(struct sweep *sweep)
 	return camera;
 }
 
-// The cameras that were not known before the scene, and the times of all.
+// Make the cameras that depend on the scene, and the times of all cameras.
 static enum exit_code make_cameras(struct sweep *sweep)
 {
 	const bool known = sweep->cameras != NULL;
@@ -186,13 +186,13 @@ static bool sweep_write_image(struct sweep *sweep, const struct candil_image *im
 	return good;
 }
 
-// One event of a request. false: an image cannot be written (errno).
+// Take one event of a request. false: an image cannot be written, errno says why.
 static bool sweep_take_event(void *user, const struct candil_event *event)
 {
 	struct sweep *sweep = user;
 	switch (event->kind) {
 	case CANDIL_EVENT_PROGRESS: {
-		// Of the images in this request; those that are written count already.
+		// The progress is over the images of this request. Those that are written are counted already.
 		double done = event->u.progress.fraction * sweep->batch_count - (sweep->written - sweep->written_before);
 		sweep_draw_progress(sweep, done > 0 ? done : 0);
 		return true;
@@ -214,7 +214,7 @@ static bool sweep_take_event(void *user, const struct candil_event *event)
 	}
 }
 
-// Take the next pictures that are due, as many as one request bears. false: none is left.
+// Take the next pictures that are due, as many as one request can hold. false: none is left.
 static bool next_batch(struct sweep *sweep, uint32_t *at, struct candil_camera *cameras)
 {
 	const struct candil_render_request *r = &sweep->job.options.request;
@@ -223,7 +223,7 @@ static bool next_batch(struct sweep *sweep, uint32_t *at, struct candil_camera *
 	if (most > CANDIL_SWEEP_CAMERAS)
 		most = CANDIL_SWEEP_CAMERAS;
 	if (most == 0)
-		most = 1; // the daemon says what is wrong
+		most = 1; // too large for the daemon, which will say so
 	sweep->batch_count = 0;
 	for (; *at < sweep->picture_count && sweep->batch_count < most; ++*at) {
 		struct picture *p = &sweep->pictures[*at];
@@ -322,7 +322,7 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 
 // ---- the command -----------------------------------------------------------------------------------------------------
 
-// --cameras and --keys, and how many frames there are.
+// Read the cameras of --cameras and --keys, and find out how many images there are.
 static enum exit_code read_cameras(struct sweep *sweep)
 {
 	const char *path = sweep->texts.cameras ? sweep->texts.cameras : sweep->texts.keys;
@@ -363,7 +363,7 @@ static enum exit_code do_sweep(struct sweep *sweep)
 		return cli_fail_errno(sweep->job.cli, "the list of images", stdout);
 	}
 	code = sweep_probe_output(sweep);
-	// With nothing left to do, neither a daemon nor the scene is asked for.
+	// If every image exists, neither a daemon nor the scene is needed.
 	if (code == EXIT_DONE && sweep->skipped < sweep->picture_count)
 		code = render_pictures(sweep);
 	return code == EXIT_DONE ? sweep_say_summary(sweep) : code;
@@ -371,7 +371,7 @@ static enum exit_code do_sweep(struct sweep *sweep)
 
 static enum exit_code run_sweep(struct cli *cli, const struct command *self, int argc, char **argv)
 {
-	// Large, and not needed twice.
+	// Static because it is too large for the stack; a process runs one command.
 	static struct sweep sweep;
 	enum exit_code code = EXIT_DONE;
 	memset(&sweep, 0, sizeof(sweep));

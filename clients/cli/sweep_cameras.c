@@ -38,7 +38,7 @@ static bool cameras_append(struct list *list, const double v[10])
 	return true;
 }
 
-// `count` numbers out of an array of just as many.
+// Read an array of exactly `count` numbers.
 static bool cameras_take_numbers(const json_t *array, double *out, size_t count)
 {
 	if (!json_is_array(array) || json_array_size(array) != count)
@@ -108,7 +108,7 @@ static bool cameras_take_text(struct list *list, const char *text, size_t bytes)
 		json_t *value = json_loadb(text + at, bytes - at, JSON_DISABLE_EOF_CHECK, &where);
 		if (!value)
 			return cameras_refuse(list, where.text);
-		at += (size_t)where.position; // what was read, on success
+		at += (size_t)where.position; // after a success: how many bytes were read
 		bool good = cameras_take_value(list, value);
 		json_decref(value);
 		if (!good)

@@ -6,7 +6,7 @@
 
 #include "clients/cli/sweep_cameras.h"
 
-// Catmull and Rom 1974, uniform: through b and c, with the slopes of a to c and b to d.
+// Catmull and Rom 1974, uniform: the curve goes from b (t = 0) to c (t = 1) with the slopes of a to c and of b to d.
 static double spline_number(double a, double b, double c, double d, double t)
 {
 	const double t2 = t * t, t3 = t2 * t;
@@ -20,7 +20,7 @@ static struct candil_vec3 spline_vec3(const struct candil_vec3 v[4], double t)
 				    spline_number(v[0].z, v[1].z, v[2].z, v[3].z, t)};
 }
 
-// Key `i`, which may lie one beyond either end: there the line of the last two goes on.
+// Key `i`, which may be one beyond either end. There the line through the last two keys is continued.
 static struct candil_camera key_at(const struct candil_camera *keys, uint32_t count, int64_t i)
 {
 	if (i >= 0 && i < (int64_t)count)
@@ -57,7 +57,7 @@ struct candil_camera *sweep_keys_spread(const struct candil_camera *keys, uint32
 	for (uint32_t i = 0; out && i < frames; i++) {
 		const double at = frames > 1 ? (double)i * (count - 1) / (frames - 1) : 0;
 		const uint32_t key = (uint32_t)floor(at);
-		// On a key to the bit, whatever the spline rounds.
+		// A frame on a key is that key exactly, without what the spline would round.
 		out[i] = key + 1 >= count || !(at > key) ? keys[key < count ? key : count - 1]
 							 : camera_between(keys, count, key, at - key);
 	}

@@ -11,10 +11,11 @@
 // those of its two neighbours. The result is the caller's, to be freed; NULL: no memory.
 struct candil_camera *sweep_keys_spread(const struct candil_camera *keys, uint32_t count, uint32_t frames);
 
-// Seconds of the animation that is named so, or by '#' and its number. false: the scene's list has none.
+// The length in seconds of an animation, which is named by its name or by '#' and its number. false: the scene's list does
+// not have it.
 bool sweep_animation_length(const struct candil_scene_info *scene, const char *name, double *seconds);
 
-// Frames of so many seconds, both ends included; 0: more than SWEEP_CAMERAS_MAX.
+// How many frames an animation of that many seconds has, both ends included; 0: more than SWEEP_CAMERAS_MAX.
 uint32_t sweep_frames_of(double seconds, double fps);
 
 #endif

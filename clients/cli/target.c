@@ -19,7 +19,7 @@
 #define PRIVATE_FD 3
 #define ANSWER_MS 10000u
 #define END_MS 5000
-#define LOOK_MS 50 // how often whether a scene is there by now
+#define LOOK_MS 50 // between two looks whether a scene is loaded by now
 
 extern char **environ;
 
@@ -42,7 +42,7 @@ static bool is_file(const char *path)
 	return stat(path, &about) == 0 && S_ISREG(about.st_mode);
 }
 
-// Whether it cannot be read as a file, and why. Anything but a folder and what is missing is left to the loader.
+// Refuse a path that is missing or a folder. The loader finds out what is wrong with anything else.
 static candil_status check_file(const char *path, const struct candil_load_request *how, struct candil_error *error)
 {
 	struct stat about;
@@ -60,7 +60,8 @@ static candil_status check_file(const char *path, const struct candil_load_reque
 	return CANDIL_STATUS_OK;
 }
 
-// A process group of its own keeps the terminal's Ctrl-C from the daemon: this side cancels the job properly.
+// The daemon gets a process group of its own, so that a Ctrl-C in the terminal does not reach it: this program cancels the
+// job instead.
 static int spawn_private(int fd, pid_t *pid)
 {
 	char path[PROGRAM_PATH], number[16], option[] = "--private-fd";
@@ -124,7 +125,7 @@ static candil_status connect_any(struct target *target, const char *address, con
 		*error = why;
 		return why.code;
 	}
-	// With a dot or a slash it was meant as a file, without as a scene's name.
+	// A text with a dot or a slash was meant as a file, any other as the name of a scene.
 	bool named = !strpbrk(scene, "./");
 	char nowhere[256];
 	if (!candil_default_address(nowhere, sizeof(nowhere)))
@@ -139,7 +140,7 @@ static candil_status connect_any(struct target *target, const char *address, con
 	    scene);
 }
 
-// Load the file under a name that no other call uses. *loaded: it is there, whatever is returned.
+// Load the file under a name that no other process uses. *loaded: the daemon has it, even if the result is a failure.
 static candil_status load_temporary(struct target *target, const char *file, const struct candil_load_request *how,
 				    char name[64], bool *loaded, struct candil_scene_info *info, struct candil_error *error)
 {
@@ -156,7 +157,7 @@ static candil_status load_temporary(struct target *target, const char *file, con
 	while (status == CANDIL_STATUS_OK) {
 		if (interrupt_wait(target->client, &event, &status, error))
 			break;
-		// A private daemon goes with its connection; another one would keep the scene, so its answer is waited for.
+		// A private daemon ends with its connection. Any other would keep the scene, so its answer is waited for.
 		if (status == CANDIL_STATUS_OK && target->private_daemon != 0)
 			return target_fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 	}
@@ -181,7 +182,7 @@ static const struct candil_scene_entry *find_scene(const struct candil_scene_lis
 	return NULL;
 }
 
-// Describe a scene that the daemon has, or will have: one that is being loaded is waited for.
+// Describe a scene that the daemon has. One that is being loaded is waited for.
 static candil_status describe_named(struct target *target, const char *name, struct candil_scene_info *info,
 				    struct candil_error *error)
 {
@@ -237,7 +238,7 @@ candil_status target_open(struct target *target, const char *address, const char
 
 candil_status target_surroundings(struct target *target, struct candil_render_request *request, struct candil_error *error)
 {
-	static struct candil_scene_info info; // large, and only looked at here
+	static struct candil_scene_info info; // static because it is large; nobody needs it
 	const struct candil_load_request how = {0};
 	const char *picture = request->environment;
 	candil_status status = CANDIL_STATUS_SCENE_NOT_FOUND;
@@ -274,7 +275,7 @@ static void target_unload(const struct target *target, const char *name)
 	struct candil_error error;
 	candil_set_timeout(target->client, ANSWER_MS);
 	candil_status status = candil_unload(target->client, name, &error);
-	// With the daemon gone, the scene is too.
+	// If the daemon is gone, so is the scene.
 	if (status != CANDIL_STATUS_OK && status != CANDIL_STATUS_IO && status != CANDIL_STATUS_SHUTTING_DOWN)
 		fprintf(stderr, "candil: the scene %s stays loaded: %s\n", name, error.text);
 }

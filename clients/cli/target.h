@@ -1,5 +1,5 @@
-// The scene that a command is about, in some daemon: one that runs already, or a private one, started for the call, that
-// ends with its connection.
+// The scene that a command is about, and the daemon that has it: one that runs already, or a private one that is started for
+// the command and ends with its connection.
 #ifndef CANDIL_CLI_TARGET_H
 #define CANDIL_CLI_TARGET_H
 
@@ -11,23 +11,24 @@ struct target {
 	candil_client *client;
 	pid_t private_daemon; // 0: none was started
 	char scene[64]; // name in the daemon
-	bool temporary; // it was loaded for this call
-	char picture[64]; // likewise of the picture of its surroundings; "": there is none
-	bool picture_temporary;
+	bool temporary; // the scene was loaded for this command
+	char picture[64]; // name of the picture of the surroundings; "": there is none
+	bool picture_temporary; // the picture was loaded for this command
 	struct candil_scene_info info;
 };
 
-// Find `scene` (the name of a loaded one comes first, or of one that is being loaded, which is waited for; then a file) and
-// describe it. `how` says how a file is read; its name and file fields are ignored. With no address and no daemon at the
-// default one, a private daemon is started for a file. CANCELLED after Ctrl-C. target_close is due in any case.
+// Find `scene` and describe it. It is looked for among the daemon's scenes first, and one that is being loaded is waited
+// for; else it is a file, which is loaded. `how` says how a file is read; its name and paths are ignored. If `address` is
+// NULL and no daemon answers at the default one, a private daemon is started for a file. Fails with CANCELLED after an
+// interrupt, and as candil_connect, candil_describe and candil_load do. target_close must follow in any case.
 candil_status target_open(struct target *target, const char *address, const char *scene,
 			  const struct candil_load_request *how, struct candil_error *error);
 
-// Find the picture that request->environment names, if it does, in the same way, in the daemon of an open target, and put
-// the name that it has there in its place.
+// Find the picture that request->environment names in the same way, in the daemon of an open target, and replace the name by
+// the one that the picture has there. Does nothing if the request names none.
 candil_status target_surroundings(struct target *target, struct candil_render_request *request, struct candil_error *error);
 
-// Unload what was loaded, disconnect, wait for the private daemon to end.
+// Unload what was loaded for the command, disconnect, and wait for a private daemon to end.
 void target_close(struct target *target);
 
 #endif

@@ -65,7 +65,7 @@ struct exr {
 	uint8_t compression;
 };
 
-// A string with its zero. false: the file ends, or it is too long.
+// Read a string up to its zero. false: the file ends before, or the string is too long.
 static bool verify_take_text(const struct reader *r, char text[TEXT_MAX])
 {
 	for (unsigned i = 0; i < TEXT_MAX; i++) {
@@ -102,7 +102,7 @@ static bool take_header(const struct reader *r, struct exr *exr)
 	static const uint8_t magic[4] = {0x76, 0x2f, 0x31, 0x01};
 	uint8_t head[8];
 	char name[TEXT_MAX];
-	// Version 2; long names are the one flag of a file of scan lines in one part.
+	// Version 2. A file of scan lines in one part may have one flag: long names.
 	if (!verify_take(r, head, 8) || memcmp(head, magic, 4) != 0 || (little_endian(head + 4) & ~0x400u) != 2)
 		return false;
 	while (verify_take_text(r, name)) {
@@ -114,10 +114,10 @@ static bool take_header(const struct reader *r, struct exr *exr)
 	return false;
 }
 
-// Lines of a block by compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+// How many lines a block has, by compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
 static const uint32_t block_lines[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
 
-// One block: the line it bears, its end. false: it is not within the file.
+// Check that a block begins with this line and ends within the file; *end is where. false: it does not.
 static bool take_block(const struct reader *r, uint64_t offset, int64_t line, uint64_t *end)
 {
 	uint8_t head[8];

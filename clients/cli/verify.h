@@ -1,15 +1,19 @@
-// Whether an image file is whole, without an image library: the marks that an interrupted write or a cut copy leaves out.
-//  - PNG: signature, IHDR of this size, one chunk after the other within the file, IDAT among them, IEND at its very end.
-//  - EXR, scan lines, one part: header with a data window of this size, an offset table without a gap, every block that it
-//    points at within the file and bearing the line that belongs there, the last one ending where the file ends.
-// What is inside of pixels is not looked at: bits that a disk has turned are not found.
+// Whether an image file is whole, found out without an image library. An interrupted write or a cut copy lacks one of these:
+//
+//  - PNG: the signature, an IHDR of this size, chunks that follow each other within the file, an IDAT among them, an IEND at
+//    the end of the file.
+//  - EXR of scan lines in one part: a header with a data window of this size, an offset table without a gap, blocks within
+//  the
+//    file that hold the line which the table says, the last of them ending where the file ends.
+//
+// Pixels are not decoded, so a bit that a disk has flipped is not found.
 #ifndef CANDIL_CLI_VERIFY_H
 #define CANDIL_CLI_VERIFY_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-// A PNG if `png`, else an EXR. false also for a file that is not there or cannot be read.
+// Check a PNG if `png`, else an EXR. false: it is not whole, does not exist or cannot be read.
 bool verify_image(const char *path, bool png, uint32_t width, uint32_t height);
 
 #endif

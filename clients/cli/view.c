@@ -12,7 +12,7 @@ static double view_dot(const struct candil_vec3 *a, const struct candil_vec3 *b)
 	return a->x * b->x + a->y * b->y + a->z * b->z;
 }
 
-// How far from the centre the eye must be, on the side `back`, to have the eight corners of a box in view.
+// The distance from the centre in the direction `back` from which all eight corners of a box are in view.
 static double fitting_distance(const struct candil_vec3 *half, const struct candil_vec3 *right, const struct candil_vec3 *up,
 			       const struct candil_vec3 *back, double tan_h, double tan_v)
 {
@@ -26,7 +26,7 @@ static double fitting_distance(const struct candil_vec3 *half, const struct cand
 	return distance;
 }
 
-// Centre and half sizes of the bounds; of a cube about the origin where there are none.
+// The centre and half the sizes of the bounds. Without bounds: those of a cube about the origin.
 static void find_box(const struct candil_scene_info *scene, struct candil_vec3 *centre, struct candil_vec3 *half)
 {
 	const struct candil_vec3 *low = &scene->bounds_min, *high = &scene->bounds_max;
@@ -43,7 +43,8 @@ void view_frame_bounds(const struct candil_scene_info *scene, struct candil_rend
 {
 	struct candil_vec3 centre, half;
 	find_box(scene, &centre, &half);
-	// A floor seen from its own height would be a line: up to 35 degrees above it. A wall along Z: from its side.
+	// A floor seen from its own height would be a line, so a flat scene is seen from up to 35 degrees above. A wall that
+	// runs along Z would be one too, so it is seen from its side.
 	double elevation = angles_radians(35.0 * (1.0 - fmin(1.0, 2.0 * half.y / fmax(half.x, half.z))));
 	double azimuth = half.x < 0.1 * half.z ? angles_radians(60.0) : 0.0;
 	const struct candil_vec3 back = {cos(elevation) * sin(azimuth), sin(elevation), cos(elevation) * cos(azimuth)};

@@ -15,7 +15,7 @@ struct words {
 static void words_put(struct words *w, const char *text, size_t bytes)
 {
 	for (size_t i = 0; i < bytes; i++) {
-		// Bytes of a character behind its first take no column.
+		// Only the first byte of a UTF-8 character takes a column.
 		w->column += ((unsigned char)text[i] & 0xC0) != 0x80;
 		if (text[i] == '\n')
 			w->column = 0;
@@ -29,7 +29,7 @@ static void words_put_effects(struct words *w)
 		const char *name = effect_name(i);
 		const char *before = i == 0 ? "" : i == EFFECT_COUNT - 1 ? " or " : ", ";
 		if (w->indent > 0 && w->column + strlen(before) + strlen(name) > COLUMNS) {
-			// The space of `before` gives way to the end of the line.
+			// The line ends in place of the space at the end of `before`.
 			words_put(w, before, strlen(before) - 1);
 			fprintf(w->out, "\n%*s", (int)w->indent, "");
 			w->column = w->indent;
@@ -47,7 +47,7 @@ static void words_put_techniques(struct words *w, unsigned traits)
 	words_put(w, list, strlen(list));
 }
 
-// Put what stands for the mark at `text`. Returns the mark's length; 0: there is no mark.
+// Print what the mark at `text` stands for. Returns the length of the mark; 0: there is none.
 static size_t words_put_mark(struct words *w, const char *text)
 {
 	static const struct {

@@ -1,5 +1,5 @@
-// The protocol's lists in the texts of the command line. A text holds a mark where it needs a list, so that a new technique
-// or effect is in every help text and refusal by itself:
+// The protocol's lists of techniques and effects in the texts of the command line. A text has a mark where it needs a list,
+// so a new technique or effect appears in every help text and refusal without a change here:
 //
 //   {techniques}  the techniques that render, with "or" before the last
 //   {auto}        the technique that "auto" stands for
@@ -13,11 +13,11 @@
 
 #include <stdio.h>
 
-// Print `text` with its marks filled in. An effect that would end beyond the last column of a help text begins a new line,
-// behind `indent` spaces; 0: nothing is broken.
+// Print `text` with its marks filled in. An effect that does not fit into the line of a help text begins a new one, behind
+// `indent` spaces; 0: no line is broken.
 void words_print(FILE *out, const char *text, unsigned indent);
 
-// What words_print prints without line breaks, as a string, to be freed. NULL: no memory.
+// What words_print prints without breaking lines, as a string. It is the caller's, to be freed; NULL: no memory.
 char *words_text(const char *text);
 
 #endif

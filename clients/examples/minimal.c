@@ -23,7 +23,7 @@ static int write_file(const char *path, const struct candil_image *image)
 	return 0;
 }
 
-// A scene without a camera is seen from its front, far enough away to have all of it in the picture.
+// Look at a scene without a camera from its front, from far enough away to have all of it in the picture.
 static void look_at(const struct candil_scene_info *scene, struct candil_render_request *request)
 {
 	const struct candil_vec3 *low = &scene->bounds_min, *high = &scene->bounds_max;

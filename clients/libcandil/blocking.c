@@ -1,4 +1,4 @@
-// The blocking calls: a request each and a wait for the event that ends it.
+// The blocking calls: each submits a request and waits for the event that ends it.
 #include <string.h>
 #include <time.h>
 
@@ -13,7 +13,7 @@ static candil_status refuse_if_busy(const candil_client *client, struct candil_e
 			 "submitted requests are open on this connection; take their events first or use another one");
 }
 
-// The next event of the one open request. Its ERROR becomes the result.
+// Wait for the next event of the one open request. An ERROR event becomes the result.
 static candil_status wait_event(candil_client *client, struct candil_event *event, struct candil_error *error)
 {
 	int timeout_ms = client->timeout_ms == 0 ? -1 : client->timeout_ms > INT32_MAX ? INT32_MAX : (int)client->timeout_ms;
@@ -134,7 +134,7 @@ void candil_render_request_init(struct candil_render_request *request)
 	request->format = CANDIL_FORMAT_EXR_FLOAT;
 }
 
-// Note one event of a render and tell the caller. false: the caller wants it cancelled.
+// Take one event of a render and call the caller's function. false: the caller wants the render cancelled.
 static bool render_event(candil_client *client, const struct candil_event *event, const struct candil_callbacks *callbacks,
 			 struct candil_render_result *result)
 {
@@ -184,7 +184,7 @@ candil_status candil_render(candil_client *client, const struct candil_render_re
 			status = candil_cancel(client, id, error);
 		}
 	}
-	// The render was quicker than its cancel: to the caller it is cancelled all the same.
+	// If the render was quicker than its cancel, to the caller it is cancelled all the same.
 	if (status == CANDIL_STATUS_OK && cancelled)
 		status = error_set(error, CANDIL_STATUS_CANCELLED, "the render was cancelled by its caller");
 	if (status != CANDIL_STATUS_OK) {
@@ -194,7 +194,7 @@ candil_status candil_render(candil_client *client, const struct candil_render_re
 	return status;
 }
 
-// The same for a sweep: every image goes to the caller, and stays the client's.
+// The same for a sweep. Every image goes to the caller's function and stays the client's.
 static bool sweep_event(const struct candil_event *event, const struct candil_callbacks *callbacks,
 			struct candil_sweep_result *result)
 {
@@ -226,7 +226,7 @@ candil_status candil_sweep(candil_client *client, const struct candil_render_req
 		status = candil_submit_sweep(client, request, cameras, count, &id, error);
 	while (status == CANDIL_STATUS_OK && !event.ends_request) {
 		status = wait_event(client, &event, error);
-		// Nothing more is shown to a caller who has had enough.
+		// A caller who has cancelled is called no more.
 		if (status == CANDIL_STATUS_OK && !cancelled && !sweep_event(&event, callbacks, result)) {
 			cancelled = true;
 			if (!event.ends_request)

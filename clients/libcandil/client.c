@@ -18,7 +18,7 @@
 candil_status candil_process(candil_client *client, struct candil_error *error)
 {
 	connection_exchange(&client->connection);
-	// While a request is open its ERROR event tells of the end.
+	// While a request is open, its ERROR event tells that the connection is over.
 	if (request_any_audible(&client->requests))
 		return CANDIL_STATUS_OK;
 	return connection_status(&client->connection, error);
@@ -84,7 +84,7 @@ static candil_status client_greet(candil_client *client, struct candil_error *er
 		if (status == CANDIL_STATUS_OK)
 			status = connection_status(&client->connection, error);
 	}
-	// Nobody who speaks this protocol is there: to the caller that is a failure to connect.
+	// Whoever listens does not speak this protocol. To the caller that is a failure to connect.
 	if (status == CANDIL_STATUS_IO) {
 		status = CANDIL_STATUS_CONNECT;
 		if (error)
@@ -131,7 +131,7 @@ candil_status candil_connect(const char *address, candil_client **client, struct
 	int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
 	if (fd < 0)
 		return error_set(error, CANDIL_STATUS_CONNECT, "cannot make a socket: %s", strerror(errno));
-	// Bounds the wait for a daemon whose queue of connections is full.
+	// connect() waits while the daemon's queue of connections is full; this bounds the wait.
 	struct timeval limit = {HELLO_TIMEOUT_MS / 1000, 0};
 	setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof(limit));
 	int result;

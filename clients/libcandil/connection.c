@@ -69,7 +69,7 @@ candil_status connection_queue(struct connection *connection, const void *bytes,
 	return CANDIL_STATUS_OK;
 }
 
-// One sendmsg: up to the next byte that has a descriptor, which itself begins a sendmsg of its own.
+// Send once. A byte that a descriptor goes along with must begin a sendmsg, so what is sent ends before the next such byte.
 static ssize_t send_some(struct connection *connection, bool *with_fd)
 {
 	size_t end = connection->out_end;
@@ -109,7 +109,8 @@ static void close_out_fds(struct connection *connection)
 	connection->out_fd_count = 0;
 }
 
-// A peer that closed may have said why before: sending stops, what has arrived is still read.
+// Send until the socket is full. A peer that has closed may have said why before it did: then sending stops, and what has
+// arrived is still read.
 static void send_all(struct connection *connection)
 {
 	while (connection->out_start < connection->out_end) {
@@ -198,7 +199,7 @@ void connection_wait(struct connection *connection, int timeout_ms)
 		connection_break(connection, CANDIL_STATUS_IO, "cannot wait for the daemon: %s", strerror(errno));
 }
 
-// Take one whole message off the buffer. false: none is there.
+// Take one whole message off what has arrived. false: there is none yet.
 static bool take_message(struct connection *connection, struct header *header, const uint8_t **body)
 {
 	const size_t there = connection->in_end - connection->in_start;

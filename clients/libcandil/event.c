@@ -1,12 +1,13 @@
-// Takes what has arrived apart, message by message, and puts images together from their chunks. Everything here comes from
-// outside: a reply that does not fit its request ends the connection, one that fits no request is passed over.
+// Takes what has arrived apart, message by message, and puts images together from their chunks. Nothing of it can be
+// trusted: a reply that its request cannot have ends the connection, and a reply to no open request is passed over.
 #include <stdlib.h>
 #include <string.h>
 
 #include "clients/libcandil/client.h"
 #include "clients/libcandil/message.h"
 
-// Room for any file of these dimensions: every AOV as float is 44 bytes a pixel, and a file has its headers.
+// The most that an image file of these dimensions can have: the colour and every AOV as floats are 44 bytes a pixel, and a
+// file has headers.
 static uint64_t image_bytes_max(const struct request *request)
 {
 	return (uint64_t)request->width * request->height * 64u + (4u << 20);
@@ -68,7 +69,7 @@ static void image_begin(candil_client *client, struct request *request, const st
 	image->filled = 0;
 }
 
-// Grow with what has arrived, not with what was announced.
+// Make room for what has arrived, not for what was announced: a daemon may announce more than it sends.
 static bool image_reserve(struct assembly *image, size_t needed)
 {
 	if (needed <= image->capacity)
@@ -86,7 +87,7 @@ static bool image_reserve(struct assembly *image, size_t needed)
 	return true;
 }
 
-// true: the image is whole and the event is filled in.
+// Add a chunk. true: the image is whole, and the event is filled in.
 static bool image_append(candil_client *client, struct request *request, const struct header *header, const uint8_t *body,
 			 struct candil_event *event)
 {
@@ -137,7 +138,7 @@ static void take_hello(candil_client *client, struct request *request, const str
 	request_close(request);
 }
 
-// One reply to an open request. true: the event is filled in.
+// Take one reply to an open request. true: the event is filled in.
 static bool take_reply(candil_client *client, struct request *request, const struct header *header, const uint8_t *body,
 		       struct candil_event *event)
 {
@@ -172,7 +173,7 @@ static bool take_reply(candil_client *client, struct request *request, const str
 	return !silent;
 }
 
-// An error for no request in particular: the daemon is about to close.
+// Take an error under id 0, which belongs to no request: the daemon is about to close the connection.
 static void take_farewell(candil_client *client, const struct header *header, const uint8_t *body,
 			  struct candil_event *event)
 {
@@ -187,7 +188,8 @@ static bool known_reply(uint8_t type)
 	return type == MESSAGE_ERROR || (type >= MESSAGE_HELLO_REPLY && type <= MESSAGE_STATS_REPLY);
 }
 
-// The connection is over: every open request ends with the reason. false: none that the caller made is left.
+// Once the connection is over, every open request ends with an ERROR event that says why. false: none is open that the
+// caller made.
 static bool next_failure(candil_client *client, struct candil_event *event)
 {
 	struct request *request;

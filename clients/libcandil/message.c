@@ -153,7 +153,7 @@ static candil_status write_sweep_camera(const struct candil_camera *from, candil
 	*to = (candil_Camera)candil_Camera_init_zero;
 	if (from->name)
 		return take_string("a camera's name", from->name, to->name, sizeof(to->name), error);
-	if (!(from->vfov_degrees < 0) && !(from->vfov_degrees > 0)) // the scene's first
+	if (!(from->vfov_degrees < 0) && !(from->vfov_degrees > 0)) // 0: the scene's first camera
 		return CANDIL_STATUS_OK;
 	to->has_eye = to->has_target = to->has_up = true;
 	to->eye = vec3_write(&from->eye);
@@ -349,7 +349,7 @@ static void read_progress(const candil_Progress *from, struct candil_progress *t
 {
 	to->samples_done = from->samples_done;
 	to->samples = from->samples;
-	// fmin and fmax drop a NaN.
+	// fmin and fmax return the other number for a NaN.
 	to->fraction = fmin(fmax(from->fraction, 0.0), 1.0);
 	to->device_us = from->device_us;
 	to->elapsed_us = from->elapsed_us;
@@ -422,7 +422,7 @@ static void read_stats(const candil_StatsReply *from, struct candil_stats *to)
 
 static void read_error(const candil_Error *from, struct candil_error *to)
 {
-	// A failure must never look like success.
+	// A daemon that sends the code 0 must not make a failure look like a success.
 	to->code = from->code != 0 && from->code <= INT32_MAX ? (candil_status)from->code : CANDIL_STATUS_INTERNAL;
 	TEXT(to->text, from->message[0] ? from->message : "the daemon gave no reason");
 }
@@ -452,7 +452,7 @@ bool message_read_server(const uint8_t *body, size_t bytes, struct candil_server
 	return true;
 }
 
-// Every reply that becomes an event by itself: its generated type, its event, and the end of a request or not.
+// One line for each type of reply that is a whole event.
 bool message_read_event(uint8_t type, const uint8_t *body, size_t bytes, struct candil_event *event)
 {
 	union {

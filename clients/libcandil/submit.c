@@ -47,7 +47,7 @@ candil_status submit_message(candil_client *client, enum message_type type, cons
 	return CANDIL_STATUS_OK;
 }
 
-// submit_message for the calls that a user sees and that bring no descriptor.
+// submit_message for the public calls that send no descriptor.
 static candil_status submit_plain(candil_client *client, enum message_type type, const pb_msgdesc_t *fields,
 				  const void *message, uint32_t *id, struct candil_error *error)
 {
@@ -181,7 +181,7 @@ candil_status candil_submit_sweep(candil_client *client, const struct candil_ren
 				  const struct candil_camera *cameras, size_t count, uint32_t *id,
 				  struct candil_error *error)
 {
-	candil_Sweep *sweep = calloc(1, sizeof(*sweep)); // too large for a thread's stack
+	candil_Sweep *sweep = calloc(1, sizeof(*sweep)); // too large for the stack of a thread
 	struct request *slot;
 	*id = 0;
 	if (!sweep)

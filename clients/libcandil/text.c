@@ -4,7 +4,8 @@
 #include <stdint.h>
 #include <string.h>
 
-// Bytes of the well-formed UTF-8 character at `s`, which ends with a zero; 0 if it is none or a control character.
+// How many bytes the UTF-8 character at `s` has. `s` ends with a zero. 0: there is no valid character, or a control
+// character.
 static size_t character_bytes(const unsigned char *s)
 {
 	uint32_t code;
