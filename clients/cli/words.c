@@ -47,29 +47,32 @@ static void words_put_techniques(struct words *w, unsigned traits)
 	words_put(w, list, strlen(list));
 }
 
+static void words_put_auto(struct words *w)
+{
+	const char *name = technique_name(TECHNIQUE_OF_AUTO);
+	words_put(w, name, strlen(name));
+}
+
 // Print what the mark at `text` stands for. Returns the length of the mark; 0: there is none.
 static size_t words_put_mark(struct words *w, const char *text)
 {
 	static const struct {
 		const char *mark;
-		unsigned traits; // 0: not a list of techniques
+		unsigned traits; // of the techniques that are listed, unless there is `put`
+		void (*put)(struct words *w);
 	} marks[] = {
-	    {"{techniques}", TECHNIQUE_RENDERS},
-	    {"{noise}", TECHNIQUE_NOISE},
-	    {"{voxels}", TECHNIQUE_VOXELS},
-	    {"{auto}", 0},
-	    {"{effects}", 0},
+	    {"{techniques}", TECHNIQUE_RENDERS, NULL}, {"{noise}", TECHNIQUE_NOISE, NULL},
+	    {"{voxels}", TECHNIQUE_VOXELS, NULL},      {"{auto}", 0, words_put_auto},
+	    {"{effects}", 0, words_put_effects},
 	};
 	for (size_t i = 0; i < sizeof(marks) / sizeof(marks[0]); i++) {
 		const size_t length = strlen(marks[i].mark);
 		if (strncmp(text, marks[i].mark, length) != 0)
 			continue;
-		if (marks[i].traits != 0)
-			words_put_techniques(w, marks[i].traits);
-		else if (marks[i].mark[1] == 'a')
-			words_put(w, technique_name(TECHNIQUE_OF_AUTO), strlen(technique_name(TECHNIQUE_OF_AUTO)));
+		if (marks[i].put)
+			marks[i].put(w);
 		else
-			words_put_effects(w);
+			words_put_techniques(w, marks[i].traits);
 		return length;
 	}
 	return 0;

@@ -175,6 +175,15 @@ def check_every_function_has_one():
     assert len(functions) > 30 and not missing, missing
 
 
+def check_every_declaration_is_explained():
+    """A function, a structure or an enumeration has a comment right above it."""
+    for rule in RULES:
+        lines = read(rule.header).splitlines()
+        for number, line in enumerate(lines):
+            if re.match(r"(CANDIL_API|typedef|struct \w+ \{|enum \w+ \{)", line):
+                assert re.match(r"//", lines[number - 1]), f"{rule.header}:{number + 1}: nothing explains this: {line}"
+
+
 def check_that_a_bad_example_is_found(folder):
     rule = dataclasses.replace(RULES[0], header="bad.h")
     for text, work in (("// Example:\n//\tint unused;\n", lambda t: build(rule, t, folder)),
@@ -189,6 +198,7 @@ def check_that_a_bad_example_is_found(folder):
 
 def main():
     check_every_function_has_one()
+    check_every_declaration_is_explained()
     with tempfile.TemporaryDirectory() as folder:
         runs = [one for rule in RULES for one in build(rule, read(rule.header), folder)]
         assert len(runs) > 20, runs
