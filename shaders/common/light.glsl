@@ -164,7 +164,7 @@ struct light_choice {
 	float inverse;  // the same for its rival, the BSDF's sampling, whose density times this is the ratio of the two; 0: it has none
 	vec3 segment;   // as light_sample's
 	float t_max;
-	// For the shares of path/caustic.glsl:
+	// For the shares of pt/caustic.glsl:
 	float by_power; // `inverse`, as if all were chosen by power
 	float spread;   // 1/m²: of what leaves the light by its own law, the share on an area here that faces it; 0: from afar
 };

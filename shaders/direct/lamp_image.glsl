@@ -4,7 +4,7 @@
 #define DIRECT_LAMP_IMAGE_GLSL
 
 #include "direct/lighting.glsl"
-#include "direct/radiance.glsl"
+#include "deferred/radiance.glsl"
 
 layout(binding = DIRECT_SCALE_UNIT, rgba32f) uniform image2D scale_image;         // w: metres from the eye; 0: no such light
 layout(binding = DIRECT_ARRIVED_UNIT, rgba32f) uniform image2D arrived_image;     // w, and the next one's: the normal

@@ -4,9 +4,9 @@
 #define DIRECT_LIGHT_PIXEL_GLSL
 
 #include "direct/lamp_image.glsl"
-#include "direct/pixel.glsl"
+#include "deferred/pixel.glsl"
 #ifdef DIRECT_SKY
-#include "direct/sky.glsl"
+#include "common/sky_map.glsl"
 #endif
 
 void light_pixel()

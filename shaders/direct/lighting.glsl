@@ -18,7 +18,7 @@
 #ifndef DIRECT_LIGHTING_GLSL
 #define DIRECT_LIGHTING_GLSL
 
-#include "direct/area.glsl"
+#include "deferred/area.glsl"
 #include "direct/lamps.glsl"
 #include "trace/single.glsl"
 

@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "direct/lamp_image.glsl"
-#include "direct/visible.glsl"
+#include "deferred/visible.glsl"
 
 layout(local_size_x = TILE_PIXELS) in;
 

@@ -202,7 +202,7 @@ struct path_state {
 	uint taken; // samples that are done
 	float radiance[3];
 	uint media[2]; // materials whose inside it is in, 16 bits each from below: number + 1, or 0
-	float rivals; // path/caustic.glsl; of a light path the bits of its walker's `backs`
+	float rivals; // pt/caustic.glsl; of a light path the bits of its walker's `backs`
 	float aim;
 	float facing[3]; // of the surface that it left, for the tree over the lamps
 };

@@ -153,7 +153,7 @@ vec4 cone_march(cone_origin o, vec3 direction, float tangent)
 }
 
 #ifdef VCT_SKY
-#include "direct/sky.glsl"
+#include "common/sky_map.glsl"
 layout(binding = SKY_CONES_UNIT) uniform sampler2DArray vct_sky_cones;
 
 // The mean radiance of the picture around the scene over a cone.

@@ -4,7 +4,7 @@
 #define VCT_INDIRECT_GLSL
 
 #include "common/bsdf.glsl"
-#include "direct/pixel.glsl"
+#include "deferred/pixel.glsl"
 #include "vct/cone.glsl"
 
 struct indirect {

@@ -8,7 +8,7 @@
 #define SCENE_WITHOUT_GGX
 
 #include "common/camera.glsl"
-#include "direct/radiance.glsl"
+#include "deferred/radiance.glsl"
 #include "shared/vct_show.h"
 #include "vct/params.glsl"
 #include "voxel/lookup.glsl"

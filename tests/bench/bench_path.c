@@ -12,7 +12,7 @@
 #include "server/worker/image/frame.h"
 #include "server/worker/plan/make.h"
 #include "server/worker/scenes/resident.h"
-#include "server/worker/technique/pt.h"
+#include "server/worker/technique/pt/pt.h"
 #include "tests/support/load_scene.h"
 
 #define TURNS 5

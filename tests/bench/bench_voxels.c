@@ -6,7 +6,7 @@
 #include <time.h>
 
 #include "server/worker/devices.h"
-#include "server/worker/technique/voxel_build.h"
+#include "server/worker/technique/voxel/voxel_build.h"
 #include "tests/support/load_scene.h"
 
 #define REPEATS 3

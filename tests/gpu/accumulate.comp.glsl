@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define BIND_ACCUMULATOR 1
-#include "path/accumulate.glsl"
+#include "common/accumulate.glsl"
 
 layout(local_size_x = 8) in;
 layout(push_constant) uniform Push {

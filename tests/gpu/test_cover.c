@@ -8,7 +8,7 @@
 #include <cmocka.h>
 #include <string.h>
 
-#include "server/worker/technique/deferred_cover.h"
+#include "server/worker/technique/deferred/deferred_cover.h"
 
 #define COUNT 4u
 

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "server/worker/technique/voxel_build.h"
+#include "server/worker/technique/voxel/voxel_build.h"
 #include "tests/gpu/voxel_result.h"
 
 static const double zero[3] = {0, 0, 0};

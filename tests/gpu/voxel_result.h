@@ -2,7 +2,7 @@
 #ifndef CANDIL_TESTS_VOXEL_RESULT_H
 #define CANDIL_TESTS_VOXEL_RESULT_H
 
-#include "server/worker/technique/voxels.h"
+#include "server/worker/technique/voxel/voxels.h"
 #include "tests/gpu/voxel_model.h"
 
 extern uint64_t device_bytes, device_budget; // what the device counts and may

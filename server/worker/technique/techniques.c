@@ -1,9 +1,9 @@
 // The list of techniques. No other file of the worker, but a technique's own folder, knows one by its name.
 #include "protocol/names.h"
 #include "server/worker/technique/direct/direct.h"
-#include "server/worker/technique/pt.h"
+#include "server/worker/technique/pt/pt.h"
 #include "server/worker/technique/technique.h"
-#include "server/worker/technique/vct.h"
+#include "server/worker/technique/vct/vct.h"
 
 static const struct technique *const techniques[] = {&technique_pt, &technique_direct, &technique_vct};
 

@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/direct/direct_options.h"
 #include "server/worker/technique/direct/lighting.h"
-#include "server/worker/technique/scene_params.h"
 #include "server/worker/trace/trace.h"
 
 struct technique_job {

@@ -2,7 +2,7 @@
 
 #include <epoxy/gl.h>
 
-#include "server/worker/technique/scene_params.h"
+#include "server/worker/technique/common/scene_params.h"
 #include "shaders/gl/light_comp.h"
 #include "shaders/gl/soften_comp.h"
 #include "shaders/shared/deferred.h"

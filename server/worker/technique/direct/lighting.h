@@ -6,9 +6,9 @@
 #ifndef CANDIL_WORKER_DIRECT_LIGHTING_H
 #define CANDIL_WORKER_DIRECT_LIGHTING_H
 
-#include "server/worker/technique/deferred.h"
-#include "server/worker/technique/shadow_maps.h"
-#include "server/worker/technique/sky_map.h"
+#include "server/worker/technique/common/sky_map.h"
+#include "server/worker/technique/deferred/deferred.h"
+#include "server/worker/technique/direct/shadow_maps.h"
 
 #define LIGHTING_PASSES_MAX 2u
 

@@ -1,0 +1,83 @@
+#include "server/worker/technique/common/resolve.h"
+
+#include <string.h>
+
+#include "shaders/shared/bindings.h"
+
+// Even samples belong to half A, odd ones to half B.
+static void count_halves(uint32_t first, uint32_t samples, double counts[2])
+{
+	const uint32_t even = first % 2 == 0 ? (samples + 1) / 2 : samples / 2;
+	counts[0] = even;
+	counts[1] = samples - even;
+}
+
+void resolver_init(struct resolver *r, uint32_t first_sample, uint32_t samples, uint32_t tiles, uint32_t more)
+{
+	*r = (struct resolver){.tiles = tiles};
+	count_halves(first_sample, samples, r->counts[0]);
+	count_halves(first_sample, samples + more, r->counts[1]);
+}
+
+static double sum_of(const float *pair)
+{
+	return (double)pair[0] + (double)pair[1];
+}
+
+// What light paths brought to a channel of a pixel in a half, W/(m² sr).
+static double film_of(const struct resolver *r, const uint32_t *film, int half, int channel)
+{
+	const uint32_t *part = film + 2 * (3 * half + channel);
+	return film ? r->film_units[half] * ((double)part[1] * 4294967296.0 + (double)part[0]) : 0;
+}
+
+static void resolve_pixel(struct resolver *r, const float *sums, const uint32_t *film, const double counts[2],
+			  float *radiance)
+{
+	const double total = counts[0] + counts[1];
+	for (int c = 0; c < 3; c++) {
+		const double a = sum_of(sums + 2 * c) + counts[0] * film_of(r, film, 0, c);
+		const double b = sum_of(sums + 6 + 2 * c) + counts[1] * film_of(r, film, 1, c);
+		const double mean = total > 0 ? (a + b) / total : 0;
+		radiance[c] = (float)mean;
+		if (counts[0] > 0 && counts[1] > 0) {
+			const double half = 0.5 * (a / counts[0] - b / counts[1]);
+			r->error += half * half / (mean * mean + 0.01);
+			r->known++;
+		}
+	}
+}
+
+void resolve_sums(struct resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
+{
+	const uint32_t tiles_x = (frame->width + TILE_SIDE - 1) / TILE_SIDE;
+	const uint32_t *film = r->film;
+	for (uint32_t y = first_row; y < first_row + rows; y++)
+		for (uint32_t x = 0; x < frame->width; x++) {
+			const uint32_t tile = y / TILE_SIDE * tiles_x + x / TILE_SIDE;
+			resolve_pixel(r, sums, film, r->counts[tile < r->tiles],
+				      frame->radiance + 3 * ((uint64_t)y * frame->width + x));
+			sums += ACCUMULATOR_FLOATS;
+			film = film ? film + sizeof(struct film_pixel) / sizeof *film : NULL;
+		}
+}
+
+void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *f)
+{
+	const uint64_t first = (uint64_t)first_row * f->width, count = (uint64_t)rows * f->width;
+	for (uint64_t i = first; i < first + count; i++, words += AOV_WORDS) {
+		if (f->depth)
+			memcpy(&f->depth[i], words, sizeof(float));
+		if (f->normal)
+			memcpy(&f->normal[3 * i], words + 1, 3 * sizeof(float));
+		if (f->albedo)
+			memcpy(&f->albedo[3 * i], words + 4, 3 * sizeof(float));
+		if (f->id)
+			f->id[i] = words[7];
+	}
+}
+
+double resolver_error(const struct resolver *r)
+{
+	return r->known ? r->error / (double)r->known : -1;
+}

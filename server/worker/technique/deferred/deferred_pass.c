@@ -1,0 +1,180 @@
+// One piece of one pass. Nothing bound before is relied upon: between two slices other jobs use the device.
+#include <epoxy/gl.h>
+
+#include "server/worker/technique/deferred/deferred_job.h"
+#include "shaders/shared/deferred.h"
+
+#define TILES_PER_DISPATCH 65535u
+
+uint32_t deferred_units(const struct deferred *d, const struct deferred_work *work)
+{
+	const struct deferred_band *b = &d->bands[d->band];
+	if (work->kind == DEFERRED_DRAW)
+		return scene_count(d->scene, BLOB_TRIANGLES);
+	return work->kind == DEFERRED_SHADE ? b->outer.tiles : b->own.tiles;
+}
+
+struct deferred_work *deferred_current(struct deferred *d)
+{
+	return !d->aov_done && d->work == 1 ? &d->aov_work : &d->works[d->work];
+}
+
+static uint32_t reversed(uint32_t x)
+{
+	uint32_t r = 0;
+	for (int i = 0; i < 32; i++)
+		r |= (x >> i & 1u) << (31 - i);
+	return r;
+}
+
+// lowbias32, as in common/sampling.glsl.
+static uint32_t hash(uint32_t x)
+{
+	x ^= x >> 16;
+	x *= 0x7feb352du;
+	x ^= x >> 15;
+	x *= 0x846ca68bu;
+	return x ^ x >> 16;
+}
+
+// Second dimension of Sobol' 1967: its direction numbers are Pascal's triangle modulo 2, each the one before times 1 + x.
+static uint32_t sobol1(uint32_t i)
+{
+	uint32_t r = 0;
+	for (uint32_t v = 1u << 31; i; i >>= 1, v ^= v >> 1)
+		if (i & 1u)
+			r ^= v;
+	return r;
+}
+
+// Where in the pixel a sample's rays go: the middle if it is the only one, else a (0, 2)-sequence, in each half of the
+// samples shifted (by XOR, digit for digit) on its own.
+static void jitter(const struct deferred *d, uint32_t half, uint32_t index, float out[2])
+{
+	const struct plan *p = &d->plan;
+	if (!d->aov_done || (p->samples == 1 && p->first_sample == 0)) {
+		out[0] = out[1] = 0.5f;
+		return;
+	}
+	const uint32_t h = hash(hash((uint32_t)p->seed) ^ (uint32_t)(p->seed >> 32)) + half;
+	const uint32_t x = reversed(index) ^ hash(h ^ 0x68bc21ebu), y = sobol1(index) ^ hash(h ^ 0x02e5be93u);
+	out[0] = (float)(x >> 8) * 0x1p-24f;
+	out[1] = (float)(y >> 8) * 0x1p-24f;
+}
+
+// `first_tile` is the image's.
+static void set_uniforms(const struct deferred *d, uint32_t first_tile, uint32_t tiles)
+{
+	const struct deferred_rows *r = &d->bands[d->band].outer;
+	const uint32_t global = d->plan.first_sample + d->sample;
+	float at[2];
+	jitter(d, global & 1u, global >> 1, at);
+	glUniform4ui(DEFERRED_AREA, r->first_row, r->rows, first_tile, tiles);
+	glUniform4ui(DEFERRED_SAMPLE, global & 1u, global >> 1, d->sample, d->plan.width);
+	glUniform2fv(DEFERRED_JITTER, 1, at);
+}
+
+static void bind_common(const struct deferred *d, const struct gl_program *program)
+{
+	glUseProgram(program->name);
+	gl_scene_bind(d->gl_scene);
+	gl_buffer_bind(&d->job, BIND_JOB);
+}
+
+// Depth grows towards the eye; of equal depths the first drawn stays.
+static void deferred_set_raster(const struct deferred *d)
+{
+	const struct deferred_band *b = &d->bands[d->band];
+	glBindFramebuffer(GL_FRAMEBUFFER, d->framebuffer);
+	glViewport(0, -(GLint)b->outer.first_row, (GLsizei)d->plan.width, (GLsizei)d->plan.height);
+	glDisable(GL_SCISSOR_TEST);
+	glDisable(GL_CULL_FACE);
+	glDisable(GL_BLEND);
+	glDisable(GL_STENCIL_TEST);
+	glDisable(GL_RASTERIZER_DISCARD);
+	glEnable(GL_DEPTH_TEST);
+	glDepthFunc(GL_GREATER);
+	glDepthMask(GL_TRUE);
+	glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+	glBindVertexArray(d->device->vertex_array);
+}
+
+// A sum clears what it takes: of the outer rows something may be left.
+static void clear_radiance(const struct deferred *d)
+{
+	if (d->band_count == 1)
+		return;
+	glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+	glClearTexImage(d->radiance.name, 0, GL_RGBA, GL_FLOAT, NULL);
+}
+
+static void record_draw(const struct deferred *d, const struct deferred_work *work, uint32_t first, uint32_t count)
+{
+	const GLuint nothing[4] = {0};
+	const GLfloat far = 0.0f;
+	bind_common(d, work->program);
+	deferred_set_raster(d);
+	if (first == 0) {
+		glClearBufferuiv(GL_COLOR, 0, nothing);
+		glClearBufferfv(GL_DEPTH, 0, &far);
+		clear_radiance(d);
+	}
+	set_uniforms(d, 0, 0);
+	glUniform1ui(DEFERRED_TRIANGLE, first);
+	if (count > 0)
+		glDrawArrays(GL_TRIANGLES, (GLint)(3 * first), (GLsizei)(3 * count));
+	glBindFramebuffer(GL_FRAMEBUFFER, 0);
+	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+}
+
+static void record_tiles(const struct deferred *d, const struct deferred_work *work, uint32_t first, uint32_t count)
+{
+	const struct deferred_band *b = &d->bands[d->band];
+	const struct deferred_area area = {
+	    .width = d->plan.width, .first_row = b->outer.first_row, .rows = b->outer.rows, .sample = d->sample};
+	bind_common(d, work->program);
+	gl_texture_bind(&d->visibility, DEFERRED_VISIBILITY_UNIT);
+	gl_texture_bind_image(&d->radiance, DEFERRED_RADIANCE_UNIT, 0, GL_READ_WRITE);
+	if (work->kind == DEFERRED_SUM) {
+		gl_buffer_bind(&d->counters, BIND_COUNTERS);
+		gl_buffer_bind(&b->sums, BIND_ACCUMULATOR);
+	} else if (work->kind == DEFERRED_AOV) {
+		gl_buffer_bind(&b->aov, BIND_AOV);
+	} else if (work->pass->bind) {
+		work->pass->bind(work->pass->user, &area);
+	}
+	first += work->kind == DEFERRED_SHADE ? b->outer.first_tile : b->own.first_tile;
+	while (count > 0) {
+		const uint32_t n = count < TILES_PER_DISPATCH ? count : TILES_PER_DISPATCH;
+		set_uniforms(d, first, n);
+		glDispatchCompute(n, 1, 1);
+		first += n;
+		count -= n;
+	}
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+			GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void deferred_record(struct deferred *d, uint32_t count)
+{
+	const struct deferred_work *work = deferred_current(d);
+	gl_timer_begin(&d->timer, work->stage);
+	if (work->kind == DEFERRED_DRAW)
+		record_draw(d, work, d->unit, count);
+	else
+		record_tiles(d, work, d->unit, count);
+	gl_timer_end(&d->timer);
+}
+
+enum status deferred_warm_up(struct deferred *d, struct deferred_work *work, struct error *err)
+{
+	bind_common(d, work->program);
+	if (work->kind == DEFERRED_DRAW) {
+		record_draw(d, work, 0, scene_count(d->scene, BLOB_TRIANGLES) > 0);
+	} else {
+		record_tiles(d, work, 0, 0);
+		set_uniforms(d, 0, 0);
+		glDispatchCompute(1, 1, 1);
+	}
+	return gl_wait(d->device, work->stage, err);
+}

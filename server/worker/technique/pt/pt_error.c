@@ -1,0 +1,124 @@
+#include "server/worker/technique/pt/pt_error.h"
+
+#include <stdlib.h>
+
+#include "server/base/clock.h"
+#include "server/worker/technique/pt/pt_job.h"
+#include "server/worker/technique/pt/pt_light.h"
+#include "server/worker/vk/command.h"
+#include "shaders/error_comp.h"
+
+#define TILES_PER_DISPATCH 32768u // every device takes so many groups
+
+static const struct shader error_shader = {.name = "error",
+					   .code = shader_error_comp,
+					   .bytes = sizeof shader_error_comp,
+					   .bindings = BIND_ERROR_COUNT,
+					   .push_bytes = sizeof(struct error_push)};
+
+uint32_t pt_error_checkpoint(uint32_t samples)
+{
+	uint32_t at = PT_ERROR_FIRST;
+	// 2^k and 3·2^(k-1) in turns.
+	while (at <= samples)
+		at += (at & (at - 1)) == 0 ? at / 2 : at / 3;
+	return at;
+}
+
+static enum status bind_band(struct technique_job *j, struct pt_band *band, struct error *err)
+{
+	const struct buffer *buffers[BIND_MOST] = {NULL};
+	buffers[BIND_JOB] = &j->job;
+	buffers[BIND_ACCUMULATOR] = &band->accumulator;
+	buffers[BIND_ERRORS] = &j->errors;
+	buffers[BIND_ERROR_FILM] = &band->film;
+	return binding_set_init(&band->error_bindings, j->device, j->error, buffers, &j->counters_host, err);
+}
+
+// The tiles' parts of a picture in which those before the cursor may have more samples.
+static void record(const struct technique_job *j, const struct pt_band *band)
+{
+	VkCommandBuffer c = j->device->commands;
+	const uint32_t even[2] = {(j->plan.first_sample + 1) / 2, j->plan.first_sample / 2};
+	const uint32_t last = j->plan.first_sample + j->sample, more = last + (j->tile > 0 ? j->batch : 0);
+	struct error_push push = {.first_row = band->first_row,
+				  .more_tiles = j->tile,
+				  .count_a = (float)((last + 1) / 2 - even[0]),
+				  .count_b = (float)(last / 2 - even[1]),
+				  .more_a = (float)((more + 1) / 2 - even[0]),
+				  .more_b = (float)(more / 2 - even[1]),
+				  .has_film = band->film.handle != VK_NULL_HANDLE};
+	double units[2];
+	pt_light_units(j, band, units);
+	push.film_a = (float)units[0];
+	push.film_b = (float)units[1];
+	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, j->error->handle);
+	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, j->error->layout, 0, 1, &band->error_bindings.set, 0,
+				NULL);
+	for (uint32_t tile = 0; tile < band->tiles; tile += TILES_PER_DISPATCH) {
+		const uint32_t left = band->tiles - tile;
+		push.first_tile = band->first_tile + tile;
+		vkCmdPushConstants(c, j->error->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
+		vkCmdDispatch(c, left < TILES_PER_DISPATCH ? left : TILES_PER_DISPATCH, 1, 1);
+	}
+}
+
+static enum status pt_error_run(struct technique_job *j, struct error *err)
+{
+	enum status s = command_begin(j->device, err);
+	if (s != STATUS_OK)
+		return s;
+	for (uint32_t i = 0; i < j->band_count; i++)
+		record(j, &j->bands[i]);
+	command_barrier(j->device);
+	return command_finish(j->device, err);
+}
+
+enum status pt_error_init(struct technique_job *j, struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = pipeline_get(j->device, &error_shader, NULL, &j->error, err);
+	if (s == STATUS_OK)
+		s = buffer_init(&j->errors, j->device, (uint64_t)j->tiles * sizeof(float), BUFFER_DEVICE, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
+		s = bind_band(j, &j->bands[i], err);
+	j->estimated_relmse = -1;
+	if (s != STATUS_OK || j->error->warm)
+		return s;
+	// What it writes of a picture without samples is not read.
+	s = pt_error_run(j, err);
+	j->error->warm = s == STATUS_OK;
+	j->compile_us += clock_us() - start;
+	return s;
+}
+
+void pt_error_finish(struct technique_job *j)
+{
+	for (uint32_t i = 0; j->bands && i < j->band_count; i++)
+		binding_set_finish(&j->bands[i].error_bindings, j->device);
+	buffer_finish(&j->errors, j->device);
+}
+
+enum status pt_error_measure(struct technique_job *j, struct error *err)
+{
+	const uint64_t start = clock_us();
+	const size_t bytes = (size_t)j->tiles * sizeof(float);
+	double sum = 0;
+	j->error_sample = j->sample;
+	j->estimated_relmse = -1;
+	if (j->sample < 2)
+		return STATUS_OK;
+	float *parts = malloc(bytes);
+	if (!parts)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	enum status s = pt_error_run(j, err);
+	if (s == STATUS_OK)
+		s = buffer_read(&j->errors, j->device, 0, bytes, parts, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < j->tiles; i++)
+		sum += parts[i];
+	free(parts);
+	if (s == STATUS_OK)
+		j->estimated_relmse = sum / (3.0 * j->plan.width * j->plan.height);
+	j->error_us += clock_us() - start;
+	return s;
+}

@@ -1,0 +1,38 @@
+// The last pass of a sample: into the sums, what is no number counted and left out.
+#version 450 core
+#extension GL_GOOGLE_include_directive : require
+
+#include "common/finite.glsl"
+#include "deferred/radiance.glsl"
+#include "common/accumulate.glsl"
+
+layout(local_size_x = TILE_PIXELS) in;
+
+layout(std430, binding = BIND_COUNTERS) buffer Counters {
+	pass_counters counters;
+};
+
+void main()
+{
+	uvec2 pixel;
+	if (!pixel_mine(pixel))
+		return;
+	ivec2 texel = pixel_texel(pixel);
+	vec4 value = imageLoad(radiance_image, texel);
+	imageStore(radiance_image, texel, vec4(0.0));
+	uint rays = uint(abs(value.w));
+	if (rays > 0u) {
+		uint before = atomicAdd(counters.rays, rays);
+		if (before + rays < before)
+			atomicAdd(counters.rays_high, 1u);
+	}
+	if (value.w < 0.0)
+		atomicAdd(counters.cut, 1u);
+	if (!finite(value.rgb)) {
+		atomicAdd(counters.non_finite, 1u);
+		value.rgb = vec3(0.0);
+	}
+	uint at = (uint(texel.y) * turn.w + uint(texel.x)) * (ACCUMULATOR_FLOATS / 2) + turn.x * 3u;
+	for (uint i = 0u; i < 3u; i++)
+		accumulator[at + i] = add_compensated(accumulator[at + i], value[i]);
+}

@@ -1,0 +1,178 @@
+// Where light paths begin: at a lamp, chosen by power as next-event estimation chooses, in a direction of its light or aimed
+// at a point of a caster. The two ways are weighed by the balance heuristic (Veach 1997, 9.2.2), once it is known where the
+// first ray ends: the density of the aimed ones is known there alone.
+#ifndef PATH_EMIT_GLSL
+#define PATH_EMIT_GLSL
+
+#include "pt/caustic.glsl"
+#include "pt/sky.glsl"
+
+layout(std430, set = 0, binding = BIND_CASTERS) readonly buffer Casters {
+	emitter casters[];
+};
+
+struct launch {
+	vec3 origin;
+	vec3 direction;
+	vec3 power;       // radiance × cosine, or intensity, or irradiance
+	float pick;       // density of the choice of the lamp and of its point
+	float spread;     // density, by solid angle, of the directions that are not aimed
+	float pdf_area;   // of the lamp's point, 1/m², for its shares; 0: it has none
+	float cos_lamp;
+	float inverse;    // without a point: lamp_density's
+	bool parallel;    // light from afar: `spread` is none, and what is aimed has a density over the area across it
+	uint target;      // triangle that was aimed at, or NONE
+};
+
+vec3 corner_mix(corners k, vec2 uv)
+{
+	return k.v0 + uv.x * (k.v1 - k.v0) + uv.y * (k.v2 - k.v0);
+}
+
+// A point of a caster.
+vec3 aim_at(uvec2 pick, vec2 u, out uint target)
+{
+	emitter e = casters[alias_row(pick.x, job.caster_count)];
+	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
+	target = keep ? e.triangle : casters[e.alias].triangle;
+	return corner_mix(corners_of(triangles[target]), sample_triangle(u));
+}
+
+// About `axis`, uniform within the angle of this cosine.
+vec3 cone_direction(vec3 axis, float cos_most, vec2 u)
+{
+	vec3 x, y;
+	frame_make(axis, x, y);
+	float z = 1.0 - u.x * (1.0 - cos_most);
+	float r = sqrt(max(1.0 - z * z, 0.0));
+	return r * cos(2.0 * PI * u.y) * x + r * sin(2.0 * PI * u.y) * y + z * axis;
+}
+
+// `share` of all light paths begin at emissive triangles; camera_keeps takes what next-event estimation's share is.
+launch launch_emitter(sampler_state rnd, bool aims, float share)
+{
+	launch l;
+	lamp_pick lamp = pick_emitter(sample_bits(rnd, SET_PICK));
+	triangle tri = triangles[lamp.number];
+	material m = materials[tri.material];
+	corners k = corners_of(tri);
+	vec2 uv = sample_triangle(sample_2d(rnd, SET_LIGHT));
+	vec3 q = corner_mix(k, uv);
+	vec2 u = sample_2d(rnd, SET_BSDF);
+	bool both = (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
+	vec3 target = q;
+	l.target = NONE;
+	if (aims)
+		target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
+	// The side: that of the target, or any that shines.
+	bool front = aims ? dot(target - q, k.normal) > 0.0 : !both || sample_2d(rnd, SET_LENS).x < 0.5;
+	vec3 n = front ? k.normal : -k.normal;
+	l.origin = q + n * position_error(k);
+	vec3 x, y;
+	frame_make(n, x, y);
+	vec3 local = cosine_hemisphere(u);
+	l.direction = aims ? normalize(target - l.origin) : local.x * x + local.y * y + local.z * n;
+	l.cos_lamp = max(dot(l.direction, n), 0.0);
+	l.power = front || both ? emitted_towards(m, tri, k.normal, uv, l.direction) * l.cos_lamp : vec3(0.0);
+	l.pdf_area = lamp.density * job.emitter_share;
+	l.pick = lamp.density * share;
+	l.spread = l.cos_lamp / (both ? 2.0 * PI : PI);
+	l.inverse = 0.0;
+	l.parallel = false;
+	return l;
+}
+
+launch launch_punctual(sampler_state rnd, bool aims, float share)
+{
+	launch l;
+	lamp_pick lamp = pick_light(sample_bits(rnd, SET_PICK));
+	punctual_light light = lights[lamp.number];
+	vec2 u = sample_2d(rnd, SET_BSDF);
+	vec3 axis = to_vec3(light.direction);
+	l.parallel = light.kind == LIGHT_DIRECTIONAL;
+	// From afar there is no other way than to aim.
+	aims = job.caster_count > 0u && (aims || l.parallel);
+	l.power = l.parallel && !aims ? vec3(0.0) : to_vec3(light.intensity);
+	if (DISC_LIGHTS && light.spread > 0.0)
+		axis = in_disc(light, axis, sample_2d(rnd, SET_LIGHT), l.power);
+	float cos_most = light.kind == LIGHT_SPOT ? light.cos_outer : -1.0;
+	l.origin = to_vec3(light.position);
+	l.direction = light.kind == LIGHT_SPOT ? cone_direction(axis, cos_most, u) : cone_direction(vec3(0.0, 0.0, 1.0), -1.0, u);
+	l.target = NONE;
+	if (aims) {
+		vec3 target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
+		l.origin = l.parallel ? target - axis * job.reach : l.origin;
+		l.direction = l.parallel ? axis : normalize(target - l.origin);
+	}
+	if (light.kind == LIGHT_SPOT)
+		l.power *= spot_attenuation(light, -l.direction);
+	bool inside = light.kind != LIGHT_SPOT || dot(l.direction, axis) >= cos_most;
+	l.spread = inside ? punctual_spread(light) : 0.0;
+	l.pick = lamp.density * share;
+	l.pdf_area = 0.0;
+	l.cos_lamp = 1.0;
+	l.inverse = 0.0;
+	return l;
+}
+
+// From the picture around the scene, by its table.
+launch launch_sky(sampler_state rnd, float share)
+{
+	launch l;
+	uint texel = sky_pick(sample_bits(rnd, SET_PICK));
+	vec3 w = sky_direction(texel, sample_2d(rnd, SET_LIGHT));
+	sky_view v = sky_at(w);
+	l.power = v.radiance;
+	l.pick = share * sky_texels[texel].w;
+	l.direction = -w;
+	l.origin = aim_at(sample_bits(rnd, SET_CHANCE), sample_2d(rnd, SET_BSDF), l.target) + w * job.reach;
+	l.spread = 0.0;
+	l.pdf_area = 0.0;
+	l.cos_lamp = 1.0;
+	l.inverse = path_inverse(v);
+	l.parallel = true;
+	return l;
+}
+
+// A light path's first ray. Its power may be zero: there is none then.
+launch launch_make(sampler_state rnd)
+{
+	vec2 ways = sample_2d(rnd, SET_PIXEL);
+	// Of those that do not begin at the surroundings as many at each kind of lamp as next-event estimation has for it.
+	float lamps = 1.0 - job.sky_paths;
+	float share = lamps * job.emitter_share / max(job.emitter_share + job.light_share, 1e-30);
+	bool afar = SKY && job.caster_count > 0u && ways.y >= lamps;
+	bool emissive = EFFECT_EMITTERS && job.emitter_count > 0u && (!EFFECT_LIGHTS || ways.y < share);
+	bool aims = ways.x < aimed_share(false);
+	launch l;
+	if (SKY && afar)
+		l = launch_sky(rnd, job.sky_paths);
+	else if (emissive)
+		l = launch_emitter(rnd, aims, share);
+	else if (EFFECT_LIGHTS && job.light_count > 0u)
+		l = launch_punctual(rnd, aims, lamps - share);
+	else
+		l.power = vec3(0.0);
+	return l;
+}
+
+// Of a ray that ended at distance t, met with this cosine where casters are chosen with this density over area: the power that
+// it carries, W. Zero: it was aimed at another triangle.
+vec3 launch_power(launch l, uint id, float density, float cosine, float t)
+{
+	float reach = l.parallel ? 1.0 : t * t;
+	float share = aimed_share(l.parallel);
+	float pdf = l.pick * ((1.0 - share) * l.spread + min(share * density * reach / max(cosine, 1e-30), 1e30));
+	return (l.target == NONE || l.target == id) && pdf > 0.0 ? l.power / pdf : vec3(0.0);
+}
+
+// The same ray's lamp_density, if the camera's sampling has this density where it ended.
+float launch_density(launch l, float density, float cosine, float t, float pdf)
+{
+	bool point = l.pdf_area > 0.0;
+	float spread = (point ? l.cos_lamp / PI : l.spread) / (t * t);
+	float inverse = point ? min(l.cos_lamp / (t * t * l.pdf_area), 1e18) : l.inverse;
+	return lamp_density(arriving(spread, density / max(cosine, 1e-30), l.parallel), pdf, inverse);
+}
+
+#endif
