@@ -27,6 +27,9 @@
 // What "auto" stands for.
 #define TECHNIQUE_OF_AUTO 1u
 
+// An option that help texts take for an example.
+#define TECHNIQUE_OPTION_EXAMPLE "pt.depth=8"
+
 // X(NAME, number, "name", why it is simulated, why it is left out, what is drawn instead where it is switched off)
 #define CANDIL_EFFECT_LIST(X) \
 	X(TEXTURES, 0, "textures", "materials have textures", "no material has a texture", \

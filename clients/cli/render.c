@@ -6,6 +6,7 @@
 #include "clients/cli/output.h"
 #include "clients/cli/report.h"
 #include "clients/cli/view.h"
+#include "protocol/names.h"
 
 struct render {
 	struct job job;
@@ -158,7 +159,7 @@ const struct command render_command = {
 	"  --exposure EV         PNG: times 2^EV\n"
 	"  --view NAME           PNG: none, reinhard, filmic; default none\n"
 	"  --progressive         write intermediate images to the output while rendering\n"
-	"  --set NAME=VALUE      an option of a technique: pt.depth=8; may be repeated\n"
+	"  --set NAME=VALUE      an option of a technique: " TECHNIQUE_OPTION_EXAMPLE "; may be repeated\n"
 	"  --up y|z              OBJ: which axis points up; default y\n"
 	"  --unit METRES         OBJ: length of a unit; default 1\n"
 	"  --quiet               no progress, no summary\n\n"

@@ -79,7 +79,7 @@ static const struct row {
 	{"view", OPTION_VIEW, BY_ALL, "none, reinhard or filmic"},
 	{"half", OPTION_HALF, BY_ALL, NULL},
 	{"float", OPTION_FLOAT, BY_ALL, NULL},
-	{"set", OPTION_SET, BY_ALL, "NAME=VALUE such as pt.depth=8, up to 16 times"},
+	{"set", OPTION_SET, BY_ALL, "NAME=VALUE such as " TECHNIQUE_OPTION_EXAMPLE ", up to 16 times"},
 	{"camera", OPTION_CAMERA, BY_ALL, "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV"},
 	{"error", OPTION_ERROR, BY_ALL, "a relative MSE above 0 such as 1e-3"},
 	{"time", OPTION_TIME, BY_ALL, "a whole number of milliseconds from 1 to 86400000"},

@@ -19,7 +19,7 @@ struct report {
 	"\"scene\", \"scene_hash\", \"scene_warnings\", \"camera\": {\"source\": \"scene\"|\"given\"|\"framed\", " \
 	"\"name\", \"eye\",\n" \
 	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
-	"\"effects\": [{\"name\", \"state\", \"why\", with pt.effect_times \"cost_us\", \"share\"}],\n" \
+	"\"effects\": [{\"name\", \"state\", \"why\", where measured \"cost_us\", \"share\"}],\n" \
 	"\"notes\": [], \"stages\": [{\"name\", \"us\"}], \"elapsed_us\",\n" \
 	"\"estimated_relmse\" (null: unknown), \"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
 	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
