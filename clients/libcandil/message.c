@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "clients/libcandil/error.h"
-#include "clients/libcandil/text.h"
 #include "protocol/header.h"
+#include "protocol/text.h"
 
 #define TEXT(to, from) text_copy((to), sizeof(to), (from))
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
