@@ -48,6 +48,12 @@ class Render(unittest.TestCase):
     def render(self, scene, output, *more):
         return self.candil("render", scene, "-o", output, "--size", "32x24", "--spp", "4", *more)
 
+    def test_the_default_number_of_samples_fits_behind_the_first(self):
+        result = self.candil("render", self.scene, "-o", self.path("last.png"), "--size", "4x4", "--first-sample", "16777212",
+                             "--error", "1e-9", "--json")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertEqual(json.loads(result.stdout)["samples"], 4)
+
     def test_loaded_scene_and_its_life(self):
         loaded = self.candil("load", self.scene, "--name", "room", "--json")
         self.assertEqual(loaded.returncode, 0, loaded)
