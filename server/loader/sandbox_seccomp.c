@@ -115,7 +115,8 @@ static int allow_file_control(scmp_filter_ctx filter)
 	static const scmp_datum_t commands[] = {F_GETFD, F_SETFD, F_GETFL, F_ADD_SEALS, F_GET_SEALS};
 	int failed = 0;
 	for (size_t i = 0; i < sizeof commands / sizeof commands[0] && !failed; i++)
-		failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1, SCMP_A1_32(SCMP_CMP_EQ, commands[i]));
+		failed =
+		    seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1, SCMP_A1_32(SCMP_CMP_EQ, commands[i], 0));
 	return failed;
 }
 
@@ -128,12 +129,12 @@ static int allow_some(scmp_filter_ctx f)
 	const struct scmp_arg_cmp no_code = SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0);
 	const struct scmp_arg_cmp thread =
 	    SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD | CLONE_VM | CLONE_SIGHAND, CLONE_THREAD | CLONE_VM | CLONE_SIGHAND);
-	const struct scmp_arg_cmp to_front = SCMP_A0_32(SCMP_CMP_EQ, IPC_FD);
-	const struct scmp_arg_cmp nothing_new = SCMP_A2(SCMP_CMP_EQ, 0);
-	const struct scmp_arg_cmp own_name = SCMP_A0_32(SCMP_CMP_EQ, PR_SET_NAME);
-	const struct scmp_arg_cmp memory_name = SCMP_A0_32(SCMP_CMP_EQ, PR_SET_VMA);
-	const struct scmp_arg_cmp filter_state = SCMP_A0_32(SCMP_CMP_EQ, PR_GET_SECCOMP);
-	const struct scmp_arg_cmp itself = SCMP_A0_32(SCMP_CMP_EQ, (scmp_datum_t)getpid());
+	const struct scmp_arg_cmp to_front = SCMP_A0_32(SCMP_CMP_EQ, IPC_FD, 0);
+	const struct scmp_arg_cmp nothing_new = SCMP_A2(SCMP_CMP_EQ, 0, 0);
+	const struct scmp_arg_cmp own_name = SCMP_A0_32(SCMP_CMP_EQ, PR_SET_NAME, 0);
+	const struct scmp_arg_cmp memory_name = SCMP_A0_32(SCMP_CMP_EQ, PR_SET_VMA, 0);
+	const struct scmp_arg_cmp filter_state = SCMP_A0_32(SCMP_CMP_EQ, PR_GET_SECCOMP, 0);
+	const struct scmp_arg_cmp itself = SCMP_A0_32(SCMP_CMP_EQ, (scmp_datum_t)getpid(), 0);
 	int failed = 0;
 
 #define ALLOW_IF(call, condition) \
