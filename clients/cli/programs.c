@@ -11,8 +11,6 @@
 #include <time.h>
 #include <unistd.h>
 
-extern char **environ;
-
 // The folder of this executable.
 static bool own_folder(char *path, size_t capacity)
 {

@@ -21,8 +21,6 @@
 #define END_MS 5000
 #define LOOK_MS 50 // between two looks whether a scene is loaded by now
 
-extern char **environ;
-
 static candil_status target_fail(struct candil_error *error, candil_status code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -21,8 +21,6 @@
 #define SAFE_FD 16
 #define LAST_WAIT_MS 1000
 
-extern char **environ;
-
 void child_init(struct child *child)
 {
 	*child = (struct child){.pid = 0, .pidfd = -1, .socket = -1};

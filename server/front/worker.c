@@ -271,16 +271,14 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 
 static bool is_message(const struct ipc_head *head, size_t bytes, enum ipc_op op, size_t size)
 {
-	return head->op == (uint32_t)op && bytes == size;
+	return bytes == size && head->op == (uint32_t)op;
 }
 
 static void worker_handle(struct worker *worker, size_t bytes, int fd)
 {
 	void *message = worker->inbox;
 	const struct ipc_head *head = message;
-	if (bytes < sizeof *head) {
-		kill_for(worker, "it sent nonsense");
-	} else if (worker->state == WORKER_STARTING) {
+	if (worker->state == WORKER_STARTING) {
 		if (is_message(head, bytes, IPC_READY, sizeof(struct ipc_ready)))
 			got_ready(worker, message);
 		else

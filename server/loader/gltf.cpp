@@ -108,9 +108,9 @@ transform local_transform(const tinygltf::Node &node, transform_parts *parts)
 	*parts = transform_no_parts;
 	if (node.matrix.size() == 16) {
 		transform t;
-		for (int column = 0; column < 4; column++)
-			for (int row = 0; row < 3; row++)
-				t.c[column][row] = node.matrix[(size_t)(column * 4 + row)];
+		for (size_t column = 0; column < 4; column++)
+			for (size_t row = 0; row < 3; row++)
+				t.c[column][row] = node.matrix[column * 4 + row];
 		*parts = transform_to_parts(&t);
 		return t;
 	}

@@ -46,15 +46,15 @@ static int run_file(const char *path)
 {
 	FILE *f = fopen(path, "rb");
 	uint8_t *data = malloc(INPUT_MAX);
-	if (!f || !data) {
+	const int failed = !f || !data;
+	if (failed)
 		fprintf(stderr, "cannot read %s\n", path);
-		return 1;
-	}
-	size_t size = fread(data, 1, INPUT_MAX, f);
-	fclose(f);
-	run_around(data, size);
+	else
+		run_around(data, fread(data, 1, INPUT_MAX, f));
+	if (f)
+		fclose(f);
 	free(data);
-	return 0;
+	return failed;
 }
 
 static int run_path(const char *path)

@@ -137,8 +137,12 @@ static float *make_cones(const struct resident_scene *picture, float *most)
 			see(cells, cells[i].direction, atanf(SKY_TANGENT_LEAST * (float)(1u << layer)), seen);
 			*most = fmaxf(*most, fmaxf(seen[0], fmaxf(seen[1], seen[2])));
 		}
+	if (!cells) {
+		free(out);
+		out = NULL;
+	}
 	free(cells);
-	return cells ? &out[0][0] : NULL;
+	return out ? &out[0][0] : NULL;
 }
 
 static void wrap(const struct gl_texture *t)
