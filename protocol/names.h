@@ -61,12 +61,13 @@
 	  "light cannot come from a lamp by way of a polished surface and then scatter", \
 	  "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror")
 
-#define NAMES_ONE(...) +1
-enum {
-	TECHNIQUE_COUNT = 0 CANDIL_TECHNIQUE_LIST(NAMES_ONE), // numbers are below it
-	EFFECT_COUNT = 0 CANDIL_EFFECT_LIST(NAMES_ONE),
-};
-#undef NAMES_ONE
+// How many there are; numbers are below it.
+#define COUNTED(NAME, ...) COUNTED_TECHNIQUE_##NAME,
+enum { CANDIL_TECHNIQUE_LIST(COUNTED) TECHNIQUE_COUNT };
+#undef COUNTED
+#define COUNTED(NAME, ...) COUNTED_EFFECT_##NAME,
+enum { CANDIL_EFFECT_LIST(COUNTED) EFFECT_COUNT };
+#undef COUNTED
 
 // "pt", "textures"; "unknown" for a number that is none.
 const char *technique_name(unsigned technique);

@@ -107,7 +107,7 @@ static void techniques_have_what_the_seam_asks_for(void **state)
 		assert_non_null(t->depth);
 		assert_true(t->bytes && t->begin && t->step && t->read && t->end);
 		struct plan plan = {.technique = t->number};
-		t->defaults(plan.settings);
+		t->defaults(&plan.settings);
 		assert_true(t->depth(&plan) >= 1);
 		if (t->check)
 			assert_int_equal(t->check(&plan, &err), STATUS_OK);

@@ -83,7 +83,7 @@ static const char *cannot(const struct technique *technique, const struct plan *
 static bool can_by_default(const struct technique *technique, candil_Effect effect)
 {
 	struct plan p = {.technique = technique->number};
-	technique->defaults(p.settings);
+	technique->defaults(&p.settings);
 	return !cannot(technique, &p, effect);
 }
 

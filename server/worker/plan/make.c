@@ -67,7 +67,7 @@ static enum status plan_option(const candil_Option *o, const struct technique *t
 {
 	char takers[64];
 	if (option_known(technique->options, o->name))
-		return option_set(technique->options, o, p->settings, err);
+		return option_set(technique->options, o, &p->settings, err);
 	list_takers(o->name, takers, sizeof takers);
 	if (!takers[0])
 		return no_such_option(o->name, err);
@@ -79,7 +79,7 @@ static enum status plan_option(const candil_Option *o, const struct technique *t
 static enum status plan_options(const candil_Render *r, const struct technique *technique, struct plan *p, struct error *err)
 {
 	enum status s = STATUS_OK;
-	technique->defaults(p->settings);
+	technique->defaults(&p->settings);
 	for (pb_size_t i = 0; s == STATUS_OK && i < r->options_count; i++)
 		s = plan_option(&r->options[i], technique, p, err);
 	return s == STATUS_OK && technique->check ? technique->check(p, err) : s;

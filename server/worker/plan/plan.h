@@ -41,6 +41,11 @@ struct plan_environment {
 	double contrast; // as in struct blob_header
 };
 
+// The technique's own settings, whatever they are.
+struct plan_settings {
+	_Alignas(8) unsigned char bytes[PLAN_SETTINGS_BYTES];
+};
+
 struct plan {
 	candil_Technique technique; // never AUTO
 	uint32_t width, height;
@@ -61,7 +66,7 @@ struct plan {
 	double exposure_ev;
 	candil_EffectReport reports[LIMIT_EFFECTS];
 	uint32_t report_count;
-	_Alignas(8) unsigned char settings[PLAN_SETTINGS_BYTES];
+	struct plan_settings settings;
 };
 
 // Whether the picture around the scene is seen and gives light.

@@ -67,7 +67,7 @@ void direct_advise_map(uint64_t (*bytes)(const struct devices *devices, const st
 		       uint64_t budget, char *advice)
 {
 	struct plan smaller = *plan;
-	struct direct_settings *s = (struct direct_settings *)smaller.settings;
+	struct direct_settings *s = (struct direct_settings *)&smaller.settings;
 	if (!maps)
 		return;
 	while (s->map > DIRECT_MAP_LEAST && bytes(devices, scene, &smaller) > budget)

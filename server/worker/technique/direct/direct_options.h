@@ -25,7 +25,7 @@ void direct_options_default(void *settings);
 // Of a plan of a technique whose settings begin with these.
 static inline const struct direct_settings *direct_settings(const struct plan *plan)
 {
-	return (const struct direct_settings *)plan->settings;
+	return (const struct direct_settings *)&plan->settings;
 }
 
 #endif

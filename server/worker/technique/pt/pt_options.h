@@ -31,7 +31,7 @@ void pt_options_default(void *settings);
 // Of a plan of this technique.
 static inline const struct pt_settings *pt_settings(const struct plan *plan)
 {
-	return (const struct pt_settings *)plan->settings;
+	return (const struct pt_settings *)&plan->settings;
 }
 
 #endif

@@ -44,12 +44,12 @@ enum status vct_options_check(const struct plan *plan, struct error *err);
 // Of a plan of this technique; the second of one that may be changed.
 static inline const struct vct_settings *vct_settings(const struct plan *plan)
 {
-	return (const struct vct_settings *)plan->settings;
+	return (const struct vct_settings *)&plan->settings;
 }
 
 static inline struct vct_settings *vct_settings_of(struct plan *plan)
 {
-	return (struct vct_settings *)plan->settings;
+	return (struct vct_settings *)&plan->settings;
 }
 
 #endif
