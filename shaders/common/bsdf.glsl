@@ -1,18 +1,20 @@
-// How a surface scatters: lobes over each other, each a file of its own, all about the shading normal and kept above the true
-// surface. From the top: a clear coat (coat.glsl, EFFECT_CLEARCOAT), microfacets (facets.glsl, EFFECT_GLOSSY) and the diffuse
-// part (diffuse.glsl). Or, with EFFECT_GLASS, a clear boundary (glass.glsl), which is never coated.
+// The BSDF of a surface. It is a stack of lobes, each in a file of its own. All of them are defined about the shading
+// normal and kept above the true surface. From top to bottom: a clear coat (coat.glsl, EFFECT_CLEARCOAT), microfacets
+// (facets.glsl, EFFECT_GLOSSY) and the diffuse part (diffuse.glsl). With EFFECT_GLASS a surface may instead be a clear
+// boundary (glass.glsl), which is never coated.
 //
-// The diffuse part gets what the microfacets, whose albedo is S, leave of the light, on the way in and on the way out:
-//     ρ/π (1 − S(v)) (1 − S(l)) / (1 − S̄),
-// which is reciprocal, and with ρ = 1 returns all of it (after Kulla and Conty 2017). Of a rough diffuse part it is the factor
-// beside f in place of ρ/π; such a part is not spread as the lobes above let light through, and a white one then returns between
-// 98 and 101 % of it.
+// Let S be the directional albedo of the microfacets. The diffuse part gets the light that the microfacets leave, on the
+// way in and on the way out:
+//     ρ/π (1 − S(v)) (1 − S(l)) / (1 − S̄).
+// This is reciprocal, and with ρ = 1 the stack returns all light (after Kulla and Conty 2017). For a rough diffuse part the
+// same factor multiplies f in place of ρ/π. Such a part is not distributed like the light that the lobes above transmit, so
+// that a white one returns between 98 and 101 % of the light.
 //
-// A shading normal that leans away from the triangle's puts part of a lobe below the surface. Dropping that part darkens
-// edges, letting it through leaks light. Here it is folded back: a direction below is mirrored at the surface. What a direction
-// ω above the surface then has, of a lobe f and of its density alike, is f(ω) + f(ω'), ω' being ω mirrored at the surface:
-// no energy is lost or made, whatever the normal is. Of a clear boundary, what is reflected is folded to above the surface,
-// what comes through to below.
+// A shading normal that differs from the geometric normal puts part of a lobe below the surface. Dropping that part darkens
+// edges; keeping it leaks light. Here it is folded back: a direction below the surface is mirrored at it. With ω' the
+// mirror image of ω, a direction ω above the surface has f(ω) + f(ω') of a lobe f, and likewise of its density. No energy
+// is lost or made, whatever the normal. For a clear boundary, reflected directions are folded to above the surface and
+// transmitted ones to below.
 #ifndef COMMON_BSDF_GLSL
 #define COMMON_BSDF_GLSL
 
@@ -22,23 +24,23 @@
 #include "common/glass.glsl"
 #include "common/surface.glsl"
 
-// A BSDF as seen from one direction.
+// The BSDF for one view direction.
 struct bsdf {
-	vec3 normal;          // shading
+	vec3 normal;          // shading normal
 	vec3 geometric;
-	vec3 x;               // frame
+	vec3 x;               // x and y axis of the frame about the shading normal
 	vec3 y;
 	vec3 view;            // in the frame; z > 0
-	vec3 diffuse;         // ρ
+	vec3 diffuse;         // albedo of the diffuse part, ρ
 	float diffuse_roughness;   // with EFFECT_ROUGH_DIFFUSE
-	// The rest only with EFFECT_GLOSSY.
+	// The members below are set only with EFFECT_GLOSSY.
 	microfacets gloss;
-	float share;          // probability that a direction comes from the microfacets, not from the cosine
-	vec3 outward;         // (1 − S(v)) / (1 − S̄); under a coat (1 − S(v)) / T̄; with EFFECT_CLEARCOAT too
-	// With EFFECT_GLASS.
+	float share;          // probability that a direction is sampled from the microfacets, not from the diffuse part
+	vec3 outward;         // (1 − S(v)) / (1 − S̄); under a coat (1 − S(v)) / T̄; set with EFFECT_CLEARCOAT too
+	// Only with EFFECT_GLASS.
 	bool clear;
 	dielectric glass;     // if clear
-	// With EFFECT_CLEARCOAT.
+	// Only with EFFECT_CLEARCOAT.
 	clearcoat film;
 };
 
@@ -56,11 +58,11 @@ void make_glossy(inout bsdf b, surface s)
 	b.outward = left / max(1.0 - facets_albedo(b.gloss, ggx_average(b.gloss.roughness)), 1e-4);
 	float facets = luminance(specular);
 	float wide = luminance(b.diffuse * left);
-	// Neither way of sampling may starve where its share is but a guess.
+	// The share is an estimate: the clamp keeps either way of sampling from starving.
 	b.share = facets <= 0.0 ? 0.0 : wide <= 0.0 ? 1.0 : clamp(facets / (facets + wide), 0.1, 0.9);
 }
 
-// 1 − S of the microfacets at a cosine.
+// 1 − S of the microfacets at the cosine mu.
 vec3 below_facets(bsdf b, float mu)
 {
 	return EFFECT_GLOSSY ? 1.0 - facets_albedo(b.gloss, ggx_albedo(mu, b.gloss.roughness)) : vec3(1.0);
@@ -91,7 +93,7 @@ bsdf bsdf_make(surface s, vec3 direction)
 	vec3 v = -direction;
 	b.normal = s.shading;
 	float c = dot(b.normal, v);
-	// Seen from behind its shading normal: lean the normal over until it just is not.
+	// The view direction is behind the shading normal: tilt the normal towards it until it is barely in front.
 	if (c < 1e-3)
 		b.normal = normalize(b.normal + (1e-3 - c) * v);
 	b.geometric = s.geometric;
@@ -111,7 +113,7 @@ bsdf bsdf_make(surface s, vec3 direction)
 	return b;
 }
 
-// Of a direction in the frame, without folding: the diffuse part's BSDF × cosine, 1/sr, but for the coat's 1 − C(v).
+// The diffuse part for a direction in the frame, without folding: BSDF × cosine, 1/sr. It lacks the coat's factor 1 − C(v).
 vec3 diffuse_lobe(bsdf b, vec3 l)
 {
 	float cosine = max(l.z, 0.0) * (1.0 / PI);
@@ -124,13 +126,13 @@ vec3 diffuse_lobe(bsdf b, vec3 l)
 	return reflected * b.outward * inward * cosine;
 }
 
-// The microfacets' (xyz), and the density of their own sampling (w). A perfect mirror's are zero.
+// The microfacets' BSDF × cosine (xyz) and the density of their own sampling (w), 1/sr. Both are zero for a perfect mirror.
 vec4 facet_lobe(bsdf b, vec3 l)
 {
 	return EFFECT_GLOSSY && b.share > 0.0 ? facets_eval(b.gloss, b.view, l) : vec4(0.0);
 }
 
-// Of a direction in the frame: BSDF × cosine (xyz) and density (w), 1/sr, without folding, but for the coat.
+// All lobes but the coat for a direction in the frame, without folding: BSDF × cosine (xyz) and density (w), 1/sr.
 vec4 lobes(bsdf b, vec3 l)
 {
 	if (l.z <= 0.0)
@@ -142,7 +144,7 @@ vec4 lobes(bsdf b, vec3 l)
 	return vec4(diffuse + facets.xyz, (1.0 - b.share) * diffuse_pdf(l.z) + b.share * facets.w);
 }
 
-// The same with the coat.
+// As `lobes`, with the coat.
 vec4 coated_lobes(bsdf b, vec3 l)
 {
 	vec4 f = lobes(b, l);
@@ -157,15 +159,16 @@ vec3 into_frame(bsdf b, vec3 w)
 	return vec3(dot(w, b.x), dot(w, b.y), dot(w, b.normal));
 }
 
-// Of a direction in the world: BSDF × cosine (xyz) and the density with which bsdf_sample takes it (w), 1/sr. Zero below
-// the surface, unless that is clear. A perfect mirror's part is in neither, nor a polished boundary's.
+// For a direction in world space: BSDF × cosine (xyz) and the density with which bsdf_sample returns it (w), 1/sr. Zero
+// below the surface, unless it is a clear boundary. Perfect mirrors and polished boundaries are delta functions and
+// contribute to neither.
 vec4 bsdf_eval(bsdf b, vec3 w)
 {
 	float above = dot(b.geometric, w);
 	bool clear = EFFECT_GLASS && b.clear;
 	if (!clear && above <= 0.0)
 		return vec4(0.0);
-	// The direction and the one that folds to it, by one piece of code.
+	// The sum over the direction and the one that folds to it. One loop, so that the code exists once.
 	vec4 f = vec4(0.0);
 	for (uint i = 0u; i < 2u; i++) {
 		vec3 l = into_frame(b, i == 0u ? w : w - 2.0 * above * b.geometric);
@@ -174,16 +177,16 @@ vec4 bsdf_eval(bsdf b, vec3 w)
 	return f;
 }
 
-// A lobe's own direction in the frame.
+// A direction that a lobe sampled, in the frame.
 struct lobe_sample {
 	vec3 l;
-	bool whole;           // it left on the lobe's own side
-	bool through;         // it is meant for the other side of a clear boundary
-	bool mirror;          // a perfect mirror's, which takes `weight`
+	bool whole;           // the direction is on the lobe's own side
+	bool through;         // the direction was meant for the other side of a clear boundary
+	bool mirror;          // a perfect mirror's direction, whose weight is `weight`
 	vec3 weight;
 };
 
-// The lobe that `lobe` chooses, and its direction.
+// Chooses a lobe by `lobe` and samples a direction of it.
 lobe_sample lobes_sample(bsdf b, float lobe, vec2 u)
 {
 	lobe_sample r = lobe_sample(diffuse_sample(u), true, false, false, vec3(0.0));
@@ -210,7 +213,7 @@ lobe_sample lobes_sample(bsdf b, float lobe, vec2 u)
 	return r;
 }
 
-// The same of a clear boundary.
+// As lobes_sample, for a clear boundary.
 lobe_sample clear_sample(bsdf b, float lobe, vec2 u)
 {
 	lobe_sample r;
@@ -221,8 +224,8 @@ lobe_sample clear_sample(bsdf b, float lobe, vec2 u)
 	return r;
 }
 
-// A direction above the surface, or through it where it is clear, the weight BSDF × cosine / density and the density. `lobe`
-// and u are uniform in [0, 1). A weight of zero means that there is none.
+// Samples a direction above the surface, or through it if it is clear. Also returns the weight BSDF × cosine / density and
+// the density, 1/sr. `lobe` and u are uniform in [0, 1). A weight of zero means that the sample failed.
 vec3 bsdf_sample(bsdf b, float lobe, vec2 u, out vec3 weight, out float pdf)
 {
 	bool clear = EFFECT_GLASS && b.clear;

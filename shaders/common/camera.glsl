@@ -4,7 +4,7 @@
 
 #include "common/scene.glsl"
 
-// `at` in pixels from the image's top left corner.
+// The ray through the point `at` of the image, in pixels from its top left corner.
 void camera_ray(vec2 at, out vec3 origin, out vec3 direction)
 {
 	vec2 ndc = vec2(2.0 * at.x / float(job.width) - 1.0, 1.0 - 2.0 * at.y / float(job.height));

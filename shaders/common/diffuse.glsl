@@ -1,17 +1,17 @@
-// The diffuse lobe: Lambert's ρ/π, or with EFFECT_ROUGH_DIFFUSE and a roughness r above 0 Oren and Nayar's of a surface of
-// matte facets, in the form of Fujii that keeps to energy's bounds, with what is scattered between facets given back: "EON",
-// Portsmouth, Kutz and Hill 2024, "EON: A practical energy-preserving rough diffuse BRDF". In a frame whose Z is the normal,
-// with s = v·l − v.z l.z, t = max(v.z, l.z) where s > 0 and 1 elsewhere, A = 1 / (1 + (1/2 − 2/(3π)) r):
-//     f = ρ/π A (1 + r s/t)  +  ρₘ/π (1 − E(v)) (1 − E(l)) / (1 − Ē),    ρₘ = ρ² Ē / (1 − ρ (1 − Ē)),
-// where E is the first part's directional albedo at ρ = 1, which has a closed form, and Ē = A (1 + (2/3 − 28/(15π)) r) its
-// mean. It is reciprocal, is Lambert's at r = 0, and with ρ = 1 returns all light, exactly.
+// The diffuse lobe: Lambert's ρ/π. With EFFECT_ROUGH_DIFFUSE and a roughness r above 0 it is instead Oren and Nayar's model
+// of matte facets, in Fujii's form, which conserves energy, with compensation for multiple scattering: "EON", Portsmouth,
+// Kutz and Hill 2024, "EON: A practical energy-preserving rough diffuse BRDF". In a frame whose Z is the normal, with s =
+// v·l − v.z l.z, t = max(v.z, l.z) where s > 0 and 1 elsewhere, A = 1 / (1 + (1/2 − 2/(3π)) r):
+//     f = ρ/π A (1 + r s/t)  +  ρₘ/π (1 − E(v)) (1 − E(l)) / (1 − Ē),    ρₘ = ρ² Ē / (1 − ρ (1 − Ē)).
+// E is the directional albedo of the first term at ρ = 1, which has a closed form, and Ē = A (1 + (2/3 − 28/(15π)) r) its
+// mean. The lobe is reciprocal, equals Lambert's at r = 0, and with ρ = 1 returns exactly all light.
 #ifndef COMMON_DIFFUSE_GLSL
 #define COMMON_DIFFUSE_GLSL
 
 #include "common/sampling.glsl"
 #include "common/scene.glsl"
 
-// How directions of the diffuse part are sampled: as its cosine, or for comparison uniformly.
+// How diffuse directions are sampled: proportional to the cosine or, for comparison, uniformly.
 #ifndef HEMISPHERE_UNIFORM
 #define HEMISPHERE_UNIFORM false
 #endif
@@ -21,7 +21,7 @@ float rough_diffuse_scale(float r)
 	return 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * PI)) * r);
 }
 
-// E at a cosine c above 0. 1 − sin³ over c without what would cancel.
+// E at a cosine c above 0. The quotient (1 − sin³) / c is rearranged so that nothing cancels.
 float rough_diffuse_albedo(float r, float c)
 {
 	float s = sqrt(max(1.0 - c * c, 0.0));
@@ -29,7 +29,7 @@ float rough_diffuse_albedo(float r, float c)
 	return rough_diffuse_scale(r) * (1.0 + r * g / PI);
 }
 
-// π f for an albedo ρ.
+// π f of the rough lobe for an albedo ρ.
 vec3 rough_diffuse(vec3 albedo, float r, vec3 v, vec3 l)
 {
 	float a = rough_diffuse_scale(r);
@@ -41,7 +41,7 @@ vec3 rough_diffuse(vec3 albedo, float r, vec3 v, vec3 l)
 	return albedo * (a * (1.0 + r * s / t)) + again * max(missing, 0.0);
 }
 
-// π f of a direction above the surface.
+// π f of the diffuse lobe for a direction above the surface.
 vec3 diffuse_value(vec3 albedo, float roughness, vec3 v, vec3 l)
 {
 	if (!EFFECT_ROUGH_DIFFUSE || !(roughness > 0.0) || l.z <= 0.0)

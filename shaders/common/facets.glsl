@@ -1,9 +1,9 @@
-// The microfacet lobe of a metal or of a glossy surface, with the light that goes on between facets:
-//     D G2 F / (4 v·n l·n) · k(v),   k = 1 + F0 (1 − E(v)) / E(v),
-// where E = A + B of ggx.glsl is what single scattering leaves of white light and k gives back what was scattered between
-// facets (Turquin 2019, "Practical multiple scattering compensation for microfacet models"). Its directional albedo is
-// S = (F0 A + F90 B) k: 1 for F0 = F90 = 1, at every angle and roughness. k knows one of the two directions, so the lobe is
-// not reciprocal, and does not claim to be.
+// The microfacet lobe of a metal or a glossy surface, with compensation for multiple scattering between facets:
+//     D G2 F / (4 v·n l·n) · k(v),   k = 1 + F0 (1 − E(v)) / E(v).
+// E = A + B of ggx.glsl is the albedo of single scattering for white facets; k adds the light that was scattered more than
+// once (Turquin 2019, "Practical multiple scattering compensation for microfacet models"). The directional albedo is S =
+// (F0 A + F90 B) k, which is 1 for F0 = F90 = 1 at every angle and roughness. k depends on only one of the two directions,
+// so the lobe is not reciprocal.
 #ifndef COMMON_FACETS_GLSL
 #define COMMON_FACETS_GLSL
 
@@ -14,27 +14,27 @@ struct microfacets {
 	vec3 f90;
 	float roughness;
 	float alpha;
-	bool mirror;          // α too small to evaluate
+	bool mirror;          // α is too small to evaluate the lobe
 	vec3 boost;           // k(v)
 };
 
-// A density that stands for a perfect mirror's: no other way of sampling competes with it.
+// The density that stands for a perfect mirror. It is so large that no other way of sampling gets a weight.
 const float PDF_MIRROR = 1e30;
 
-// k, from (A, B). A mirror's facets are one: nothing goes between them.
+// k, from (A, B). It is 1 for a mirror: a flat surface has no multiple scattering.
 vec3 facets_boost(microfacets f, vec2 ab)
 {
 	float e = clamp(ab.x + ab.y, 0.05, 1.0);
 	return f.mirror ? vec3(1.0) : 1.0 + f.f0 * ((1.0 - e) / e);
 }
 
-// S, from (A, B).
+// S, the directional albedo, from (A, B).
 vec3 facets_albedo(microfacets f, vec2 ab)
 {
 	return min((f.f0 * ab.x + f.f90 * ab.y) * facets_boost(f, ab), 1.0);
 }
 
-// `ab`: (A, B) of the view.
+// `ab` is (A, B) of the view direction.
 microfacets facets_make(vec3 f0, vec3 f90, float roughness, vec2 ab)
 {
 	microfacets f;
@@ -47,7 +47,7 @@ microfacets facets_make(vec3 f0, vec3 f90, float roughness, vec2 ab)
 	return f;
 }
 
-// BSDF × cosine (xyz) and the density of facets_sample (w), 1/sr. A perfect mirror's are zero.
+// BSDF × cosine (xyz) and the density of facets_sample (w), 1/sr. Both are zero for a perfect mirror.
 vec4 facets_eval(microfacets f, vec3 v, vec3 l)
 {
 	if (f.mirror || l.z <= 0.0)
@@ -61,7 +61,7 @@ vec3 facets_sample(microfacets f, vec3 v, vec2 u)
 	return 2.0 * dot(v, h) * h - v;
 }
 
-// What a perfect mirror reflects.
+// The reflectance of a perfect mirror at the cosine mu.
 vec3 facets_mirrored(microfacets f, float mu)
 {
 	return schlick(f.f0, f.f90, mu);

@@ -1,17 +1,19 @@
-// The boundary of a clear dielectric: Fresnel's equations without approximation, smooth or with GGX facets (Walter et al. 2007,
-// "Microfacet models for refraction through rough surfaces"), in a frame whose Z is the shading normal on the viewer's side.
+// The boundary of a clear dielectric, smooth or with GGX facets (Walter et al. 2007, "Microfacet models for refraction
+// through rough surfaces"). Fresnel's equations are exact. Directions are in a frame whose Z is the shading normal on the
+// viewer's side.
 //
-// η is the index on the far side over that on the viewer's. A solid's boundary refracts; radiance that comes through it is
-// 1/η² of what it was, for a pencil of light changes its width (Veach 1997, 5.2). A thin wall is two boundaries side by side:
-// it reflects R + T² R + T² R³ + … = 2 R / (1 + R), and what it lets through leaves as if it had been reflected and turned to
-// the other side. Reflection has the lobe of ggx.glsl; refraction has Walter's equation 21 with separable masking.
-// What single scattering loses is given back to both: E(v), the share that it keeps, is in ggx.glsl's table, and all is
-// divided by it. E knows one of the two directions: a rough boundary is not reciprocal but for that factor's sake, a smooth
-// one (E = 1) is, up to η².
+// η is the index of refraction on the far side divided by that on the viewer's side. The boundary of a solid refracts;
+// radiance that is transmitted is scaled by 1/η², because the solid angle of a pencil of light changes (Veach 1997, 5.2). A
+// thin wall is two boundaries side by side. It reflects R + T² R + T² R³ + … = 2 R / (1 + R), and transmitted light leaves
+// as if it had been reflected and then mirrored to the other side. Reflection has the lobe of ggx.glsl. Refraction has
+// Walter's equation 21 with separable masking. The energy that single scattering loses is given back to both: all is
+// divided by E(v), the share that single scattering keeps, which is in ggx.glsl's table. E depends on one of the two
+// directions. So a rough boundary is not reciprocal, because of that factor alone; a smooth one (E = 1) is, up to η².
 //
-// Facets send some directions to the wrong side. Such a sample is none; but a path in a dense body has many events, and if each of
-// them ended it by chance, and made what is left 1 / E brighter, few paths would carry all light. So a solid's boundary draws
-// again, twice at most: with V(v) the share of good directions, in the table too, each is 1 + (1 − V) + (1 − V)² times as dense.
+// Facets reflect or refract some samples to the wrong side, and such a sample fails. But a path in a dense body has many
+// events. If each failure ended the path and each success made it 1 / E brighter, few paths would carry all the light. So
+// the boundary of a solid draws again, at most twice. With V(v) the share of samples on the right side, also in the table,
+// the density of each direction grows by the factor 1 + (1 − V) + (1 − V)².
 #ifndef COMMON_GLASS_GLSL
 #define COMMON_GLASS_GLSL
 
@@ -20,16 +22,16 @@
 struct dielectric {
 	float eta;
 	bool thin;
-	bool polished;     // facets, or what they bend, too narrow to evaluate
+	bool polished;     // the lobe, reflected or refracted, is too narrow to evaluate
 	float alpha;
-	vec3 tint;         // of what comes through
+	vec3 tint;         // colour of transmitted light
 	float boost;       // 1 / E(v)
-	float draws;       // how many times as dense directions are, for others are drawn again
+	float draws;       // factor of the density, because failed samples are drawn again
 };
 
 const uint GLASS_REDRAWS = 2u;
 
-// The reflectance of unpolarised light for a cosine above 0.
+// Fresnel's reflectance of unpolarised light for a cosine above 0.
 float fresnel_dielectric(float cosine, float eta)
 {
 	float c = min(cosine, 1.0);
@@ -48,7 +50,7 @@ float glass_reflectance(dielectric g, float cosine)
 	return g.thin ? 2.0 * r / (1.0 + r) : r;
 }
 
-// (E, V) of a solid's boundary: linear in the square roots of cosine and roughness and in (η − 1) / (η + 1).
+// (E, V) of the boundary of a solid. Interpolation is linear in √mu, √roughness and (η − 1) / (η + 1).
 vec2 glass_albedo(float mu, float roughness, float eta)
 {
 	float ratio = clamp((eta - 1.0) / (eta + 1.0), -0.5, 0.5) + 0.5;
@@ -84,14 +86,14 @@ dielectric glass_make(float mu, float roughness, float eta, bool thin, vec3 tint
 	return g;
 }
 
-// BSDF × cosine (xyz) and density (w), 1/sr, of what is reflected to l (z > 0) …
+// BSDF × cosine (xyz) and density (w), 1/sr, of reflection to l (z > 0).
 vec4 glass_reflected(dielectric g, vec3 v, vec3 l)
 {
 	float r = glass_reflectance(g, dot(v, normalize(v + l)));
 	return r * vec4(ggx_eval(v, l, g.alpha, vec3(1.0), vec3(1.0)) * g.boost, ggx_pdf(v, l, g.alpha) * g.draws);
 }
 
-// … and of what comes through from l (z < 0).
+// BSDF × cosine (xyz) and density (w), 1/sr, of refraction of light from l (z < 0).
 vec4 glass_refracted(dielectric g, vec3 v, vec3 l)
 {
 	vec3 h = normalize(v + g.eta * l);
@@ -117,7 +119,8 @@ vec4 glass_transmitted(dielectric g, vec3 v, vec3 l)
 	return (1.0 - r) * vec4(g.tint * ggx_eval(v, up, g.alpha, vec3(1.0), vec3(1.0)) * g.boost, ggx_pdf(v, up, g.alpha));
 }
 
-// On one side of the shading normal: zero where l is on the other.
+// BSDF × cosine (xyz) and density (w), 1/sr, on the side of the shading normal that `through` names. Zero where l is on the
+// other side.
 vec4 glass_lobe(dielectric g, vec3 v, vec3 l, bool through)
 {
 	if (g.polished || l.z == 0.0 || through != (l.z < 0.0))
@@ -125,8 +128,8 @@ vec4 glass_lobe(dielectric g, vec3 v, vec3 l, bool through)
 	return through ? glass_transmitted(g, v, l) : glass_reflected(g, v, l);
 }
 
-// A direction in the frame by the visible normals and Fresnel's share; `through` is what it was meant to be: a facet that leans
-// far may send it to the wrong side.
+// Samples a direction in the frame: a visible normal, then reflection or transmission by Fresnel's reflectance. `through`
+// is which of the two was meant; a strongly tilted facet may send the direction to the wrong side.
 vec3 glass_draw(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
 {
 	vec3 h = g.polished ? vec3(0.0, 0.0, 1.0) : ggx_sample_half(v, g.alpha, u);
@@ -141,8 +144,8 @@ vec3 glass_draw(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
 	return (vh / g.eta - t) * h - v / g.eta;
 }
 
-// The same, drawn again where it is on the wrong side; it may be there in the end, and is none then. `lobe` and u are uniform in
-// [0, 1).
+// As glass_draw, drawn again while the direction is on the wrong side. If the last draw is still on the wrong side, the
+// sample fails. `lobe` and u are uniform in [0, 1).
 vec3 glass_sample(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
 {
 	vec3 l = glass_draw(g, v, lobe, u, through);
@@ -159,7 +162,7 @@ vec3 glass_sample(dielectric g, vec3 v, float lobe, vec2 u, out bool through)
 	return l;
 }
 
-// Of a polished boundary, per sample.
+// BSDF × cosine / density of a sample of a polished boundary.
 vec3 glass_weight(dielectric g, bool through)
 {
 	return through ? g.tint * (g.thin ? 1.0 : 1.0 / (g.eta * g.eta)) : vec3(1.0);

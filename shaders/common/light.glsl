@@ -1,5 +1,5 @@
-// Next-event estimation: one light a call, chosen by power out of an alias table, then a point on it. Who defines LIGHT_TREE, a
-// constant, chooses by the tree over all of them where it is true.
+// Next-event estimation. A call chooses one light by power, from an alias table, then a point on it. A program that defines
+// the constant LIGHT_TREE as true chooses by the tree over all lamps instead.
 #ifndef COMMON_LIGHT_GLSL
 #define COMMON_LIGHT_GLSL
 
@@ -12,20 +12,21 @@
 #define LAMPS_BY LAMPS_BY_BOTH
 #endif
 
-// Directional lights may shine from a disc.
+// Whether directional lights may shine from a disc.
 #ifndef DISC_LIGHTS
 #define DISC_LIGHTS false
 #endif
 
-// Where light might come from, if nothing is in between.
+// What next-event estimation sampled. Visibility is not yet known.
 struct light_sample {
-	vec3 contribution;   // BSDF × cosine × radiance × weight / density, to be multiplied by the throughput
-	vec3 segment;        // from the ray's origin to the light; t = 1 is there
+	vec3 contribution;   // BSDF × cosine × radiance × weight / density; to be multiplied by the path's throughput
+	vec3 segment;        // from the ray's origin to the light, which is at t = 1
 	float t_max;         // 1, or infinite for a directional light
-	float pdf;           // of that direction by the BSDF's sampling, 1/sr
+	float pdf;           // density of this direction by BSDF sampling, 1/sr
 };
 
-// Walker's alias method with 64 random bits: the high product of the first 32 is the row, the second 32 decide.
+// A row of an alias table (Walker), from 64 random bits: the high half of the product of the first 32 and the count is the
+// row; the second 32 decide between it and its alias.
 uint alias_row(uint bits, uint count)
 {
 	uint row, low;
@@ -33,35 +34,36 @@ uint alias_row(uint bits, uint count)
 	return row;
 }
 
-// Power heuristic with β = 2 (Veach 1997, 9.2.4) for the technique whose density is 1 where the other's is r.
+// Power heuristic with β = 2 (Veach 1997, 9.2.4): the weight of a technique of density 1 where the other's density is r.
 float power_weight(float r)
 {
 	return 1.0 / (1.0 + r * r);
 }
 
-// A point of an emissive triangle as a receiver sees it.
+// A point of an emissive triangle as seen from a receiver.
 struct emitter_view {
-	vec3 segment;   // from the receiver to it, ended so that the lamp itself is not in the way at t = 1
+	vec3 segment;   // from the receiver to the point; at t = 1 it ends in front of the lamp itself
 	vec3 radiance;  // towards the receiver
-	float inverse;  // one over the density with which it was chosen, by solid angle
-	float by_power; // the same if it was chosen by power
-	float spread;   // 1/m²: of its light, as Lambert's law sends it, what arrives on an area that faces it
+	float inverse;  // 1 / density, by solid angle, of the choice
+	float by_power; // the same, had it been chosen by power
+	float spread;   // 1/m²: share of its light, emitted by Lambert's law, per unit area that faces it at the receiver
 };
 
-// The side that light reaches a surface from: its triangle's normal, or zero where light comes through it.
+// The normal of the side from which light reaches a surface: its geometric normal, or zero if light may come from either
+// side.
 vec3 facing_of(bsdf b)
 {
 	return EFFECT_GLASS && b.clear ? vec3(0.0) : b.geometric;
 }
 
-// A lamp that was chosen.
+// The lamp that was chosen.
 struct lamp_pick {
 	bool emissive;
-	uint number;     // of the triangle, or of the punctual light
-	float density;   // over the area of an emissive triangle, 1/m², the same for all its points; of a punctual light, its chance
+	uint number;     // of the triangle or of the punctual light
+	float density;   // of an emissive triangle: over its area, 1/m², uniform; of a punctual light: its probability
 };
 
-// The emissive triangle that `pick` chooses by power.
+// Chooses an emissive triangle by power.
 lamp_pick pick_emitter(uvec2 pick)
 {
 	uint row = alias_row(pick.x, job.emitter_count);
@@ -71,7 +73,7 @@ lamp_pick pick_emitter(uvec2 pick)
 	return lamp_pick(true, id, materials[triangles[id].material].power_density * job.emitter_power_inv);
 }
 
-// The punctual light.
+// Chooses a punctual light by power.
 lamp_pick pick_light(uvec2 pick)
 {
 	uint number = alias_row(pick.x, job.light_count);
@@ -82,7 +84,7 @@ lamp_pick pick_light(uvec2 pick)
 }
 
 #ifdef LIGHT_TREE
-// The lamp that the tree chooses for a surface at `origin`. `facing`: facing_of the surface.
+// Chooses a lamp by the tree for a surface at `origin`. `facing` is the surface's facing_of.
 lamp_pick pick_by_tree(vec3 origin, vec3 facing, uvec2 pick)
 {
 	float chance;
@@ -95,7 +97,8 @@ lamp_pick pick_by_tree(vec3 origin, vec3 facing, uvec2 pick)
 }
 #endif
 
-// With what density over area a lamp's choice and a uniform point find this point of an emissive triangle from `origin`.
+// The density over area, 1/m², with which choosing a lamp and a uniform point on it gives a particular point of the
+// emissive triangle `id`, for a receiver at `origin`.
 float emitter_density(vec3 origin, vec3 facing, uint id, float by_power)
 {
 #ifdef LIGHT_TREE
@@ -106,7 +109,7 @@ float emitter_density(vec3 origin, vec3 facing, uint id, float by_power)
 	return by_power;
 }
 
-// What a point of an emissive triangle, whose normal is n, sends to w from the side that it is on.
+// Radiance, W/(m² sr), that a point of an emissive triangle with normal n sends towards w, from the side that w is on.
 vec3 emitted_towards(material m, triangle tri, vec3 n, vec2 uv, vec3 w)
 {
 	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
@@ -122,7 +125,7 @@ vec3 emitted_towards(material m, triangle tri, vec3 n, vec2 uv, vec3 w)
 	return radiance;
 }
 
-// The point that u chooses on an emissive triangle. False: it shows the receiver its dark side or its edge.
+// Chooses a point of an emissive triangle by u. False if the receiver sees its dark side or its edge.
 bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 {
 	triangle tri = triangles[lamp.number];
@@ -134,7 +137,7 @@ bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 	vec3 q = k.v0 + uv.x * (k.v1 - k.v0) + uv.y * (k.v2 - k.v0);
 	float away = dot(n, origin - q);
 	bool lit = away > 0.0 || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
-	// The target is off the light's plane, on our side, for the reason that the origin is.
+	// The target is moved off the light's plane towards the receiver, for the same reason that the ray's origin is.
 	q += (away < 0.0 ? -n : n) * segment_offset(k, origin);
 
 	v.segment = q - origin;
@@ -155,28 +158,28 @@ bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 	return true;
 }
 
-// What next-event estimation chose, before the surface is asked. All lights come to this, so that the BSDF's code is there once:
-// some drivers take long over it.
+// What next-event estimation chose, before the BSDF is evaluated. All kinds of light lead to this structure, so that the
+// BSDF's code exists once: some drivers take long to compile it.
 struct light_choice {
-	vec3 w;         // towards it, unit
-	vec3 radiance;  // W/(m² sr), or irradiance that no direction finds by chance
-	float scale;    // one over the density by which it was chosen
-	float inverse;  // the same for its rival, the BSDF's sampling, whose density times this is the ratio of the two; 0: it has none
-	vec3 segment;   // as light_sample's
+	vec3 w;         // towards the light, unit
+	vec3 radiance;  // W/(m² sr); for a light that BSDF sampling cannot hit, irradiance, W/m²
+	float scale;    // 1 / density of the choice
+	float inverse;  // × density of BSDF sampling = ratio of the two densities; 0: BSDF sampling cannot find it
+	vec3 segment;   // as in light_sample
 	float t_max;
-	// For the shares of pt/caustic.glsl:
-	float by_power; // `inverse`, as if all were chosen by power
-	float spread;   // 1/m²: of what leaves the light by its own law, the share on an area here that faces it; 0: from afar
+	// For the weights of pt/caustic.glsl:
+	float by_power; // `inverse`, had the light been chosen by power
+	float spread;   // 1/m²: share of its light, by its own law, per unit area that faces it here; 0: light from afar
 };
 
-// What a surface makes of it. False: nothing.
+// Evaluates the BSDF for a choice. False if nothing is scattered.
 bool light_scattered(bsdf b, light_choice c, out light_sample l)
 {
 	l.segment = c.segment;
 	l.t_max = c.t_max;
 	vec4 f = bsdf_eval(b, c.w);
 	l.pdf = f.w;
-	// However near the light is, f · scale · weight stays finite.
+	// The bound keeps f · scale · weight finite, however near the light is.
 	float weight = LAMPS_BY == LAMPS_BY_POINTS ? 1.0 : power_weight(min(f.w * c.inverse, 1e18));
 	l.contribution = f.xyz * c.radiance * (c.scale * weight);
 	return f.w != 0.0;
@@ -190,8 +193,8 @@ float spot_attenuation(punctual_light light, vec3 w)
 	return ramp * ramp;
 }
 
-// What a punctual light sends to a place: the irradiance of a plane there that faces it. w points at the light, unit; the
-// segment to it ends at t_max.
+// Irradiance, W/m², that a punctual light causes on a plane at `origin` that faces it. w is the unit vector to the light;
+// `segment` to the light ends at t_max.
 vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3 segment, out float t_max)
 {
 	vec3 to_light = to_vec3(light.position) - origin;
@@ -208,16 +211,17 @@ vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3
 	return directional || d2 > 0.0 ? irradiance : vec3(0.0);
 }
 
-// Of the directions that a point or spot light shines in, the density, 1/sr.
+// The density, 1/sr, of a uniform choice among the directions that a point or spot light emits in; 0 for a directional
+// light.
 float punctual_spread(punctual_light light)
 {
 	float cos_most = light.kind == LIGHT_SPOT ? light.cos_outer : -1.0;
 	return light.kind == LIGHT_DIRECTIONAL ? 0.0 : 1.0 / (2.0 * PI * max(1.0 - cos_most, 1e-6));
 }
 
-// A direction within the disc of a directional light, w being its middle, uniformly by solid angle. The disc's radiance L is the
-// same all over, and its irradiance E on a plane that faces the middle is π sin² α L for a half aperture α. One direction
-// out of the solid angle 2π (1 − cos α) then stands for E · 2 / (1 + cos α) from where it comes.
+// Samples a direction within the disc of a directional light, uniformly by solid angle; w is the disc's middle. The disc
+// has uniform radiance L, so its irradiance E on a plane that faces the middle is π sin² α L for a half aperture α. A
+// sample from the solid angle 2π (1 − cos α) therefore stands for the irradiance E · 2 / (1 + cos α) from its direction.
 vec3 in_disc(punctual_light light, vec3 w, vec2 u, inout vec3 irradiance)
 {
 	float lower = u.x * light.spread; // 1 − cos of the angle from the middle
@@ -251,7 +255,7 @@ bool choose_punctual(vec3 origin, lamp_pick lamp, vec2 u, out light_choice c)
 	return c.radiance != vec3(0.0);
 }
 
-// `table` chooses between emissive triangles and punctual lights, `pick` which.
+// Chooses a lamp: `table` decides between emissive triangles and punctual lights, `pick` which of them.
 lamp_pick pick_lamp(vec3 origin, vec3 facing, float table, uvec2 pick)
 {
 #ifdef LIGHT_TREE
@@ -269,7 +273,8 @@ lamp_pick pick_lamp(vec3 origin, vec3 facing, float table, uvec2 pick)
 	return lamp;
 }
 
-// False: no light can come by this sample, or it is left to chance. `u` chooses the point.
+// Chooses a light and, by `u`, a point on it. False if this sample brings no light, or if the light is left to BSDF
+// sampling.
 bool choose_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out light_choice c)
 {
 	bool some = (EFFECT_EMITTERS && job.emitter_count > 0u) || (EFFECT_LIGHTS && job.light_count > 0u);

@@ -1,17 +1,19 @@
-// Choosing a lamp by the tree over all of them (server/scene/light_tree.h): from the root down, each time the child
-// with a probability proportional to what its lamps could send here at the most, nearly: Conty Estevez and Kulla 2018,
-//     power · cos θ' · cos φ' / d²,   θ' = max(0, θ − spread − size),   φ' = max(0, φ − size),
-// d being the distance to the node's middle, but at least half its diagonal, θ that between its axis and the direction here, φ
-// that between the surface's normal here and the direction there, and size what the node covers as seen from here. For
-// directional lights it is power · cos φ' without a distance, their spread being the size.
-// The chances along the way multiply to the lamp's own, which a lamp that was met by a direction finds again by its trail.
+// Choosing a lamp by the tree over all of them (server/scene/light_tree.h). The walk goes down from the root. Each step
+// takes a child with a probability proportional to an approximate bound of what the child's lamps could send here (Conty
+// Estevez and Kulla 2018):
+//     power · cos θ' · cos φ' / d²,   θ' = max(0, θ − spread − size),   φ' = max(0, φ − size).
+// d is the distance to the node's middle, but at least half its diagonal. θ is the angle between the node's axis and the
+// direction from it to here. φ is the angle between the surface's normal here and the direction to the node. `size` is the
+// angle that the node subtends as seen from here. For directional lights the bound is power · cos φ', with their spread in
+// place of the size and no distance. The product of the probabilities along the way is the lamp's probability. A lamp that
+// BSDF sampling hit finds its probability again by its trail.
 #ifndef COMMON_LIGHT_TREE_GLSL
 #define COMMON_LIGHT_TREE_GLSL
 
 #include "common/sampling.glsl"
 #include "common/scene.glsl"
 
-// struct light_node, three texels each: software drivers fetch texels for all lanes at once.
+// struct light_node, three texels each. A texel buffer, because software drivers fetch texels for all lanes at once.
 layout(set = 0, binding = BIND_LIGHT_NODES) uniform utextureBuffer light_texels;
 SCENE_BUFFER(BIND_LIGHT_TRAILS) readonly buffer LightTrails {
 	uint light_trails[];
@@ -36,7 +38,7 @@ uint light_child(uint i)
 	return texelFetch(light_texels, int(3u * i + 2u)).w;
 }
 
-// cos max(0, a − b) of two angles in 0…π by their sines and cosines.
+// cos max(0, a − b) of two angles in 0…π, given their cosines and sines.
 float cos_left(float cos_a, float sin_a, float cos_b, float sin_b)
 {
 	return cos_a >= cos_b ? 1.0 : cos_a * cos_b + sin_a * sin_b;
@@ -52,13 +54,13 @@ float sine_of(float cosine)
 	return sqrt(max(0.0, 1.0 - cosine * cosine));
 }
 
-// Directional lights are below.
+// Whether the lamps below a node are directional lights.
 bool is_far(light_node n)
 {
 	return n.min[0] > n.max[0];
 }
 
-// Of directional lights, `normal` as below.
+// The bound for a node of directional lights. `normal` is as in light_importance.
 float far_importance(light_node n, vec3 normal)
 {
 	if (normal == vec3(0.0))
@@ -67,7 +69,8 @@ float far_importance(light_node n, vec3 normal)
 	return n.power * max(0.0, cos_left(up, sine_of(up), n.cos_spread, sine_of(n.cos_spread)));
 }
 
-// `normal` is that of the triangle here, on the side that light comes from, or zero where it may come from either.
+// The bound for a node. `normal` is the geometric normal here on the side from which light comes, or zero if light may come
+// from either side.
 float light_importance(light_node n, vec3 here, vec3 normal)
 {
 	if (is_far(n))
@@ -81,7 +84,7 @@ float light_importance(light_node n, vec3 here, vec3 normal)
 	float near = min(n.power / max(max(d2, r2), 1e-30), 1e37);
 	if (d2 <= r2)
 		return near;
-	// A little more than it covers, for the rounding of both.
+	// The bound is slightly enlarged, because both quantities are rounded.
 	float sin_size = min(1.0, 1.001 * sqrt(r2 / d2) + 1e-4);
 	float cos_size = sine_of(sin_size);
 	float up = -dot(to_here, normal) * inversesqrt(d2);
@@ -97,8 +100,9 @@ float light_importance(light_node n, vec3 here, vec3 normal)
 	return near * max(0.0, cos_left(c1, s1, cos_size, sin_size));
 }
 
-// Of a node's two children, the chance of the second. Where neither could send anything, by power. Between what is somewhere
-// and directional lights never less than a tenth to either: they are often a sun that does not reach a room.
+// The probability of the second of a node's two children. Where neither child could send anything, power decides. Between
+// local lamps and directional lights, neither gets less than a tenth: the latter are often a sun that does not reach into a
+// room.
 float second_chance(uint child, vec3 here, vec3 normal)
 {
 	light_node a = light_node_at(child);
@@ -113,7 +117,7 @@ float second_chance(uint child, vec3 here, vec3 normal)
 	return is_far(a) != is_far(b) ? clamp(chance, 0.1, 0.9) : chance;
 }
 
-// The number of the lamp that the 32 random bits of each of two numbers choose for a place, and the chance that it had.
+// Chooses a lamp for a place by two numbers of 32 random bits. Returns the lamp's number and, in `chance`, its probability.
 uint light_tree_pick(vec3 here, vec3 normal, uvec2 pick, out float chance)
 {
 	uint child = light_child(0u);
@@ -124,7 +128,7 @@ uint light_tree_pick(vec3 here, vec3 normal, uvec2 pick, out float chance)
 		bool goes_second = u < second;
 		float own = goes_second ? second : 1.0 - second;
 		u = goes_second ? u / second : (u - second) / own;
-		// Each level uses digits up: halfway down a long way there are new ones.
+		// Each level consumes digits of u: halfway down a deep tree it is replaced by fresh ones.
 		u = level == 10u ? float(pick.y >> 8) * UNIT_24 : min(u, 0.99999994);
 		chance *= own;
 		child = light_child(child + (goes_second ? 1u : 0u));
@@ -132,7 +136,7 @@ uint light_tree_pick(vec3 here, vec3 normal, uvec2 pick, out float chance)
 	return child & ~LIGHT_LEAF;
 }
 
-// The emitter of a triangle that is known to be one. They are listed by ascending triangle.
+// The emitter of a triangle that is known to have one. Emitters are sorted by triangle.
 uint emitter_of(uint id)
 {
 	uint low = 0u;
@@ -146,7 +150,7 @@ uint emitter_of(uint id)
 	return low;
 }
 
-// The chance that light_tree_pick chooses the emitter of a triangle from here.
+// The probability that light_tree_pick chooses the emitter of triangle `id` from here.
 float light_tree_chance(vec3 here, vec3 normal, uint id)
 {
 	uint trail = light_trails[emitter_of(id)];

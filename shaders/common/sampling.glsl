@@ -1,29 +1,30 @@
-// Random numbers with structure: Owen-scrambled Sobol points in two dimensions, padded.
+// Sample points: Owen-scrambled Sobol' points in two dimensions, padded.
 //
-// Every decision of a path takes a two-dimensional point of its own set. A set is the first two dimensions of Sobol' 1967,
-// its index shuffled and its digits scrambled by hashes of (pixel, half, set, seed): "Practical Hash-based Owen Scrambling",
-// Burley 2020 (JCGT 9-4). The two halves of a frame's samples have different hashes, so they are independent of each
-// other, and the difference of their means says how wrong the mean of both is.
+// Each decision of a path takes a two-dimensional point from a set of its own. A set is the first two dimensions of Sobol'
+// 1967, its index shuffled and its digits scrambled by hashes of (pixel, half, set, seed): "Practical Hash-based Owen
+// Scrambling", Burley 2020 (JCGT 9-4). The two halves of a frame's samples use different hashes, so they are independent,
+// and the difference of their means estimates the error of the mean of both.
 //
-// Or, instead of a hash for each pixel, pixels of a block have one in common and take runs of one sequence in Morton's order
-// (Ahmed and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of
-// pixels"). A run is as good as a pixel's own points. But neighbours' runs together are such points too, so that their errors
-// differ and cancel where they are looked at from afar or filtered.
+// The alternative is one hash for a block of pixels, which take consecutive runs of one sequence in Morton order (Ahmed and
+// Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of pixels"). A run
+// is as good as points of the pixel's own. In addition, the runs of neighbouring pixels together are such a set, so that
+// their errors cancel where the picture is filtered or seen from afar.
 #ifndef COMMON_SAMPLING_GLSL
 #define COMMON_SAMPLING_GLSL
 
-// Sets of a path. Numbers are fixed per decision, so that an effect that is left out moves nobody else's samples.
-const uint SET_PIXEL = 0u;         // where in the pixel
-const uint SETS_PER_EVENT = 8u;     // some are spare
-const uint SET_PICK = 1u;          // which light, + event × SETS_PER_EVENT
-const uint SET_LIGHT = 2u;         // where on it
+// The sets of a path. Each decision has a fixed number, so that leaving out an effect does not change the samples of the
+// others.
+const uint SET_PIXEL = 0u;         // position within the pixel
+const uint SETS_PER_EVENT = 8u;     // some are unused
+const uint SET_PICK = 1u;          // which light; to be added to event × SETS_PER_EVENT, as all below
+const uint SET_LIGHT = 2u;         // position on the light
 const uint SET_BSDF = 3u;          // the next direction
 const uint SET_CHANCE = 4u;        // x: whether to go on; y: emissive triangles or punctual lights
 
 const uint SET_LOBE = 5u;          // x: which lobe of the BSDF
-const uint SET_CLEAR = 6u;         // x: whether a surface that lets some light through does
+const uint SET_CLEAR = 6u;         // x: whether a partly transparent surface is hit or passed
 
-const uint SET_LENS = 7u;          // where on the lens: of the first event alone
+const uint SET_LENS = 7u;          // position on the lens; first event only
 
 const float UNIT_24 = 5.9604644775390625e-08;   // 2⁻²⁴
 
@@ -32,11 +33,11 @@ const float UNIT_24 = 5.9604644775390625e-08;   // 2⁻²⁴
 #endif
 
 struct sampler_state {
-	uint index;       // of the sample in its half
+	uint index;       // index of the sample in its half
 	uint scramble;    // hash of pixel, half and seed
 };
 
-// Mix of 32 bits in which each input bit reaches each output bit: lowbias32, Wellons 2018.
+// A mix of 32 bits in which every input bit affects every output bit: lowbias32, Wellons 2018.
 uint hash(uint x)
 {
 	x ^= x >> 16;
@@ -52,8 +53,8 @@ uint hash_combine(uint seed, uint v)
 	return hash(seed ^ (v * 0x9e3779b9u + 0x7f4a7c15u));
 }
 
-// Laine and Karras 2011 with Burley's constants: a nested uniform scramble of a number whose bits are reversed, since each
-// step lets a bit depend on lower ones alone.
+// A nested uniform scramble of a bit-reversed number: Laine and Karras 2011 with Burley's constants. Each step lets a bit
+// depend on lower bits only.
 uint scramble_reversed(uint x, uint seed)
 {
 	x += seed;
@@ -64,7 +65,7 @@ uint scramble_reversed(uint x, uint seed)
 	return x;
 }
 
-// Second Sobol' dimension of an index, bit-reversed: its generator matrix is Pascal's triangle mod 2, which is a
+// The second Sobol' dimension of an index, bit-reversed. Its generator matrix is Pascal's triangle mod 2, which is a
 // Kronecker power of ((1 1)(0 1)), so five butterflies apply it.
 uint sobol1_reversed(uint i)
 {
@@ -84,7 +85,7 @@ sampler_state sampler_make(uint pixel, uint sample_half, uint index, uint seed_l
 	return s;
 }
 
-// Bits of x and y by turns, x's lowest first.
+// Interleaves the bits of x and y; the lowest bit is x's.
 uint morton(uvec2 p)
 {
 	p = (p | p << 8) & 0x00ff00ffu;
@@ -94,8 +95,8 @@ uint morton(uvec2 p)
 	return p.x | p.y << 1;
 }
 
-// Where a pixel's run of 1 << bits samples begins in its block's sequence (x), and the block's number, by which its scramble
-// is made as others are by the pixel's (y). As many pixels are a block as 32 bits have room for.
+// x: where a pixel's run of 1 << bits samples begins in the sequence of its block. y: the block's number, which seeds the
+// scramble as the pixel's number does otherwise. A block is as large as a 32-bit index allows.
 uvec2 sampler_run(uvec2 pixel, uint bits)
 {
 	uint levels = min((32u - bits) / 2u, 16u);
@@ -104,7 +105,7 @@ uvec2 sampler_run(uvec2 pixel, uint bits)
 	return uvec2(morton(within) << bits, block.y << 16 | block.x);
 }
 
-// 32 random bits in each of two dimensions.
+// 32 random bits for each of two dimensions.
 uvec2 sample_bits(sampler_state s, uint set)
 {
 	uint h = hash_combine(s.scramble, set);
@@ -112,20 +113,20 @@ uvec2 sample_bits(sampler_state s, uint set)
 		uint own = hash_combine(h, s.index);
 		return uvec2(hash(own ^ 0x68bc21ebu), hash(own ^ 0x02e5be93u));
 	}
-	// Shuffle: a nested uniform scramble of the index keeps every power-of-two block of it together.
+	// The shuffle is a nested uniform scramble of the index, so it keeps every aligned block of 2ⁿ indices together.
 	uint i = bitfieldReverse(scramble_reversed(bitfieldReverse(s.index), h));
 	uint x = scramble_reversed(i, hash(h ^ 0x68bc21ebu));
 	uint y = scramble_reversed(sobol1_reversed(i), hash(h ^ 0x02e5be93u));
 	return bitfieldReverse(uvec2(x, y));
 }
 
-// In [0, 1): 24 bits, so that 1 is never reached.
+// A point in [0, 1)²: 24 bits a coordinate, so that 1 is never reached.
 vec2 sample_2d(sampler_state s, uint set)
 {
 	return vec2(sample_bits(s, set) >> 8) * UNIT_24;
 }
 
-// Uniform over the unit disc: the concentric map (Shirley and Chiu 1997).
+// Maps the unit square to the unit disc, uniformly: the concentric map (Shirley and Chiu 1997).
 vec2 concentric_disc(vec2 u)
 {
 	vec2 a = 2.0 * u - 1.0;
@@ -138,14 +139,14 @@ vec2 concentric_disc(vec2 u)
 	return r * (wide ? vec2(c, s) : vec2(s, c));
 }
 
-// Cosine-distributed direction about +Z, above the disc. pdf = cos θ / π.
+// Cosine-distributed direction about +Z, by projecting the disc upwards. pdf = cos θ / π.
 vec3 cosine_hemisphere(vec2 u)
 {
 	vec2 disc = concentric_disc(u);
 	return vec3(disc, sqrt(max(0.0, 1.0 - dot(disc, disc))));
 }
 
-// Uniform direction about +Z. pdf = 1 / 2π.
+// Uniform direction in the hemisphere about +Z. pdf = 1 / 2π.
 vec3 uniform_hemisphere(vec2 u)
 {
 	float r = sqrt(max(0.0, 1.0 - u.x * u.x));
@@ -153,7 +154,7 @@ vec3 uniform_hemisphere(vec2 u)
 	return vec3(r * cos(phi), r * sin(phi), u.x);
 }
 
-// Two unit vectors that make a right-handed frame with n: Duff et al. 2017 (JCGT 6-1).
+// Two unit vectors x and y that form a right-handed frame with n: Duff et al. 2017 (JCGT 6-1).
 void frame_make(vec3 n, out vec3 x, out vec3 y)
 {
 	float s = n.z >= 0.0 ? 1.0 : -1.0;
@@ -163,7 +164,7 @@ void frame_make(vec3 n, out vec3 x, out vec3 y)
 	y = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
-// Barycentrics of corners 1 and 2, uniform over the triangle, near points staying near: Heitz 2019.
+// Barycentrics of corners 1 and 2, uniform over the triangle. Near inputs give near points: Heitz 2019.
 vec2 sample_triangle(vec2 u)
 {
 	if (u.y > u.x) {

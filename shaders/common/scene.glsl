@@ -13,8 +13,8 @@
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #endif
 
-// Some OpenGL drivers count every block that is declared, used or not, against the sixteen that a stage may have: a program
-// that needs others in their stead defines SCENE_WITHOUT_TRACE, _LAMPS, _TANGENTS or _GGX.
+// Some OpenGL drivers count every declared block, used or not, against the sixteen that a stage may have. A program that
+// needs other blocks leaves out some of these by defining SCENE_WITHOUT_TRACE, _LAMPS, _TANGENTS or _GGX.
 
 
 #ifndef SCENE_WITHOUT_TRACE
@@ -23,12 +23,12 @@ SCENE_BUFFER(BIND_NODES) readonly buffer Nodes {
 	vec4 nodes[];   // struct bvh_node, four words at a time
 };
 SCENE_BUFFER(BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
-	vec4 leaf_triangles[];   // struct leaf_triangle, likewise
+	vec4 leaf_triangles[];   // struct leaf_triangle, four words at a time
 };
 #define NODE_WORDS(i) nodes[i]
 #define LEAF_WORDS(i) leaf_triangles[i]
 #else
-// OpenGL has no more than sixteen storage blocks a stage, and software drivers fetch texels for all lanes at once.
+// OpenGL allows no more than sixteen storage blocks a stage, and software drivers fetch texels for all lanes at once.
 layout(binding = UNIT_NODES) uniform usamplerBuffer node_words;
 layout(binding = UNIT_LEAF_TRIANGLES) uniform usamplerBuffer leaf_words;
 #define NODE_WORDS(i) uintBitsToFloat(texelFetch(node_words, int(i)))

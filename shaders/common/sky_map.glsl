@@ -1,4 +1,4 @@
-// The picture around the scene, as a camera's ray or a narrow cone sees it; in its own unit.
+// The environment map as a camera ray or a narrow cone sees it, in the map's own unit.
 #ifndef DIRECT_SKY_GLSL
 #define DIRECT_SKY_GLSL
 

@@ -1,8 +1,9 @@
-// Where a direction is in a picture of all directions.
+// The position of a direction in an equirectangular environment map.
 #ifndef COMMON_SKY_PLACE_GLSL
 #define COMMON_SKY_PLACE_GLSL
 
-// w, unit: 0…1 from left to right, 0…1 from top to bottom. `turn`: of the picture about +Y, in revolutions, 0…1.
+// w is a unit vector. Returns 0…1 from left to right and 0…1 from top to bottom. `turn` rotates the map about +Y, in
+// revolutions, 0…1.
 vec2 sky_place(vec3 w, float turn)
 {
 	float across = length(w.xz);

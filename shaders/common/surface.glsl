@@ -1,4 +1,4 @@
-// What a ray met: position, normals, colours.
+// The surface at a hit point: position, normals, material.
 #ifndef COMMON_SURFACE_GLSL
 #define COMMON_SURFACE_GLSL
 
@@ -6,45 +6,46 @@
 
 struct surface {
 	vec3 position;
-	vec3 geometric;     // unit, on the side that the ray came from
-	vec3 shading;       // unit, on the same side of the triangle
+	vec3 geometric;     // unit; on the side that the ray came from
+	vec3 shading;       // unit; on the same side of the triangle
 	vec3 base;          // base colour, 0…1
 	vec3 albedo;        // of the diffuse part, 0…1
 	vec3 f0;            // microfacets' reflectance at normal incidence; with EFFECT_GLOSSY alone
-	vec3 f90;           // and at grazing incidence
+	vec3 f90;           // and at grazing incidence; with EFFECT_GLOSSY alone
 	float roughness;    // perceptual
 	float diffuse_roughness;   // with EFFECT_ROUGH_DIFFUSE alone
-	float coat;         // how much of a clear coat there is; this and what follows with EFFECT_CLEARCOAT alone
+	float coat;         // weight of the clear coat, 0…1; this and the two below with EFFECT_CLEARCOAT alone
 	float coat_roughness;
-	vec3 coat_normal;   // as `shading`
-	vec3 emission;      // radiance towards where the ray came from, W/(m² sr)
-	float emission_pdf; // next-event estimation finds this point with this density over area, 1/m²
-	float offset;       // metres: rays start this far off along `geometric`
-	bool unlit;         // shows `base` and nothing else
+	vec3 coat_normal;   // unit; on the side that the ray came from
+	vec3 emission;      // radiance towards the origin of the ray, W/(m² sr)
+	float emission_pdf; // density over area, 1/m², with which next-event estimation finds this point
+	float offset;       // metres along `geometric` at which outgoing rays start
+	bool unlit;         // shows `base` as radiance; nothing else of the material counts
 	uint material;
-	// With EFFECT_GLASS alone.
-	bool front;         // met from its front
-	float transmission; // probability that light meets a clear boundary here
-	uint body;          // material + 1 of what is behind it and clear, or 0
+	// The members below are set only with EFFECT_GLASS.
+	bool front;         // the ray hit the front
+	float transmission; // probability that the surface here is a clear boundary
+	uint body;          // material + 1 of the clear body behind the surface, or 0
 	bool thin;
 	float ior;
-	bool clear;         // it is one now: who chooses sets this and
-	float eta;          // the index on the far side over that on this
+	bool clear;         // this hit is a clear boundary; whoever makes the choice sets this and `eta`
+	float eta;          // index of refraction on the far side divided by that on this side
 };
 
-// 16 half units in the last place of the corners' coordinates: more than the rounding of a point made from barycentrics
-// and of the next intersection's translation together (Pharr, Jakob, Humphreys, "Physically Based Rendering", 3.9).
+// 16 half units in the last place of the corners' coordinates. It exceeds the rounding error of a point made from
+// barycentrics and of the next intersection's translation together (Pharr, Jakob, Humphreys, "Physically Based Rendering",
+// 3.9).
 const float OFFSET_ERROR = 9.5367431640625e-07;
 
-// A triangle's corners and what follows from them.
+// A triangle's corners and its normal, world space, metres.
 struct corners {
 	vec3 v0;
 	vec3 v1;
 	vec3 v2;
-	vec3 normal;       // unit, counter-clockwise side; zero if the triangle has no area
+	vec3 normal;       // unit, on the counter-clockwise side; zero if the triangle has no area
 };
 
-// The edges are brought to a size near 1 first: at 10¹⁰ metres their product would not fit a float, at 10⁻¹⁵ neither.
+// The edges are first scaled to a size near 1: at 10¹⁰ metres, or at 10⁻¹⁵, their product would leave the range of a float.
 vec3 unit_normal(vec3 v0, vec3 v1, vec3 v2)
 {
 	vec3 a = v1 - v0;
@@ -66,7 +67,7 @@ corners corners_of(triangle tri)
 	return c;
 }
 
-// Half the length of the edges' product, brought to a size near 1 first as unit_normal does.
+// The area, m²: half the length of the edges' cross product, scaled as in unit_normal.
 float area_of(corners c)
 {
 	vec3 a = c.v1 - c.v0;
@@ -76,15 +77,15 @@ float area_of(corners c)
 	return 0.5 * length(cross(a / size, b / size)) * size * size;
 }
 
-// The greatest coordinate bounds the rounding of a position in every direction.
+// A bound of the rounding error of a position, in every direction, metres: it follows from the largest coordinate.
 float position_error(corners c)
 {
 	vec3 m = max(abs(c.v0), max(abs(c.v1), abs(c.v2)));
 	return OFFSET_ERROR * max(m.x, max(m.y, m.z));
 }
 
-// How far off a triangle's plane a segment from `origin` must end so as not to hit the triangle: the rounding of its corners,
-// and of their translation to the origin, which the intersection begins with.
+// How far off a triangle's plane, in metres, a segment from `origin` must end so as not to hit the triangle. It covers the
+// rounding of the corners and of their translation to the origin, which the intersection begins with.
 float segment_offset(corners c, vec3 origin)
 {
 	vec3 own = max(abs(c.v0), max(abs(c.v1), abs(c.v2)));
@@ -92,7 +93,7 @@ float segment_offset(corners c, vec3 origin)
 	return OFFSET_ERROR * (dot(abs(c.normal), own) + max(reach.x, max(reach.y, reach.z)));
 }
 
-// Push a point away from an edge that it is nearer to than `clearance`, within the triangle's plane.
+// The vector that moves p away from the edge a b, within the triangle's plane, if p is closer to it than `clearance`.
 vec3 away_from_edge(vec3 p, vec3 a, vec3 b, vec3 normal, float clearance)
 {
 	vec3 inward = cross(normal, b - a);
@@ -100,8 +101,8 @@ vec3 away_from_edge(vec3 p, vec3 a, vec3 b, vec3 normal, float clearance)
 	return inward * clamp(clearance - dot(p - a, inward), 0.0, clearance);
 }
 
-// A point of the triangle, at least four rounding errors inside of every edge: rounding can then not carry it through the
-// wall on an edge's other side, which is how light leaks into closed rooms. It moves by a few such errors at most.
+// A point of the triangle, kept at least four rounding errors inside every edge. Rounding then cannot carry it through the
+// wall on an edge's other side, which is how light leaks into closed rooms. It moves by only a few such errors.
 vec3 point_inside(corners c, vec2 uv, float error)
 {
 	vec3 p = (1.0 - uv.x - uv.y) * c.v0 + uv.x * c.v1 + uv.y * c.v2;
@@ -126,7 +127,7 @@ float transmission_at(material m, vec4 uv)
 	return t;
 }
 
-// KHR_materials_clearcoat: how much of it there is, and how rough it is.
+// KHR_materials_clearcoat: the coat's weight and its roughness.
 vec2 coat_at(material m, vec4 uv)
 {
 	vec2 coat = vec2(m.coat, m.coat_roughness);
@@ -137,7 +138,7 @@ vec2 coat_at(material m, vec4 uv)
 	return coat;
 }
 
-// Base colour into diffuse albedo and microfacets: glTF 2.0, appendix B, and KHR_materials_specular.
+// Splits the base colour into diffuse albedo and microfacet reflectance: glTF 2.0, appendix B, and KHR_materials_specular.
 void set_reflectance(inout surface s, material m, vec4 uv)
 {
 	s.albedo = s.base;
@@ -190,7 +191,7 @@ vec3 mapped_normal(uint map_texture, float scale, triangle tri, vec3 bary, vec4 
 }
 #endif
 
-// The mesh's own normal on the front's side, which normal maps are drawn for.
+// The mesh's own normal, on the front. Normal maps are relative to it.
 vec3 mesh_normal(triangle tri, vec3 bary, vec3 geometric)
 {
 	vec3 n = vec3(0.0);
@@ -201,7 +202,7 @@ vec3 mesh_normal(triangle tri, vec3 bary, vec3 geometric)
 	return dot(n, geometric) < 0.0 ? -n : n;
 }
 
-// The coat's, over the mesh's `n`.
+// The coat's normal; `n` is the mesh's own.
 vec3 coat_normal_at(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
 {
 	bool mapped = EFFECT_NORMAL_MAPS && m.coat_normal_texture != NONE;

@@ -1,11 +1,11 @@
-// Textures out of storage buffers: our own wrap and filter, since some devices cannot pick a sampler by a number.
-// Filtering is done in linear light. A look-up before the first mip level only.
+// Textures in storage buffers. Wrap and filter are done here, because some devices cannot index samplers dynamically.
+// Filtering is done in linear light. Only the finest level is read: there are no mip maps.
 #ifndef COMMON_TEXTURE_GLSL
 #define COMMON_TEXTURE_GLSL
 
 #include "common/scene.glsl"
 
-// Texel index `i` of a side of `n`, by a wrap mode of layout.h.
+// The texel that index `i` of a side of `n` texels wraps to, by a wrap mode of layout.h.
 int wrap_index(int i, int n, uint mode)
 {
 	if (mode == WRAP_CLAMP)
@@ -27,19 +27,19 @@ vec4 fetch_texel(texture_info info, int x, int y)
 	return c;
 }
 
-// A program that takes many points' mean does without filtering: it defines this as true.
+// A program that averages many points needs no filtering: it defines this as true.
 #ifndef TEXTURE_UNFILTERED
 #define TEXTURE_UNFILTERED false
 #endif
 
-// `uv`: both sets of coordinates, xy and zw.
+// `uv` holds both sets of texture coordinates, in xy and zw.
 vec4 sample_texture(uint index, vec4 uv)
 {
 	texture_info info = textures[index];
 	vec3 set = vec3((info.flags & TEXTURE_UV1) != 0u ? uv.zw : uv.xy, 1.0);
 	vec2 place = vec2(dot(to_vec3(info.row_u), set), dot(to_vec3(info.row_v), set));
 	vec2 size = vec2(info.width, info.height);
-	// Far coordinates lose their fraction anyway; held to a range that an int takes.
+	// Coordinates are held to a range that an int can take. Those beyond it have lost their fraction anyway.
 	vec2 at = clamp(place * size, vec2(-1e9), vec2(1e9));
 	if (TEXTURE_UNFILTERED || (info.flags & TEXTURE_NEAREST) != 0u) {
 		ivec2 t = ivec2(floor(at));
@@ -54,7 +54,7 @@ vec4 sample_texture(uint index, vec4 uv)
 	return mix(top, bottom, f.y);
 }
 
-// Both sets of texture coordinates at a point of a triangle.
+// Both sets of texture coordinates at a point of a triangle, in xy and zw.
 vec4 coordinates_at(triangle tri, vec3 bary)
 {
 	vec4 uv = vec4(0.0);
@@ -67,7 +67,7 @@ vec4 coordinates_at(triangle tri, vec3 bary)
 	return uv;
 }
 
-// Base colour and alpha: factor × texture × vertex colour, each as far as its effect runs.
+// Base colour and alpha: factor × texture × vertex colour, each if its effect runs.
 vec4 base_color_at(material m, triangle tri, vec3 bary, vec4 uv)
 {
 	vec4 base = vec4(to_vec3(m.albedo), 1.0);
@@ -84,7 +84,7 @@ vec4 base_color_at(material m, triangle tri, vec3 bary, vec4 uv)
 	return base;
 }
 
-// How much of a surface is there at a point: all or nothing of a masked one, a share of a blended one.
+// The coverage of a surface at a point: 0 or 1 if it is masked, its alpha if it is blended, else 1.
 float coverage_at(material m, triangle tri, vec3 bary, vec4 uv)
 {
 	bool masked = EFFECT_ALPHA_MASK && (m.flags & MATERIAL_ALPHA_MASK) != 0u;

@@ -1,11 +1,11 @@
-// The work of a compute shader's group: a tile of the image.
+// A workgroup of a compute shader works on a tile of the image.
 #ifndef COMMON_TILE_GLSL
 #define COMMON_TILE_GLSL
 
 #include "shared/bindings.h"
 
-// The pixel of this invocation in a tile, in an image of so many columns of tiles. Eight neighbours in number are a block of 4 × 2, so that the rays of a subgroup
-// begin close together.
+// The pixel of this invocation in tile number `tile` of an image with `columns` columns of tiles. Eight consecutive
+// invocations are a block of 4 × 2 pixels, so that the rays of a subgroup start close together.
 uvec2 tile_pixel(uint tile, uint columns)
 {
 	uint i = gl_LocalInvocationIndex;
