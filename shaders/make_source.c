@@ -1,6 +1,7 @@
-// make_source SYMBOL FILE HEADER DEPFILE INCLUDE_DIR…: writes one GLSL file with its includes in it to HEADER, as a C array,
-// and the files that it read to DEPFILE, as a rule of make. Run when we are built: the worker never opens a shader file.
-// Lines of #version and #extension for include directives are dropped; include guards see to files that come twice.
+// make_source SYMBOL FILE HEADER DEPFILE INCLUDE_DIR…: writes one GLSL file, its includes expanded, to HEADER as a C
+// string, and the list of the files that it read to DEPFILE as a make rule. It runs while candil is built: the worker never
+// opens a shader file. Lines of #version and #extension for include directives are dropped. Include guards prevent double
+// definitions when a file is included twice.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,21 +11,21 @@
 #define PATH_BYTES 1024
 
 static FILE *header, *depfile;
-static char **roots; // folders of includes, ended by NULL; the first that has a file gives it
+static char **roots; // include folders, ended by NULL; the first that has a file provides it
 
-// A line of the source as a string literal: compilers read one far sooner than as many numbers.
+// Writes a line of the source as a string literal: compilers read it far faster than a list of numbers.
 static void put(const char *text)
 {
 	putc('"', header);
 	for (; *text && *text != '\n'; text++) {
-		if (strchr("\"\\?", *text)) // ? for the sake of trigraphs
+		if (strchr("\"\\?", *text)) // ? is escaped because of trigraphs
 			putc('\\', header);
 		putc(*text, header);
 	}
 	fputs(*text ? "\\n\"\n" : "\"\n", header);
 }
 
-// A path as make reads it.
+// Writes a path to the make rule, escaped for make.
 static void put_path(const char *path)
 {
 	for (; *path; path++) {
@@ -36,7 +37,7 @@ static void put_path(const char *path)
 	}
 }
 
-// Whether a line is `#include "path"`; its path then.
+// Whether a line is `#include "path"`. If so, `path` receives the path.
 static int is_include(const char *line, char path[PATH_BYTES])
 {
 	const char *from = strchr(line, '"');
@@ -55,7 +56,8 @@ static int is_dropped(const char *line)
 	return !strncmp(line, "#version", 8) || !strncmp(line, "#extension GL_GOOGLE_include_directive", 38);
 }
 
-// Where an include is; the last folder's path if none has it, so that the complaint names one.
+// Finds the file of an include. If no folder has it, `whole` is its path in the last folder, so that the error message
+// names one.
 static void find_include(const char *path, char whole[2 * PATH_BYTES])
 {
 	for (char **root = roots; *root; root++) {
@@ -94,7 +96,7 @@ static int expand(const char *file, int depth)
 	return ok;
 }
 
-// Whether all of it was written.
+// Closes a file. False unless all of it was written.
 static int close_file(FILE *f)
 {
 	int ok = f && !ferror(f);

@@ -1,5 +1,5 @@
-// Structures that C and GLSL share: what lies in a scene blob is what a shader reads. Only 4-byte scalars and arrays of
-// them, so that C's layout and std430's are the same; the asserts below hold C to it, and GLSL has no other choice.
+// Structures that C and GLSL share: the sections of a scene blob are what shaders read. They consist of 4-byte scalars and
+// arrays of them, so that C's layout and std430's agree. The asserts below check C's; std430 leaves GLSL no choice.
 #ifndef CANDIL_SHARED_LAYOUT_H
 #define CANDIL_SHARED_LAYOUT_H
 
@@ -19,7 +19,7 @@ typedef uint32_t uint;
 
 // ---- geometry: metres, world space relative to the blob's origin -----------------------------------------------------
 
-// A corner. `normal` is unit length, or zero where the file gives none: the triangle's own normal then holds.
+// A corner. `normal` is of unit length, or zero if the file gives none: then the triangle's geometric normal holds.
 struct vertex {
 	float position[3];
 	float normal[3];
@@ -27,17 +27,17 @@ struct vertex {
 };
 LAYOUT_ASSERT(vertex, 32)
 
-// By triangle id, in the order of the file.
+// Indexed by triangle id, in the order of the file.
 struct triangle {
 	uint vertex[3];
 	uint material;
 };
 LAYOUT_ASSERT(triangle, 16)
 
-// A binary BVH's inner node: both children's boxes and where they are. Node 0 is the root; a scene of one leaf still has it,
-// its second child then a point at infinity (min = max = +inf),
-// which every ray misses.
-// count[i] == 0: child[i] is a node; else leaf triangles child[i] … child[i] + count[i] - 1.
+// An inner node of a binary BVH: the boxes of both children and references to them. Node 0 is the root. In a scene of a
+// single leaf the root still exists, and its second child is a point at infinity (min = max = +inf), which every ray
+// misses. count[i] == 0: child[i] is a node. Otherwise the child is the leaf of triangles child[i] … child[i] + count[i] -
+// 1.
 struct bvh_node {
 	float min0[3];
 	uint child0;
@@ -50,7 +50,8 @@ struct bvh_node {
 };
 LAYOUT_ASSERT(bvh_node, 64)
 
-// A triangle in leaf order, ready to be hit. Corners are bit for bit those of `vertex`, so that shared edges are.
+// A triangle in leaf order, ready for intersection. Its corners equal those of `vertex` bit for bit, so that neighbours
+// share exactly the same edge.
 struct leaf_triangle {
 	float v0[3];
 	uint id; // triangle id
@@ -63,48 +64,48 @@ LAYOUT_ASSERT(leaf_triangle, 48)
 
 // ---- materials --------------------------------------------------------------------------------------------------------
 
-#define MATERIAL_EMITS_BOTH_SIDES 1u // glTF doubleSided emitters; else the front (counter-clockwise) side alone emits
-#define MATERIAL_ALPHA_MASK 2u // not there where alpha is below alpha_cutoff
-#define MATERIAL_UNLIT 4u // shows its base colour as radiance, neither lit nor casting light
-#define MATERIAL_ALPHA_BLEND 8u // there with the probability that its alpha says
-#define MATERIAL_THIN 16u // of what lets light through: a sheet without an inside, that does not bend it
-#define MATERIAL_PRIORITY_SHIFT 8u // above: a clear body's, 0…LIMIT_PRIORITY; where bodies overlap, the highest is there
+#define MATERIAL_EMITS_BOTH_SIDES 1u // both sides emit (glTF doubleSided); otherwise only the front (counter-clockwise)
+#define MATERIAL_ALPHA_MASK 2u // absent where alpha is below alpha_cutoff
+#define MATERIAL_UNLIT 4u // shows its base colour as radiance; neither receives nor casts light
+#define MATERIAL_ALPHA_BLEND 8u // present with probability alpha
+#define MATERIAL_THIN 16u // with transmission: a sheet without an interior, which does not bend light
+#define MATERIAL_PRIORITY_SHIFT 8u // a clear body's priority, 0…LIMIT_PRIORITY; where bodies overlap, the highest wins
 
-#define GGX_ALPHA_LEAST 1e-4 // microfacets' α below it is a perfect mirror
+#define GGX_ALPHA_LEAST 1e-4 // microfacets with an α below it are a perfect mirror
 
-// Base colour, metallic and roughness as glTF 2.0 has them (appendix B), with KHR_materials_specular for what is no metal.
-// Colours are linear Rec.709, 0…1. A texture is an index or NONE and multiplies the factor beside it.
+// Base colour, metallic and roughness as in glTF 2.0 (appendix B), with KHR_materials_specular for the dielectric part.
+// Colours are linear Rec.709, 0…1. A texture is an index or NONE, and multiplies the factor beside it.
 struct material {
 	float albedo[3]; // base colour: diffuse albedo, or reflectance of a metal at normal incidence
-	uint albedo_texture; // its alpha is for MATERIAL_ALPHA_MASK and _BLEND
+	uint albedo_texture; // its alpha is used by MATERIAL_ALPHA_MASK and _BLEND
 	float emission[3]; // radiance, W/(m² sr)
 	uint emission_texture;
 	float specular[3]; // reflectance of the dielectric part at normal incidence
 	uint specular_texture; // colour
-	float specular_weight; // its reflectance at grazing incidence; 0 with specular 0: no specular lobe, pure Lambert
-	uint specular_weight_texture; // alpha; of the colour too
+	float specular_weight; // its reflectance at grazing incidence; 0 with specular 0: pure Lambert, no specular lobe
+	uint specular_weight_texture; // alpha; multiplies `specular` too
 	float metallic;
 	float roughness; // perceptual: the microfacets' α is its square; 0: a perfect mirror
 	uint surface_texture; // green: roughness, blue: metallic
 	uint normal_texture; // tangent space, +Z out
-	float normal_scale; // of its X and Y
-	float alpha_cutoff; // with the base colour's alpha factor divided out
+	float normal_scale; // scale of the map's X and Y
+	float alpha_cutoff; // cutoff divided by the base colour's alpha factor
 	uint flags; // MATERIAL_…
-	float power_density; // π · mean luminance of the emission · sides, W/m²: emitters are chosen by it
-	float alpha; // base colour's factor, with MATERIAL_ALPHA_BLEND
-	// Of the light that is not the metal's, this share meets a clear dielectric in place of the opaque surface:
-	// reflected by Fresnel's equations, the rest let through, times the base colour.
+	float power_density; // π · mean luminance of the emission · emitting sides, W/m²: weight in the choice of emitters
+	float alpha; // alpha factor of the base colour, with MATERIAL_ALPHA_BLEND
+	// The share `transmission` of the non-metallic part is a clear dielectric boundary in place of the opaque surface:
+	// it reflects by Fresnel's equations and transmits the rest times the base colour.
 	float transmission; // 0…1
 	uint transmission_texture; // red
-	float ior; // index of refraction of what is behind the surface; that of a thin one's sheet
-	float absorption[3]; // of what is behind it, 1/m: light falls by exp(-absorption · distance)
-	float diffuse_roughness; // of Oren and Nayar's matte facets, 0…1: common/diffuse.glsl; 0: Lambert
-	// A clear film over all the rest, but for what lets light through: common/coat.glsl.
-	float coat; // how much of it is there, 0…1
+	float ior; // index of refraction behind the surface, or of a thin sheet
+	float absorption[3]; // of the interior, 1/m: transmittance is exp(-absorption · distance)
+	float diffuse_roughness; // Oren and Nayar's roughness of the diffuse part, 0…1: common/diffuse.glsl; 0: Lambert
+	// A clear coat over all lobes except clear boundaries: common/coat.glsl.
+	float coat; // its weight, 0…1
 	float coat_roughness; // perceptual
 	uint coat_texture; // red
 	uint coat_roughness_texture; // green
-	uint coat_normal_texture; // as normal_texture; NONE: the mesh's own normals
+	uint coat_normal_texture; // as normal_texture; NONE: the mesh's own normal
 	float coat_normal_scale;
 };
 LAYOUT_ASSERT(material, 144)
@@ -116,33 +117,34 @@ LAYOUT_ASSERT(material, 144)
 #define TEXTURE_WRAP_T_SHIFT 2u // two bits
 #define TEXTURE_NEAREST (1u << 4) // else bilinear, in linear light
 #define TEXTURE_SRGB (1u << 5) // texels are sRGB-encoded
-#define TEXTURE_UV1 (1u << 6) // looked up by the second set of coordinates
+#define TEXTURE_UV1 (1u << 6) // uses the second set of texture coordinates
 
-// RGBA8 texels, one uint each (R in the low byte), row by row from the top, at texels[offset].
-// Textures that differ in sampler, coordinates or transform alone share texels.
+// RGBA8 texels, one uint each (R in the low byte), row by row from the top, starting at texels[offset]. Textures that
+// differ only in sampler, coordinate set or transform share texels.
 struct texture_info {
 	uint offset;
 	uint width;
 	uint height;
 	uint flags;
-	float row_u[3]; // looked up at u' = row_u · (u, v, 1), v' = row_v · (u, v, 1): KHR_texture_transform
+	float row_u[3]; // KHR_texture_transform: the texture is read at u' = row_u · (u, v, 1), v' = row_v · (u, v, 1)
 	float row_v[3];
 };
 LAYOUT_ASSERT(texture_info, 40)
 
-// Per vertex where the scene has them at all, else sections without elements.
+// The following three have one element a vertex if the scene uses them; otherwise their sections are empty.
 struct vertex_uv1 {
 	float uv[2];
 };
 LAYOUT_ASSERT(vertex_uv1, 8)
 
-// COLOR_0, linear; multiplies the base colour and its alpha. (1, 1, 1, 1) for vertices without.
+// COLOR_0, linear. It multiplies the base colour and its alpha. (1, 1, 1, 1) for vertices without a colour.
 struct vertex_color {
 	float rgba[4];
 };
 LAYOUT_ASSERT(vertex_color, 16)
 
-// World-space tangent, unit, and the bitangent's sign (-1 or 1): bitangent = sign · cross(normal, tangent). All zero: none.
+// World-space tangent, unit, and the bitangent's sign (-1 or 1): bitangent = sign · cross(normal, tangent). All zero: no
+// tangent.
 struct vertex_tangent {
 	float xyzw[4];
 };
@@ -150,23 +152,23 @@ LAYOUT_ASSERT(vertex_tangent, 16)
 
 // ---- lights -----------------------------------------------------------------------------------------------------------
 
-// A row of an alias table (Walker 1977, Vose 1991): pick row i uniformly, keep it with probability `keep`, else take row
-// `alias`. `pmf` is the probability of this entry, all told.
+// A row of an alias table (Walker 1977, Vose 1991): pick row i uniformly, keep it with probability `keep`, otherwise take
+// row `alias`. `pmf` is the total probability of this entry.
 struct emitter {
 	uint triangle; // triangle id
 	float keep;
 	uint alias;
-	float pmf; // ∝ area · power_density
+	float pmf; // proportional to area · power_density
 };
 LAYOUT_ASSERT(emitter, 16)
 
-// A node of the tree over the lamps: server/scene/light_tree.h. `child` and `child` + 1 are below it; of a leaf, LIGHT_LEAF
-// and the lamp's number, in the job emitters first, then lights.
+// A node of the light tree: server/scene/light_tree.h. Its children are `child` and `child` + 1. In a leaf, `child` is
+// LIGHT_LEAF plus the lamp's number: in the job, emitters come first, then lights.
 struct light_node {
-	float min[3]; // metres; above max: directional lights are below
-	float power; // π times what all lamps below send at the most, W/sr; directional ones W/m²
+	float min[3]; // metres; above `max`: the node holds directional lights
+	float power; // π times the maximum that all lamps of the node emit together, W/sr; of directional lights W/m²
 	float max[3];
-	float cos_spread; // every normal below, or way that light travels, is within the angle of this cosine of `axis`
+	float cos_spread; // cosine of the angle about `axis` that contains all normals, or directions of light, of the node
 	float axis[3]; // unit
 	uint child;
 };
@@ -180,28 +182,28 @@ LAYOUT_ASSERT(light_node, 48)
 struct punctual_light {
 	float position[3]; // metres; unused if directional
 	uint kind; // LIGHT_…
-	float direction[3]; // unit, the way the light travels; unused if point
-	float cos_outer; // spot: no light beyond
-	float intensity[3]; // W/sr; directional: irradiance, W/m², on a plane facing it
-	float cos_inner; // spot: full light within
+	float direction[3]; // unit, direction in which the light travels; unused if point
+	float cos_outer; // spot: no light outside this angle
+	float intensity[3]; // W/sr; directional: irradiance on a plane facing it, W/m²
+	float cos_inner; // spot: full light inside this angle
 	float keep; // alias table over the punctual lights, as in `emitter`
 	uint alias;
 	float pmf;
-	float spread; // directional: 1 − cos of the half aperture of the disc that it shines from, 0 … 1; 0: one direction
+	float spread; // directional: 1 − cos of the half aperture of its disc, 0 … 1; 0: a single direction
 };
 LAYOUT_ASSERT(punctual_light, 64)
 
 // ---- surroundings -----------------------------------------------------------------------------------------------------
 
-// A picture of all directions (equirectangular): longitude grows from left to right, latitude falls from top to bottom. Its
-// middle is seen along -Z, its right quarter along +X, its top row along +Y. Rows from the top.
+// An equirectangular environment map: longitude grows from left to right, latitude falls from top to bottom. Its middle is
+// in the direction -Z, the middle of its right half +X, its top row +Y. Rows run from the top.
 struct environment_texel {
-	float radiance[3]; // at its middle, in the file's unit; bilinear in between
-	float pdf; // of each of its directions where the table below chooses one, 1/sr
+	float radiance[3]; // at the texel's middle, in the file's unit; interpolated bilinearly
+	float pdf; // density of each direction in it when the table below chooses it, 1/sr
 };
 LAYOUT_ASSERT(environment_texel, 16)
 
-// The alias table over the texels, as in `emitter`. A texel's directions are then equally likely by solid angle.
+// The alias table over the texels, as in `emitter`. Within a texel, directions are uniform by solid angle.
 struct environment_row {
 	float keep;
 	uint alias;
