@@ -1,4 +1,5 @@
-// What the ray through a pixel's middle meets: depth, normal, albedo, id. Run once, and only if the request names one.
+// The AOVs of the ray through a pixel's middle: depth, normal, albedo, id. The pass runs once, and only if the request
+// names an AOV.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -24,7 +25,7 @@ void main()
 	uvec2 pixel = tile_pixel(push.first_tile + gl_WorkGroupID.x, job.tiles_x);
 	bool mine = pixel.x < job.width && pixel.y < job.height;
 	vec3 origin, direction;
-	// Through the middle of the lens.
+	// The ray goes through the middle of the lens.
 	lens_ray(vec2(pixel) + 0.5, vec2(0.5), origin, direction);
 	ray_hit hit;
 	float depth = INFINITY;

@@ -1,5 +1,5 @@
-// What the two passes that follow paths share, the camera's and the lamps': where a dispatch works, paths that wait for the next
-// one, and the account that the host reads.
+// What the two passes that follow paths share, from the camera and from the lamps: the range of a dispatch, paths that wait
+// for the next one, and the counters that the host reads.
 #ifndef PATH_DISPATCH_GLSL
 #define PATH_DISPATCH_GLSL
 
@@ -16,13 +16,13 @@ layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
 	pass_counters counters;
 };
 
-// Whether a path may be longer than a dispatch. If not, it needs no place to wait.
+// Whether a path may be longer than a dispatch. If not, no storage for waiting paths is needed.
 layout(constant_id = SPEC_RESUMED) const bool RESUMED = true;
 
-// Events before which a path is never ended by chance.
+// Number of events before which Russian roulette never ends a path.
 const uint ROULETTE_FROM = 4u;
 
-// What an invocation did, for the host.
+// Adds an invocation's work to the host's counters.
 void count_work(uint rays, uint non_finite, uint rounds)
 {
 	atomicAdd(counters.rays, rays);

@@ -1,6 +1,6 @@
-// Where light paths begin: at a lamp, chosen by power as next-event estimation chooses, in a direction of its light or aimed
-// at a point of a caster. The two ways are weighed by the balance heuristic (Veach 1997, 9.2.2), once it is known where the
-// first ray ends: the density of the aimed ones is known there alone.
+// The start of light paths: at a lamp chosen by power, as in next-event estimation. The direction is either sampled by the
+// lamp's emission or aimed at a point of a caster. The balance heuristic (Veach 1997, 9.2.2) weights the two once it is
+// known where the first ray ends: only there is the density of aimed directions known.
 #ifndef PATH_EMIT_GLSL
 #define PATH_EMIT_GLSL
 
@@ -15,12 +15,12 @@ struct launch {
 	vec3 origin;
 	vec3 direction;
 	vec3 power;       // radiance × cosine, or intensity, or irradiance
-	float pick;       // density of the choice of the lamp and of its point
-	float spread;     // density, by solid angle, of the directions that are not aimed
-	float pdf_area;   // of the lamp's point, 1/m², for its shares; 0: it has none
+	float pick;       // density of the choice of the lamp and of the point on it
+	float spread;     // density of directions that are not aimed, 1/sr
+	float pdf_area;   // density of the lamp's point, 1/m², for the weights; 0: the lamp has no area
 	float cos_lamp;
-	float inverse;    // without a point: lamp_density's
-	bool parallel;    // light from afar: `spread` is none, and what is aimed has a density over the area across it
+	float inverse;    // without an area: `inverse` for lamp_density
+	bool parallel;    // light from afar: `spread` is unused; aimed rays have a density over the area across them
 	uint target;      // triangle that was aimed at, or NONE
 };
 
@@ -29,7 +29,7 @@ vec3 corner_mix(corners k, vec2 uv)
 	return k.v0 + uv.x * (k.v1 - k.v0) + uv.y * (k.v2 - k.v0);
 }
 
-// A point of a caster.
+// Chooses a point of a caster.
 vec3 aim_at(uvec2 pick, vec2 u, out uint target)
 {
 	emitter e = casters[alias_row(pick.x, job.caster_count)];
@@ -38,7 +38,7 @@ vec3 aim_at(uvec2 pick, vec2 u, out uint target)
 	return corner_mix(corners_of(triangles[target]), sample_triangle(u));
 }
 
-// About `axis`, uniform within the angle of this cosine.
+// A direction about `axis`, uniform within the angle whose cosine is `cos_most`.
 vec3 cone_direction(vec3 axis, float cos_most, vec2 u)
 {
 	vec3 x, y;
@@ -48,7 +48,7 @@ vec3 cone_direction(vec3 axis, float cos_most, vec2 u)
 	return r * cos(2.0 * PI * u.y) * x + r * sin(2.0 * PI * u.y) * y + z * axis;
 }
 
-// `share` of all light paths begin at emissive triangles; camera_keeps takes what next-event estimation's share is.
+// `share` of all light paths start at emissive triangles. camera_keeps assumes the share of next-event estimation instead.
 launch launch_emitter(sampler_state rnd, bool aims, float share)
 {
 	launch l;
@@ -64,7 +64,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	l.target = NONE;
 	if (aims)
 		target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
-	// The side: that of the target, or any that shines.
+	// The side from which the path leaves: the side of the target, or any that emits.
 	bool front = aims ? dot(target - q, k.normal) > 0.0 : !both || sample_2d(rnd, SET_LENS).x < 0.5;
 	vec3 n = front ? k.normal : -k.normal;
 	l.origin = q + n * position_error(k);
@@ -90,7 +90,7 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 	vec2 u = sample_2d(rnd, SET_BSDF);
 	vec3 axis = to_vec3(light.direction);
 	l.parallel = light.kind == LIGHT_DIRECTIONAL;
-	// From afar there is no other way than to aim.
+	// Light from afar can only be aimed.
 	aims = job.caster_count > 0u && (aims || l.parallel);
 	l.power = l.parallel && !aims ? vec3(0.0) : to_vec3(light.intensity);
 	if (DISC_LIGHTS && light.spread > 0.0)
@@ -115,7 +115,7 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 	return l;
 }
 
-// From the picture around the scene, by its table.
+// Starts a light path at the environment map, by its alias table.
 launch launch_sky(sampler_state rnd, float share)
 {
 	launch l;
@@ -134,11 +134,12 @@ launch launch_sky(sampler_state rnd, float share)
 	return l;
 }
 
-// A light path's first ray. Its power may be zero: there is none then.
+// The first ray of a light path. Its power may be zero; then there is no path.
 launch launch_make(sampler_state rnd)
 {
 	vec2 ways = sample_2d(rnd, SET_PIXEL);
-	// Of those that do not begin at the surroundings as many at each kind of lamp as next-event estimation has for it.
+	// Of the paths that do not start at the environment map, each kind of lamp gets the same share as in next-event
+	// estimation.
 	float lamps = 1.0 - job.sky_paths;
 	float share = lamps * job.emitter_share / max(job.emitter_share + job.light_share, 1e-30);
 	bool afar = SKY && job.caster_count > 0u && ways.y >= lamps;
@@ -156,8 +157,8 @@ launch launch_make(sampler_state rnd)
 	return l;
 }
 
-// Of a ray that ended at distance t, met with this cosine where casters are chosen with this density over area: the power that
-// it carries, W. Zero: it was aimed at another triangle.
+// Power, W, of the first ray after it hit triangle `id` at distance t with this cosine. `density` is that of aimed points
+// on this material, 1/m². Zero if the ray was aimed at another triangle.
 vec3 launch_power(launch l, uint id, float density, float cosine, float t)
 {
 	float reach = l.parallel ? 1.0 : t * t;
@@ -166,7 +167,7 @@ vec3 launch_power(launch l, uint id, float density, float cosine, float t)
 	return (l.target == NONE || l.target == id) && pdf > 0.0 ? l.power / pdf : vec3(0.0);
 }
 
-// The same ray's lamp_density, if the camera's sampling has this density where it ended.
+// lamp_density for the same ray. `pdf` is the density of the camera's sampling where the ray ended, 1/sr.
 float launch_density(launch l, float density, float cosine, float t, float pdf)
 {
 	bool point = l.pdf_area > 0.0;

@@ -1,7 +1,8 @@
-// How wrong the picture is so far: each tile's part of the estimated relMSE, from the two independent halves of its samples.
+// The error of the picture so far: each tile's part of the estimated relMSE, from the two independent halves of its
+// samples.
 //
-// With a and b the means of the halves, ((a − b) / 2)² is an unbiased estimate of the variance of (a + b) / 2. relMSE divides
-// by r² + 0.01, r being the true value, which nobody knows: likely() says what stands for it.
+// With a and b the means of the halves, ((a − b) / 2)² is an unbiased estimate of the variance of (a + b) / 2. relMSE
+// divides by r² + 0.01, where r is the unknown true value; likely() estimates it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -25,7 +26,8 @@ layout(std430, set = 0, binding = BIND_ERRORS) writeonly buffer Errors {
 
 shared vec4 parts[TILE_PIXELS];
 
-// Sum of a quarter of the tile, the 4 × 4 pixels that hold this lane's: lanes come in blocks of 4 × 2, two blocks a row.
+// Sum over a quarter of the tile: the 4 × 4 pixels that contain this lane's. Lanes come in blocks of 4 × 2, two blocks a
+// row.
 vec4 quarter_sum(vec4 x)
 {
 	uint lane = gl_LocalInvocationIndex;
@@ -40,7 +42,7 @@ vec4 quarter_sum(vec4 x)
 	return sum;
 }
 
-// In lane 0: the sum over the tile.
+// Sum over the tile; the result is valid in lane 0.
 float tile_sum(float x)
 {
 	uint lane = gl_LocalInvocationIndex;
@@ -59,7 +61,7 @@ vec3 half_sum(uint first)
 	return vec3(sums[first].x + sums[first].y, sums[first + 1u].x + sums[first + 1u].y, sums[first + 2u].x + sums[first + 2u].y);
 }
 
-// What light paths brought to a pixel, W/(m² sr) where one of the film's numbers is `unit`.
+// The mean of what light paths contributed to a pixel, W/(m² sr); `unit` is the radiance of one unit of the film.
 vec3 film_mean(uint pixel, uint first, float unit)
 {
 	vec3 sum;
@@ -70,17 +72,18 @@ vec3 film_mean(uint pixel, uint first, float unit)
 	return sum * unit;
 }
 
-// What stands for r of a pixel: its own mean where that is known to a quarter. Where it is not, a pixel that is much too bright
-// would be called hardly wrong by its own mean, for that is its own error: 0.13 of the true relMSE for eight samples of a
-// room with caustics. In its place is the mean of a block of 4 × 4 pixels, hardly that pixel's any more and still no
-// other surface's; or the lesser of the halves if that is more, as where the pixel is brighter than what is beside it.
+// An estimate of a pixel's true value r. It is the pixel's own mean where that is known to a quarter. Elsewhere, the mean
+// would hide its own error: a pixel that is much too bright would count as hardly wrong (measured: 0.13 of the true relMSE
+// for eight samples of a room with caustics). There the estimate is the mean of the block of 4 × 4 pixels around it, which
+// depends little on that pixel and still belongs to the same surface. If the lesser of the halves is larger, as where the
+// pixel is brighter than its surroundings, that is used instead.
 vec3 likely(vec3 a, vec3 b, vec3 around)
 {
 	vec3 mean = 0.5 * (a + b);
 	return mix(max(min(a, b), around), mean, lessThan(2.0 * abs(a - b), abs(mean)));
 }
 
-// d² / (r² + 0.01), of numbers whose squares may be none.
+// d² / (r² + 0.01), for numbers whose squares may overflow.
 vec3 relative_square(vec3 d, vec3 r)
 {
 	vec3 unit = max(max(abs(d), abs(r)), vec3(1.0));

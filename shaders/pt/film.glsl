@@ -1,6 +1,6 @@
-// The film: where light paths leave what they bring to the camera, a pixel at a time and in any order. It is summed in whole
-// numbers, so the same paths make the same bits. A remainder below one is rounded up as often as its size says: a picture's
-// dimmest light is not lost, it is noise.
+// The film accumulates the contributions of light paths to pixels, in any order. Sums are integers, so the same paths give
+// the same bits. A fraction is rounded up with a probability equal to its size: the dimmest light of a picture becomes
+// noise but is not lost.
 #ifndef PATH_FILM_GLSL
 #define PATH_FILM_GLSL
 
@@ -10,7 +10,8 @@ layout(std430, set = 0, binding = BIND_FILM) buffer Film {
 	film_pixel film[];
 };
 
-// One of the pixels whose filter takes something at `at`, by how much each takes; `share` is the sum of all.
+// Chooses one of the pixels whose filter covers the point `at`, with probability proportional to the filter's weight;
+// `share` is the sum of all weights.
 ivec2 film_choose(vec2 at, float chance, out float share)
 {
 	ivec2 here = ivec2(floor(at));
@@ -32,7 +33,7 @@ ivec2 film_choose(vec2 at, float chance, out float share)
 	return chosen;
 }
 
-// `value` in the film's units, `up` uniform in [0, 1). True: the sum is too large.
+// Adds `value`, in the film's units; `up` is uniform in [0, 1). True if the sum overflows.
 bool film_add(uint pixel, uint part, float value, float up)
 {
 	float high = floor(value * 2.3283064365386963e-10);   // 2⁻³²

@@ -1,13 +1,13 @@
-// Where a camera's ray begins and goes: through a pinhole, a thin lens or into a panorama, and from where in and about the
-// pixel.
+// Camera rays of a pinhole, a thin lens or a panorama, and the position of samples in and around the pixel.
 //
-// A thin lens bends all rays that come from one point of the plane of focus to one point of the image (Cook, Porter and
-// Carpenter 1984; Pharr, Jakob and Humphreys, 6.2.3): so the ray from a point of the lens goes to where the pinhole's ray
-// meets that plane. The circle of confusion of a point at distance z has the diameter 2 R |z − f| / z on the plane of focus
-// seen from the lens's middle, R being the lens's radius and f the distance in focus.
+// A thin lens focuses all rays that leave one point of the plane of focus to one point of the image (Cook, Porter and
+// Carpenter 1984; Pharr, Jakob and Humphreys, 6.2.3). So the ray from a point of the lens goes to where the pinhole's ray
+// meets that plane. A point at distance z has a circle of confusion of diameter 2 R |z − f| / z on the plane of focus, seen
+// from the lens's middle; R is the lens's radius and f the distance in focus.
 //
-// A filter is sampled, not weighed: its samples are placed with its density, so all count alike, and those of one request
-// merge with those of the next (Ernst, Stamminger and Greiner 2006, "Filter importance sampling").
+// Filters are importance-sampled, not weighted: samples are placed with the filter's density, so all count equally, and the
+// samples of one request can be merged with those of the next (Ernst, Stamminger and Greiner 2006, "Filter importance
+// sampling").
 #ifndef PATH_LENS_GLSL
 #define PATH_LENS_GLSL
 
@@ -17,14 +17,15 @@
 layout(constant_id = SPEC_CAMERA) const uint CAMERA = CAMERA_PINHOLE;
 layout(constant_id = SPEC_FILTER) const uint FILTER = FILTER_BOX;
 
-// Radius at which the Gaussian and the window end, and the Gaussian's standard deviation, pixels.
+// Radius at which the Gaussian and the window are cut off, and the Gaussian's standard deviation, in pixels.
 const float FILTER_RADIUS = 2.0;
 const float FILTER_SIGMA = 0.5;
 
-// Distance from the middle, -FILTER_RADIUS to FILTER_RADIUS, with the density of the four-term Blackman-Harris window
-// (Harris 1978). With t the distance over the radius its integral from the middle is, up to a factor,
-//     G(t) = t + Σ a_n / (n π a_0) sin nπt,
-// which is concave, so Newton's steps from below never pass the root of G(t) = v.
+// A distance from the pixel's middle, -FILTER_RADIUS to FILTER_RADIUS, with the density of the four-term Blackman-Harris
+// window (Harris 1978). With t the distance divided by the radius, the window's integral from the middle is, up to a
+// factor,
+//     G(t) = t + Σ a_n / (n π a_0) sin nπt.
+// G is concave, so Newton's steps from below never pass the root of G(t) = v.
 float sample_window(float u)
 {
 	float v = abs(2.0 * u - 1.0);
@@ -43,13 +44,13 @@ float sample_window(float u)
 	return (u < 0.5 ? -1.0 : 1.0) * FILTER_RADIUS * clamp(t, 0.0, 1.0);
 }
 
-// Where a sample is, in pixels from the pixel's corner.
+// The position of a sample, in pixels from the pixel's corner.
 vec2 sample_filter(vec2 u)
 {
 	if (FILTER == FILTER_BLACKMAN_HARRIS)
 		return 0.5 + vec2(sample_window(u.x), sample_window(u.y));
 	if (FILTER == FILTER_GAUSSIAN) {
-		// Box and Muller's, cut at the radius.
+		// Box and Muller's method, cut off at the radius.
 		float tail = exp(-0.5 * FILTER_RADIUS * FILTER_RADIUS / (FILTER_SIGMA * FILTER_SIGMA));
 		float r = FILTER_SIGMA * sqrt(-2.0 * log(1.0 - u.x * (1.0 - tail)));
 		return 0.5 + r * vec2(cos(2.0 * PI * u.y), sin(2.0 * PI * u.y));
@@ -57,7 +58,8 @@ vec2 sample_filter(vec2 u)
 	return u;
 }
 
-// Longitude from left to right, latitude from the camera's up down; its target is in the middle.
+// The direction at a point of a panorama. Longitude runs from left to right, latitude from the camera's up downwards; the
+// camera's target is in the middle.
 vec3 panorama_direction(vec2 at)
 {
 	float longitude = 2.0 * PI * (at.x / float(job.width) - 0.5);
@@ -66,7 +68,7 @@ vec3 panorama_direction(vec2 at)
 	return normalize(cos(latitude) * level + sin(latitude) * to_vec3(job.up));
 }
 
-// `at` in pixels from the image's top left corner, `u` uniform over the lens.
+// The camera ray through the point `at`, in pixels from the image's top left corner. u is uniform over the lens.
 void lens_ray(vec2 at, vec2 u, out vec3 origin, out vec3 direction)
 {
 	if (CAMERA == CAMERA_PANORAMA) {
@@ -84,7 +86,7 @@ void lens_ray(vec2 at, vec2 u, out vec3 origin, out vec3 direction)
 	}
 }
 
-// Solid angle of a pixel about a ray's direction, or, of parallel rays, its area.
+// Solid angle of a pixel about a ray's direction; for parallel rays, its area.
 float pixel_measure(vec3 direction)
 {
 	if (CAMERA == CAMERA_PANORAMA) {
@@ -96,15 +98,15 @@ float pixel_measure(vec3 direction)
 	return job.orthographic != 0.0 ? area * along : area * along * along * along;
 }
 
-// How many pixels a square metre of a surface covers that the ray meets at distance t with this cosine.
+// Number of pixels that a square metre of a surface covers; the ray hits the surface at distance t with this cosine.
 float pixels_per_area(vec3 direction, float t, float cosine)
 {
 	float reach = job.orthographic != 0.0 && CAMERA != CAMERA_PANORAMA ? 1.0 : t * t;
 	return cosine / max(reach * pixel_measure(direction), 1e-37);
 }
 
-// lens_ray the other way round: where in the image, in pixels, a point is seen, by way of the lens's point u, and the ray that
-// shows it, at distance t. False: the camera looks away from it.
+// The inverse of lens_ray: where in the image, in pixels, a point is seen through the point u of the lens, and the ray that
+// shows it, with its length t. False if the point is behind the camera.
 bool lens_image(vec3 point, vec2 u, out vec2 at, out vec3 origin, out vec3 direction, out float t)
 {
 	vec3 forward = to_vec3(job.forward);
@@ -127,21 +129,21 @@ bool lens_image(vec3 point, vec2 u, out vec2 at, out vec3 origin, out vec3 direc
 		return t > 0.0;
 	}
 	float along = dot(way, forward);
-	vec3 seen;   // in the plane at distance 1, or of parallel rays in that of the eye
+	vec3 seen;   // in the plane at distance 1; for parallel rays, in the plane of the eye
 	if (job.orthographic != 0.0) {
 		direction = CAMERA == CAMERA_LENS ? normalize(job.focus * forward - aside) : forward;
 		t = along / dot(direction, forward);
 		origin = point - t * direction;
 		seen = origin - to_vec3(job.eye) - aside;
 	} else {
-		// By way of the point in the plane of focus that the ray goes through.
+		// The image shows the point where the ray crosses the plane of focus.
 		seen = CAMERA == CAMERA_LENS ? way / along + aside / job.focus : way / along;
 	}
 	at = size * vec2(0.5 + 0.5 * dot(seen, right) / dot(right, right), 0.5 - 0.5 * dot(seen, up) / dot(up, up));
 	return along > 0.0 && t > 0.0;
 }
 
-// Density of sample_filter over the image, 1/pixel²; `from` in pixels from the pixel's middle.
+// Density of sample_filter over the image, 1/pixel². `from` is in pixels from the pixel's middle.
 float filter_density(vec2 from)
 {
 	if (FILTER == FILTER_BLACKMAN_HARRIS) {

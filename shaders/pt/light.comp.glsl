@@ -1,11 +1,13 @@
-// Light paths: from lamps by way of polished surfaces to where the camera sees them (light tracing: Arvo 1986; Dutré, Lafortune
-// and Willems 1993). A band has one a sample for every few pixels; what they bring is in the band's film.
+// Light paths: from lamps by way of polished surfaces to surfaces that the camera sees (light tracing: Arvo 1986; Dutré,
+// Lafortune and Willems 1993). A sample of a band has one light path for every few pixels. Their contributions go to the
+// band's film.
 //
-// The first event is on a caster, or the path is none of ours: next-event estimation has the rest. From then on each event that
-// spreads light is joined to the camera by a ray. All that it brings is shared with the camera's own paths (caustic.glsl).
+// The first event must be on a caster; otherwise the path ends, because next-event estimation finds such light. From then
+// on, each event that spreads light is connected to the camera by a ray. All contributions are weighted against the
+// camera's own paths (caustic.glsl).
 //
-// A path carries power, not radiance, so a BSDF is asked the other way round: with the direction that light leaves by for the
-// view; and an interpolated normal's cosines go with the light (Veach 1997, 5.3.2).
+// A path carries power, not radiance. So the BSDF is evaluated in reverse, with the outgoing direction of light as the
+// view, and the cosines of interpolated normals belong to the incoming side of the light (Veach 1997, 5.3.2).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -25,27 +27,27 @@
 
 layout(local_size_x = TILE_PIXELS) in;
 
-// What a light path carries; event 0 is yet to leave its lamp.
+// The state of a light path. Event 0 has not left its lamp.
 struct walker {
 	vec3 origin;
 	vec3 direction;
 	vec3 power;      // W
-	float most;      // of its first power's components
+	float most;      // largest component of its initial power
 	float lamp;      // lamp_density at its first event
 	uint event;
 	uvec2 media;
-	uint backs;      // how many bodies it may yet turn out to have begun in
+	uint backs;      // number of bodies in which it may still turn out to have started
 	uint taken;
 	bool alive;
 };
 
-// A light path's ray to the camera, and what it is worth there.
+// A ray from a light path to the camera, and its contribution.
 struct view {
 	vec3 origin;
 	vec3 segment;
-	float t_max;     // 1; -1: there is none
+	float t_max;     // 1; -1: no ray
 	vec3 value;      // in the film's units
-	uint pixel;      // of the band
+	uint pixel;      // pixel of the band
 };
 
 struct tally {
@@ -59,14 +61,14 @@ uint most_events()
 	return EFFECT_BOUNCES ? job.depth : min(job.depth, 1u);
 }
 
-// The launch has the first sets of samples, with which its place and direction were chosen: an event that took them again would
-// not be free of those.
+// The launch has used the first sets of samples for its point and direction. If an event used them again, it would be
+// correlated with the launch.
 uint sets_of(uint event)
 {
 	return (event + 1u) * SETS_PER_EVENT;
 }
 
-// All light paths of a half of the samples are one sequence, so that they spread evenly over lamps and casters together.
+// All light paths of a half of the samples form one sequence, so that they spread evenly over lamps and casters together.
 sampler_state sampler_of(uint place, uint taken)
 {
 	uint number = push.first_sample + taken;
@@ -79,7 +81,7 @@ sampler_state sampler_of(uint place, uint taken)
 	return s;
 }
 
-// The same surface from the side that w leaves it on.
+// The same surface, with its normals on the side of w.
 surface facing(surface s, vec3 w)
 {
 	if (dot(s.geometric, w) < 0.0) {
@@ -91,7 +93,7 @@ surface facing(surface s, vec3 w)
 	return s;
 }
 
-// What the ray has met. False: the path ends.
+// Handles a hit. False if the path ends.
 bool meet(inout walker p, launch l, ray_hit hit, out surface s)
 {
 	s = surface_at(hit.id, hit.uv, p.direction);
@@ -106,7 +108,7 @@ bool meet(inout walker p, launch l, ray_hit hit, out surface s)
 	if (EFFECT_GLASS) {
 		bool began = media_lacks(p.media, s);
 		if (began && p.backs == 0u)
-			return false; // its lamp is in two bodies: caustic.glsl
+			return false; // its lamp is in two bodies: see caustic.glsl
 		p.backs -= began ? 1u : 0u;
 		p.media = media_before(p.media, s);
 		p.power *= media_transmittance(p.media, hit.t);
@@ -114,7 +116,7 @@ bool meet(inout walker p, launch l, ray_hit hit, out surface s)
 	return max(p.power.r, max(p.power.g, p.power.b)) > 0.0;
 }
 
-// The ray from an event that spreads light to the camera.
+// The ray that connects an event to the camera.
 view view_from(walker p, surface s, uvec2 beyond, sampler_state rnd)
 {
 	uint set = sets_of(p.event);
@@ -155,10 +157,10 @@ view view_from(walker p, surface s, uvec2 beyond, sampler_state rnd)
 	return v;
 }
 
-// The factor of power that goes on to w from where the light came from: w was sampled as seen from there, with this weight and
-// density. An interpolated normal's cosine belongs to the light's side in the camera's order; a mirror, of whatever normal,
-// keeps solid angles and needs none, what is refracted has both. `reverse`: the density of the camera's sampling, which goes the
-// other way.
+// The factor of the power that continues to w from the direction `from` of incoming light; w was sampled with `from` as the
+// view, with this weight and density. The cosine of an interpolated normal belongs to the incoming side of the light. A
+// mirror, whatever its normal, preserves solid angles and needs no such factor; refracted light has both. `reverse` is the
+// density of the camera's sampling, which goes the other way.
 vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf, out float reverse)
 {
 	float in_true = max(abs(dot(from, s.geometric)), 1e-6);
@@ -172,7 +174,7 @@ vec3 carried(surface s, bsdf b, vec3 from, vec3 w, vec3 weight, float pdf, out f
 	weight *= out_true / in_true;
 	if (s.thin || dot(w, s.geometric) > 0.0)
 		return weight;
-	// Radiance within η is η² times as much, power is not.
+	// Inside a medium of index η, radiance is η² times as large; power is not.
 	return weight * (s.eta * s.eta * b.view.z / max(abs(dot(w, b.normal)), 1e-6));
 }
 
@@ -203,7 +205,7 @@ void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd,
 	}
 }
 
-// An event: the ray to the camera, and the next direction.
+// One event: the ray to the camera, and the next direction.
 void event_at(inout walker p, surface s, sampler_state rnd, launch l, float t, out view v)
 {
 	uvec2 beyond = p.media;

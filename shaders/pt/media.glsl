@@ -1,16 +1,17 @@
-// The clear bodies that a path is inside of, the one entered last on top, where its light now travels. What is entered counts
-// until it is left, in whatever order: where two bodies overlap, the one of the higher priority is there, of two alike the one
-// entered last (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images"). The stack is kept in that order. A
-// boundary within a body of a higher priority is none: it is met, counts as an event, and leaves light as it is.
+// The clear bodies that contain a path's position. They form a stack; its top is the body in which the light now travels. A
+// body counts from entering until leaving, in whatever order. Where bodies overlap, the one of the highest priority exists;
+// of equal priorities, the one entered last (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images"). The
+// stack is kept in that order. A boundary inside a body of higher priority does not exist: it counts as an event but leaves
+// light as it is.
 //
-// A path may be in four bodies; of more, the one lowest in the stack is forgotten. One that starts inside of a body learns it where
-// it comes out at the body's back.
+// A path may be in four bodies. If it enters more, the lowest in the stack is forgotten. A path that starts inside a body
+// learns so when it reaches the body's back.
 #ifndef PATH_MEDIA_GLSL
 #define PATH_MEDIA_GLSL
 
 #include "common/surface.glsl"
 
-// Slot i of four, material + 1 or 0; slot 0 is the top.
+// Slot i of four: material + 1, or 0. Slot 0 is the top.
 uint media_slot(uvec2 media, uint i)
 {
 	return (i < 2u ? media.x : media.y) >> (16u * (i & 1u)) & 0xffffu;
@@ -32,7 +33,7 @@ uvec2 media_packed(uint slots[4])
 	return uvec2(slots[0] | slots[1] << 16, slots[2] | slots[3] << 16);
 }
 
-// With `body` on top, or beneath those of a higher priority.
+// The stack with `body` on top, or beneath those of a higher priority.
 uvec2 media_with(uvec2 media, uint body)
 {
 	if (!PRIORITIES)
@@ -49,7 +50,7 @@ uvec2 media_with(uvec2 media, uint body)
 	return media_packed(slots);
 }
 
-// Without the topmost slot that holds `body`.
+// The stack without the topmost slot that holds `body`.
 uvec2 media_without(uvec2 media, uint body)
 {
 	bool gone = false;
@@ -68,14 +69,14 @@ float media_index(uvec2 media)
 	return body == 0u ? 1.0 : materials[body - 1u].ior;
 }
 
-// Whether s is the back of a body that the path did not know it was in.
+// Whether s is the back of a body that the path did not know to contain it.
 bool media_lacks(uvec2 media, surface s)
 {
 	return s.body != 0u && !s.front && !media_hold(media, s.body);
 }
 
-// The bodies that the path was in before it met s: those it knows, and the one whose back it sees. Makes nothing of a boundary
-// that is none.
+// The bodies that contained the path before it hit s: those in the stack, and the one whose back was hit. A boundary that
+// does not exist becomes one that leaves light as it is.
 uvec2 media_before(uvec2 media, inout surface s)
 {
 	if (media_lacks(media, s))
@@ -89,7 +90,7 @@ uvec2 media_before(uvec2 media, inout surface s)
 	return media;
 }
 
-// Those on the far side of a body's boundary.
+// The bodies on the far side of a body's boundary.
 uvec2 media_beyond(uvec2 media, surface s)
 {
 	if (s.body == 0u)
@@ -97,7 +98,7 @@ uvec2 media_beyond(uvec2 media, surface s)
 	return s.front ? media_with(media, s.body) : media_without(media, s.body);
 }
 
-// Whether a surface is clear for this event, and what is on its far side.
+// Decides whether a surface is clear for this event. Returns the bodies on its far side.
 uvec2 choose_clear(inout surface s, uvec2 media, float chance)
 {
 	s.clear = chance < s.transmission;
@@ -107,7 +108,7 @@ uvec2 choose_clear(inout surface s, uvec2 media, float chance)
 	return beyond;
 }
 
-// What is left of light after `distance` metres.
+// Transmittance of the path's medium over `distance` metres.
 vec3 media_transmittance(uvec2 media, float distance)
 {
 	uint body = media_slot(media, 0u);

@@ -1,8 +1,9 @@
 // The path tracer: some samples of every pixel of a run of tiles.
 //
-// Iterative. At every scattering event one light sample by next-event estimation and one direction by the BSDF, combined by
-// multiple importance sampling (Veach 1997, chapter 9). A path that has more events than a dispatch may do is kept in
-// BIND_PATHS and goes on in the next dispatch, bit for bit as if it had not been interrupted: some drivers end long loops.
+// It is iterative. Every scattering event takes one light sample by next-event estimation and one direction by BSDF
+// sampling, combined by multiple importance sampling (Veach 1997, chapter 9). A path with more events than a dispatch may
+// do is kept in BIND_PATHS and resumed in the next dispatch, with bits equal to those of an uninterrupted run. This is
+// needed because some drivers end long loops.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -24,19 +25,20 @@
 
 layout(local_size_x = TILE_PIXELS) in;
 
-// Weight of radiance that the BSDF's sampling found on an emissive triangle. The camera's ray is the only way there.
+// Weight of radiance that BSDF sampling found on an emissive triangle. It is 1 for the camera's own ray, which no other
+// technique samples.
 float emission_weight(uint event, float pdf_bsdf, float pdf_area, float t, float cos_light)
 {
 	if (event == 0u || LAMPS_BY == LAMPS_BY_CHANCE)
 		return 1.0;
-	// A mirror's direction is found by no other way.
+	// Only BSDF sampling finds a mirror's direction.
 	if (LAMPS_BY == LAMPS_BY_POINTS)
 		return pdf_bsdf >= PDF_MIRROR ? 1.0 : 0.0;
 	float r = pdf_area * t * t / max(cos_light * pdf_bsdf, 1e-37);
 	return power_weight(min(r, 1e18));
 }
 
-// What a path carries while it runs, out of and into its struct path_state.
+// The state of a path while it runs. struct path_state is its form in memory.
 struct walker {
 	vec3 origin;
 	vec3 direction;
@@ -44,22 +46,22 @@ struct walker {
 	vec3 radiance;
 	float pdf;
 	uint event;
-	uvec2 media;   // with EFFECT_GLASS: the clear bodies that it is in
-	float rivals;  // with EFFECT_CAUSTICS: rivals_at the first event, then rivals_beside; 0 if that did not spread light
-	float aim;     // and caster_density at the last one, over the cosine that it was left with; negative: it is no caster
-	vec3 facing;   // with LIGHT_TREE: of the surface at `origin`, light.glsl's facing_of
-	uint taken;    // samples of this dispatch's that are done
+	uvec2 media;   // with EFFECT_GLASS: the clear bodies that contain it
+	float rivals;  // with EFFECT_CAUSTICS: rivals_at, then rivals_beside of the first event; 0: it did not spread light
+	float aim;     // caster_density at the last event / cosine of the outgoing direction; negative: no caster
+	vec3 facing;   // with LIGHT_TREE: facing_of the surface at `origin`
+	uint taken;    // samples of this dispatch that are completed
 	bool alive;
 };
 
-// Whether a surface that emits within `media` is in two bodies: it has no light paths, for they do not know what is around the
-// first.
+// Whether a surface that emits within `media` is inside two bodies. Such a surface has no light paths, because they do not
+// know what surrounds the first body.
 bool deep(uvec2 media)
 {
 	return EFFECT_GLASS && media_slot(media, 1u) != 0u;
 }
 
-// What light paths leave to this one of a lamp that it has met, …
+// The weight, against light paths, of the light of a lamp that this path hit.
 float keeps_of_lamp(walker p, surface s, float t, float cos_lamp)
 {
 	if (deep(p.media) || p.event < 2u || !(p.rivals > 0.0) || p.aim < 0.0 || !(s.emission_pdf > 0.0))
@@ -68,7 +70,7 @@ float keeps_of_lamp(walker p, surface s, float t, float cos_lamp)
 	return camera_keeps(p.rivals, lamp_density(c, p.pdf, min(cos_lamp / (t * t * s.emission_pdf), 1e18)));
 }
 
-// … of what is around the scene, …
+// The weight, against light paths, of the light of the environment map.
 float keeps_of_sky(walker p)
 {
 	if (p.event < 2u || !(p.rivals > 0.0) || p.aim < 0.0 || !(job.sky_paths > 0.0))
@@ -76,10 +78,12 @@ float keeps_of_sky(walker p)
 	return camera_keeps(p.rivals, lamp_density(arriving(0.0, p.aim, true), p.pdf, path_inverse(sky_at(p.direction))));
 }
 
-// … and of what next-event estimation brings to this event, `beyond` being on the surface's far side.
+// The weight, against light paths, of next-event estimation at this event. `beyond` are the bodies on the surface's far
+// side.
 float keeps_of_choice(walker p, surface s, uvec2 beyond, light_choice c, float pdf)
 {
-	// A point of a surface has both; the sky no end, a light no rival.
+	// Only a point of an emissive surface has both an end and a competing BSDF density: the environment map has no end,
+	// and a punctual light no competitor.
 	bool own = c.t_max == 1.0 && c.inverse > 0.0 && deep(dot(c.w, s.geometric) < 0.0 ? beyond : p.media);
 	if (own || p.event < 1u || !(p.rivals > 0.0) || !casts(s.material, pdf))
 		return 1.0;
@@ -87,7 +91,7 @@ float keeps_of_choice(walker p, surface s, uvec2 beyond, light_choice c, float p
 	return camera_keeps(p.rivals, lamp_density(arriving(c.spread, aimed, c.t_max != 1.0), pdf, c.by_power));
 }
 
-// What the shares of a path need of this event, which has chosen p.direction.
+// Notes what the weights need of this event, which has chosen p.direction.
 void caustic_note(inout walker p, surface s)
 {
 	float cosine = abs(dot(p.direction, s.geometric));
@@ -96,7 +100,7 @@ void caustic_note(inout walker p, surface s)
 	p.aim = casts(s.material, p.pdf) ? caster_density[s.material] / max(cosine, 1e-30) : -1.0;
 }
 
-// A light that is seen through the surface: its ray starts on the other side. And what is clear in between takes its part.
+// For a light on the far side of the surface, starts the shadow ray there. Applies the absorption of the medium in between.
 void light_through(surface s, uvec2 media, uvec2 beyond, inout vec3 from, inout light_sample l)
 {
 	bool through = dot(s.geometric, l.segment) < 0.0;
@@ -110,8 +114,8 @@ void light_through(surface s, uvec2 media, uvec2 beyond, inout vec3 from, inout 
 		l.contribution *= media_transmittance(through ? beyond : media, length(l.segment));
 }
 
-// A scattering event: light by one sample, then the next direction. `l.t_max` is -1 where no light can come; its ray starts
-// at `from`.
+// A scattering event: one light sample, then the next direction. `l.t_max` is -1 if no light can come; otherwise the shadow
+// ray starts at `from`.
 void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, out vec3 from)
 {
 	uint set = p.event * SETS_PER_EVENT;
@@ -150,7 +154,7 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 		bool through = dot(p.direction, s.geometric) < 0.0;
 		p.media = through ? beyond : p.media;
 		p.origin = through ? s.position - s.offset * s.geometric : p.origin;
-		// Radiance is 1/η² on the way in and grows back on the way out: chance is not to count that.
+		// Radiance falls to 1/η² on the way in and grows back on the way out. Russian roulette must not count that.
 		worth = media_index(p.media) * media_index(p.media);
 	}
 	p.event++;
@@ -161,7 +165,7 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 	}
 }
 
-// What the path's ray met: its light, and whether there is a surface to scatter at.
+// Handles what the path's ray hit: adds emission. Returns whether there is a surface to scatter at.
 bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 {
 	if (!found) {
@@ -189,7 +193,7 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	if (EFFECT_CAUSTICS && p.event == 0u)
 		p.rivals = rivals_at(p.direction, hit.t, abs(dot(s.geometric, p.direction)), push.light_tiles * TILE_PIXELS);
 	if (EFFECT_UNLIT && s.unlit) {
-		// Seen by the camera alone: it takes no light and gives none.
+		// An unlit surface is seen by the camera alone; it neither receives nor gives light.
 		if (p.event == 0u)
 			p.radiance += p.throughput * s.base;
 		return false;
@@ -200,7 +204,7 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	return p.event < most && (lets || max(reflects.r, max(reflects.g, reflects.b)) > 0.0);
 }
 
-// Its lane's own account of a dispatch.
+// The counters of a lane during a dispatch.
 struct tally {
 	uint rays;
 	uint non_finite;
@@ -214,7 +218,7 @@ uint half_of(uint taken)
 	return (push.first_sample + taken) & 1u;
 }
 
-// Where this invocation's pixel has its samples in their sequence.
+// The index of the pixel's first sample in its sequence.
 uint run_start = 0u;
 
 sampler_state sampler_of(uvec2 scrambles, uint taken)
@@ -223,7 +227,7 @@ sampler_state sampler_of(uvec2 scrambles, uint taken)
 	return sampler_state(run_start + (sample_number >> 1), half_of(taken) == 0u ? scrambles.x : scrambles.y);
 }
 
-// The scrambles of both halves of a pixel's samples.
+// The scrambles for the two halves of a pixel's samples.
 uvec2 pixel_scrambles(uvec2 pixel, uint index)
 {
 	uint from = index;
@@ -252,7 +256,7 @@ void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
 	p.alive = true;
 }
 
-// A sample that is brighter than the request bears keeps its colour, and what it loses is counted.
+// Clamps a sample that is brighter than the request allows. It keeps its colour, and the removed luminance is counted.
 void path_clamp(inout walker p, inout tally account)
 {
 	float brightest = max(p.radiance.r, max(p.radiance.g, p.radiance.b));
@@ -306,9 +310,9 @@ void path_round(inout walker p, sampler_state rnd, inout tally account)
 	}
 }
 
-// Up to push.round_count events. A lane whose path ends takes its pixel's next sample at once, so that none waits for
-// its neighbours' longer paths while there are samples left. All lanes of a subgroup go round together, so that they trace
-// together; those that have no sample left trace nothing.
+// Up to push.round_count events. When a lane's path ends, the lane starts its pixel's next sample at once, so that lanes do
+// not wait for longer paths of their neighbours while samples are left. All lanes of a subgroup loop together, so that they
+// trace together; those without samples left trace nothing.
 void path_run(inout walker p, uvec2 pixel, uvec2 scrambles, inout tally account)
 {
 	bool more = subgroupAny(p.alive);
@@ -323,7 +327,7 @@ void path_run(inout walker p, uvec2 pixel, uvec2 scrambles, inout tally account)
 		account.rounds++;
 		more = account.rounds < push.round_count && subgroupAny(p.alive);
 	} while (more);
-	// A driver that cut the loop short left it with work to do and rounds to spend.
+	// If paths are unfinished although rounds are left, the driver has ended the loop.
 	trace_cut = trace_cut || (p.alive && account.rounds < push.round_count);
 }
 
@@ -349,13 +353,13 @@ void path_store(uint slot, walker p)
 	paths[slot].radiance = float[3](p.radiance.r, p.radiance.g, p.radiance.b);
 }
 
-// What the dispatch did, for the host.
+// Adds the lane's counters to the host's.
 void give_account(tally account)
 {
 	count_work(account.rays, account.non_finite, account.rounds);
 	if (WAY_CLAMP && account.clamped > 0u) {
 		atomicAdd(counters.clamped, account.clamped);
-		// Sixty-four bits of whole numbers: their sum does not depend on the order.
+		// A 64-bit integer, so that the sum does not depend on the order.
 		uint removed = uint(min(account.removed * float(CLAMP_UNITS), 4.0e9));
 		uint before = atomicAdd(counters.removed[0], removed);
 		if (before + removed < before)

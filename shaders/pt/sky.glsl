@@ -1,9 +1,9 @@
-// The picture around the scene, as what rays meet that leave it and as a light.
+// The environment map, as the end of rays that leave the scene and as a light.
 //
-// A direction's radiance is bilinear between the middles of the texels, across the seam too. For next-event estimation a texel
-// is chosen out of an alias table, then a direction in it, uniformly by solid angle. Both ways of sampling are weighted by
-// the density of the texel that a lookup of the direction finds, so that their weights sum to 1 at every direction, even
-// where rounding takes it for the neighbour's.
+// Radiance is interpolated bilinearly between the middles of the texels, across the seam too. Next-event estimation chooses
+// a texel from an alias table, then a direction in it, uniformly by solid angle. Both ways of sampling are weighted by the
+// density of the texel that a look-up of the direction finds. So their weights sum to 1 for every direction, even where
+// rounding assigns it to the neighbouring texel.
 #ifndef PATH_SKY_GLSL
 #define PATH_SKY_GLSL
 
@@ -21,7 +21,7 @@ layout(std430, set = 0, binding = BIND_ENVIRONMENT_ROWS) readonly buffer Environ
 
 struct sky_view {
 	vec3 radiance;
-	float pdf;   // of the direction by the table, 1/sr
+	float pdf;   // density of the direction by the table, 1/sr
 };
 
 sky_view sky_at(vec3 w)
@@ -40,7 +40,8 @@ sky_view sky_at(vec3 w)
 	return sky_view(radiance * job.sky_scale, part.y < 0.5 ? above.w : below.w);
 }
 
-// Of 39 random bits, that no texel of many be chosen more often than its neighbour; the table's `keep` takes 24 others.
+// Chooses a texel. The row takes 39 random bits, so that even among many texels none is chosen more often than its
+// neighbour; the table's `keep` takes 24 other bits.
 uint sky_pick(uvec2 pick)
 {
 	uint count = job.sky_width * job.sky_height;
@@ -52,7 +53,8 @@ uint sky_pick(uvec2 pick)
 	return float(pick.y >> 8) * UNIT_24 < e.keep ? row : e.alias;
 }
 
-// A direction of that texel. From the nearer pole, the squared sine of half the angle is uniform, and precise.
+// Samples a direction in a texel. Measured from the nearer pole, the squared sine of half the polar angle is uniform, and
+// precise.
 vec3 sky_direction(uint texel, vec2 u)
 {
 	uint column = texel % job.sky_width, row = texel / job.sky_width;
@@ -67,13 +69,13 @@ vec3 sky_direction(uint texel, vec2 u)
 	return vec3(across * sin(longitude), below ? -height : height, -across * cos(longitude));
 }
 
-// Of light paths that begin there, one over the density by which they have a direction; next to infinite if there are none.
+// 1 / density of the directions of light paths that start at the environment map; a very large number if there are none.
 float path_inverse(sky_view v)
 {
 	return 1.0 / max(v.pdf * job.sky_paths, 1e-30);
 }
 
-// Light of the picture. False: none can come by this sample.
+// Samples the environment map as a light. False if this sample brings no light.
 bool choose_sky(uvec2 pick, vec2 u, out light_choice c)
 {
 	uint texel = sky_pick(pick);
@@ -85,7 +87,8 @@ bool choose_sky(uvec2 pick, vec2 u, out light_choice c)
 	return LAMPS_BY != LAMPS_BY_CHANCE && pdf > 0.0;
 }
 
-// What a ray brings that left the scene, weighted. The camera's is the only way there.
+// Weighted radiance of a ray that left the scene. The weight is 1 for the camera's own ray, which no other technique
+// samples.
 vec3 sky_met(vec3 w, uint event, float pdf_bsdf)
 {
 	sky_view v = sky_at(w);
@@ -96,7 +99,7 @@ vec3 sky_met(vec3 w, uint event, float pdf_bsdf)
 	return v.radiance * power_weight(min(v.pdf * job.sky_share / max(pdf_bsdf, 1e-37), 1e18));
 }
 
-// Whether next-event estimation goes there.
+// Whether next-event estimation samples the environment map.
 bool sky_chosen(float table)
 {
 	return SKY && ((!EFFECT_EMITTERS && !EFFECT_LIGHTS) || table >= job.emitter_share + job.light_share);

@@ -1,5 +1,5 @@
-// The ways of sampling that a request may choose between, to compare them: specialization constants that the common files
-// read by these names. Included before those.
+// The sampling techniques that a request may select for comparison: specialization constants, under the names by which the
+// common files read them. Must be included before those.
 #ifndef PATH_WAYS_GLSL
 #define PATH_WAYS_GLSL
 

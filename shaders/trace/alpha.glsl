@@ -1,15 +1,17 @@
-// Where a masked material's alpha is below its cutoff, a ray goes on; where a blended one's is a, it does with probability
-// 1 − a. That depends on the ray and the triangle alone, so both walks see the same.
+// Alpha during traversal. A ray passes a masked surface where its alpha is below the cutoff, and a blended surface of alpha
+// a with probability 1 − a. The decision depends on the ray and the triangle alone, so both ways of walking the BVH see the
+// same surfaces.
 #ifndef TRACE_ALPHA_GLSL
 #define TRACE_ALPHA_GLSL
 
 #include "common/sampling.glsl"
 #include "common/texture.glsl"
 
-// What a ray's chances come from: set before it is traced. 0: what is there by half or more is there.
+// Seed of a ray's random decisions; set before the ray is traced. 0: no randomness, a surface is present if its alpha is
+// one half or more.
 uint trace_chance = 0u;
 
-// Whether the surface is there at this point of a triangle.
+// Whether the surface is present at this point of the triangle `id`; `index` is its material.
 bool is_there(uint id, uint index, vec2 uv)
 {
 	material m = materials[index];

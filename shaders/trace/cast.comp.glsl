@@ -1,4 +1,4 @@
-// Rays from a buffer, hits into another: the traversal by itself, for tests and measurements.
+// Traces the rays of one buffer and writes the hits to another: the traversal by itself, for tests and measurements.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -12,7 +12,7 @@ layout(local_size_x = 64) in;
 layout(push_constant) uniform Push {
 	uint first;
 	uint count;      // > 0
-	uint any;        // 1: any hit will do
+	uint any;        // 1: any hit ends the ray, not only the closest
 } push;
 layout(std430, set = 0, binding = BIND_RAYS) readonly buffer Rays {
 	cast_ray rays[];

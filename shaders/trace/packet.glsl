@@ -1,10 +1,10 @@
-// Closest and any hit by packets: one subgroup walks one tree, with one stack, for its rays together. On software devices
-// a lane is a part of a vector register, so memory is read once for all lanes, and a loop that all take together costs
-// what one lane's would.
+// Closest and any hit by packets: one subgroup walks the BVH for all its rays together, with one stack. On software devices
+// a lane is a part of a vector register. So memory is read once for all lanes, and a loop that all lanes take together
+// costs as much as one lane's.
 //
-// Every lane of the subgroup must come here: lanes without a ray pass t_max = -1. Control flow is the same in all lanes.
-// A node's sixteen words are fetched by the lanes side by side and handed round by shuffles with constant lanes; votes are
-// one packed sum. The stack lies across the lanes too: entry i is word i / WIDTH of lane i mod WIDTH.
+// Every lane of the subgroup must call these functions; lanes without a ray pass t_max = -1. Control flow is the same in
+// all lanes. The lanes fetch the sixteen words of a node side by side and distribute them by shuffles with constant lanes.
+// Votes are one packed sum. The stack is spread over the lanes too: entry i is word i / WIDTH of lane i mod WIDTH.
 #ifndef TRACE_PACKET_GLSL
 #define TRACE_PACKET_GLSL
 
@@ -16,14 +16,14 @@
 // Lanes of a subgroup: 4, 8 or 16.
 layout(constant_id = SPEC_WIDTH) const uint WIDTH = 8u;
 
-// Through texel buffers: a driver that runs storage buffer loads lane by lane, for the sake of lanes that are off, fetches
-// texels for all of them at once.
+// The tree is read through texel buffers. Some drivers run storage buffer loads lane by lane, because lanes may be
+// inactive, but fetch texels for all lanes at once.
 layout(set = 0, binding = BIND_NODE_TEXELS) uniform utextureBuffer node_texels;
 layout(set = 0, binding = BIND_LEAF_TEXELS) uniform utextureBuffer leaf_texels;
 
 #define PACKET_STACK_WORDS 12   // × 4 lanes: TRAVERSE_STACK entries at the least width
 
-// Word k of a fetch, in all lanes: lane i has words 4i … 4i + 3.
+// Word k of a fetch, in all lanes. Lane i holds the words 4i … 4i + 3.
 #define WORD(w, k) subgroupShuffle(w[(k) % 4u], (k) / 4u)
 #define WORD_VEC3(w, k) uintBitsToFloat(uvec3(WORD(w, (k)), WORD(w, (k) + 1u), WORD(w, (k) + 2u)))
 
@@ -32,13 +32,13 @@ uvec4 fetch_node(uint index, uint lane)
 	return texelFetch(node_texels, int(index * 4u + (lane & 3u)));
 }
 
-// Three texels; the fourth lane's are the last again, so as not to leave the buffer.
+// A triangle is three texels; the fourth lane reads the last one again, to stay within the buffer.
 uvec4 fetch_triangle(uint index, uint lane)
 {
 	return texelFetch(leaf_texels, int(index * 3u + min(lane & 3u, 2u)));
 }
 
-// The sum of a value over the lanes, in all of them.
+// The sum of a value over all lanes, returned in all of them.
 uint sum_lanes(uint v)
 {
 	v += subgroupShuffleXor(v, 1u);
@@ -55,7 +55,7 @@ struct packet_stack {
 	uint top;
 };
 
-// Constant indices only: an array picked by a variable would live in memory.
+// Only constant indices are used: an array indexed by a variable would be kept in memory, not in registers.
 void stack_push(inout packet_stack s, uint lane, uint value)
 {
 	bool mine = s.top % WIDTH == lane;
@@ -77,14 +77,15 @@ uint stack_pop(inout packet_stack s)
 	return subgroupShuffle(v, s.top % WIDTH);
 }
 
-// The coordinates of three planes, by the texel that each axis' is in. The handing round chooses by the ray's own signs.
+// The coordinates of three planes; `texel` names, for each axis, the texel that holds it. The shuffle selects by the signs
+// of the ray's own direction.
 vec3 planes(uvec4 w, uvec3 texel)
 {
 	return uintBitsToFloat(
 	    uvec3(subgroupShuffle(w.x, texel.x), subgroupShuffle(w.y, texel.y), subgroupShuffle(w.z, texel.z)));
 }
 
-// One step down from an inner node: to the child that more lanes meet first, the other one kept for later.
+// One step down from an inner node: to the child that more lanes hit first. The other child goes on the stack.
 uint step_packet(uint node, uint lane, slab_ray ray, uvec3 first, float t_max, inout packet_stack stack)
 {
 	uvec4 w = fetch_node(node, lane);
@@ -92,7 +93,8 @@ uint step_packet(uint node, uint lane, slab_ray ray, uvec3 first, float t_max, i
 	float d1 = hit_slabs(planes(w, first + 2u), planes(w, (first + 2u) ^ 1u), ray, t_max);
 	uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
 	uint c1 = WORD(w, 11u) | WORD(w, 15u) << LEAF_COUNT_SHIFT;
-	// A byte each: lanes that hit the first, the second; that are nearer to the second.
+	// One byte for each count: lanes that hit the first child, lanes that hit the second, lanes to which the second is
+	// nearer, lanes to which the first is nearer.
 	uint votes = (d0 < INFINITY ? 1u : 0u) | (d1 < INFINITY ? 0x100u : 0u) | (d1 < d0 ? 0x10000u : 0u) |
 		     (d0 < d1 ? 0x1000000u : 0u);
 	votes = sum_lanes(votes);
@@ -131,15 +133,15 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	for (uint i = 0u; i < PACKET_STACK_WORDS; i++)
 		stack.words[i] = 0u;
 	slab_ray slabs = slab_make(origin, direction);
-	uvec3 first = uvec3(lessThan(slabs.inverse, vec3(0.0)));   // 1 where the upper plane is the nearer
+	uvec3 first = uvec3(lessThan(slabs.inverse, vec3(0.0)));   // 1 where the upper plane is the nearer one
 	sheared_ray ray = shear_ray(origin, direction);
 	hit.t = t_max;
 	hit.id = NONE;
 	hit.uv = vec2(0.0);
 	hit.material = 0u;
 
-	// All loops test at their end: a driver without branches runs the body of one that tests at its start once more than
-	// asked for.
+	// All loops test their condition at the end: a driver without branches runs the body of a loop that tests at the
+	// start once more than needed.
 	uint current = 0u;
 	do {
 		do {
@@ -147,7 +149,7 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 			trace_rounds++;
 		} while (current <= LEAF_INDEX_MASK);
 		trace_cut = trace_cut || current <= LEAF_INDEX_MASK;
-		// One leaf after the other, as long as leaves follow.
+		// Leaves that follow one another are tested in this loop.
 		uint i = current & LEAF_INDEX_MASK;
 		uint last = i + (current >> LEAF_COUNT_SHIFT);
 		bool leaf = current != TRAVERSE_DONE && !trace_cut;
@@ -155,7 +157,7 @@ bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 			test_packet(i, lane, ray, hit);
 			i++;
 			trace_rounds++;
-			if (any) // a ray that has its answer looks for nothing more
+			if (any) // a ray that has its answer stops searching
 				hit.t = hit.id != NONE ? -1.0 : hit.t;
 			if (i == last) {
 				current = stack_pop(stack);

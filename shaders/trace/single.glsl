@@ -1,4 +1,5 @@
-// Closest and any hit, one ray a lane with a stack of its own: what a GPU does best, and the plain reference for packets.
+// Closest and any hit, one ray for each lane, each with its own stack. It suits GPUs best, and is the plain reference for
+// packets.
 #ifndef TRACE_SINGLE_GLSL
 #define TRACE_SINGLE_GLSL
 
@@ -6,7 +7,8 @@
 #include "trace/triangle.glsl"
 #include "trace/walk.glsl"
 
-// Triangle `i` of the leaves becomes the hit if it is nearer, or as near and of a lower number: whatever the order.
+// Intersects triangle `i` of the leaves. It becomes the hit if it is nearer, or as near with a lower id. So the result does
+// not depend on the order.
 void meet_triangle(uint i, sheared_ray ray, inout ray_hit hit)
 {
 	vec4 v0 = LEAF_WORDS(i * 3u);

@@ -1,11 +1,11 @@
-// Closest and any hit through the scene's BVH, by packet or by single ray as the pipeline was specialised:
+// Closest and any hit through the scene's BVH, by packet or by single ray, as the pipeline is specialised:
 //
-//   bool trace_closest(vec3 origin, vec3 direction, float t_max, out ray_hit hit)      0 < t, infinite t_max; or -1: no ray
-//   bool trace_any(vec3 origin, vec3 direction, float t_max)                           0 < t < t_max; or -1: no ray
+//     bool trace_closest(vec3 origin, vec3 direction, float t_max, out ray_hit hit)      0 < t, infinite t_max; or -1: no ray
+//     bool trace_any(vec3 origin, vec3 direction, float t_max)                           0 < t < t_max; or -1: no ray
 //
-// All lanes of a subgroup must call them together; a lane without a ray passes t_max = -1.
-// t counts in lengths of the direction, which need not be a unit vector. Of hits at the same t the lower triangle id wins,
-// so what is hit does not depend on the order in which the tree is walked, and both walks find the same.
+// All lanes of a subgroup must call them together; a lane without a ray passes t_max = -1. t is in units of the length of
+// `direction`, which need not be 1. Of hits at the same t, the lower triangle id wins. So the result does not depend on the
+// order in which the tree is walked, and both walks give the same.
 #ifndef TRACE_TRAVERSE_GLSL
 #define TRACE_TRAVERSE_GLSL
 

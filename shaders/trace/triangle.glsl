@@ -1,10 +1,10 @@
-// Ray against triangle, watertight: Woop, Benthin and Wald 2013 (JCGT 2-1). The edge functions of two triangles that share
-// an edge are the same products in the same order, so rounding cannot open a gap between them; `precise` keeps compilers
-// from fusing one and not the other. A zero edge function counts as inside for both neighbours.
+// Watertight ray-triangle intersection: Woop, Benthin and Wald 2013 (JCGT 2-1). For two triangles that share an edge, the
+// edge functions are the same products in the same order, so rounding cannot open a gap between them. `precise` keeps
+// compilers from fusing one and not the other. A zero edge function counts as inside for both neighbours.
 #ifndef TRACE_TRIANGLE_GLSL
 #define TRACE_TRIANGLE_GLSL
 
-// A ray sheared so that it runs along +z from the origin.
+// A ray with the shear that makes it run along +z from the origin.
 struct sheared_ray {
 	vec3 origin;
 	vec3 shear;      // x, y: shear; z: scale
@@ -27,7 +27,8 @@ sheared_ray shear_ray(vec3 origin, vec3 direction)
 	return r;
 }
 
-// t in units of the direction's length, u and v the barycentrics of corners 1 and 2. False: missed, or behind t = 0.
+// Intersects a triangle. t is in units of the direction's length; uv are the barycentrics of corners 1 and 2. False if the
+// ray misses, or if the hit is not at t > 0.
 bool hit_triangle(sheared_ray r, vec3 v0, vec3 v1, vec3 v2, out float t, out vec2 uv)
 {
 	vec3 a = rotate_axes(v0 - r.origin, r.axis);

@@ -1,4 +1,4 @@
-// What every walk through the BVH shares.
+// What both ways of walking the BVH share.
 #ifndef TRACE_WALK_GLSL
 #define TRACE_WALK_GLSL
 
@@ -6,7 +6,7 @@
 
 #define TRAVERSE_STACK 48u          // LIMIT_BVH_DEPTH, which blob_check enforces
 #define TRAVERSE_DONE 0xFFFFFFFFu
-#define LEAF_COUNT_SHIFT 28         // a reference: 0 and a node's index, or a leaf's count and its first triangle
+#define LEAF_COUNT_SHIFT 28         // a reference is either 0 and a node's index, or a leaf's count and its first triangle
 #define LEAF_INDEX_MASK 0x0FFFFFFFu
 
 struct ray_hit {
@@ -16,24 +16,25 @@ struct ray_hit {
 	uint material;
 };
 
-// Becomes true if the driver ended a loop before its condition did (some end all loops of an invocation after 65,535
-// rounds): the walk would then have missed geometry without a word.
+// Becomes true if the driver ended a loop before its condition did. Some drivers end all loops of an invocation after
+// 65,535 rounds; the walk would then miss geometry silently.
 bool trace_cut = false;
 
-// How often this invocation has gone round in loops, for such a driver's sake: who dispatches keeps well below that.
+// Loop rounds of this invocation so far. The host keeps dispatches well below such a driver's limit.
 uint trace_rounds = 0u;
 
-// No component zero, so that no product is 0 × infinity. 1e-30 turns a ray by nothing that a float can tell; nor does what
-// keeps origin × inverse finite, far out.
+// 1 / d with no component of d zero, so that no product is 0 × infinity. The least value, 1e-30, turns a ray by less than a
+// float can represent. So does the value that keeps origin × inverse finite far from the origin.
 vec3 safe_inverse(vec3 origin, vec3 d)
 {
 	vec3 sign_d = vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
 	return sign_d / max(abs(d), max(abs(origin) * 1e-37, 1e-30));
 }
 
-// A ray as boxes see it. The distance of an axis' plane at p is p · inverse − origin · inverse; the near planes' are taken a
-// little too small and the far ones' too large, by more than what the roundings of the product, of the inverse and of the
-// origin itself can do (each half a unit in the last place; Ize 2013 has the argument): a box is never missed for rounding.
+// A ray prepared for the intersection with boxes. The distance of an axis' plane at p is p · inverse − origin · inverse.
+// Near planes are taken slightly too close and far planes slightly too distant, by more than the combined rounding of the
+// product, of the inverse and of the origin (each half a unit in the last place; Ize 2013 has the argument). So rounding
+// never makes a ray miss a box.
 struct slab_ray {
 	vec3 inverse;
 	vec3 near_bias;
@@ -51,11 +52,11 @@ slab_ray slab_make(vec3 origin, vec3 direction)
 	return r;
 }
 
-// Entry distance of a box, or infinity if missed (as an empty child's always is: its box is a point at infinity). `near` and
-// `far` are the planes that the ray meets first and last of each axis.
-// t_max is taken larger by what the distance of a hit, which comes out of a longer computation, may be off: of two surfaces at
-// one place the tree's order would else choose. Maxima and minima are of bits, as integers: where one side is not negative
-// they order floats rightly, and a negative exit is a miss whichever it is.
+// Entry distance of a box, or infinity if it is missed. An empty child is always missed: its box is a point at infinity.
+// For each axis, `near` and `far` are the planes that the ray meets first and last.
+// t_max is enlarged by the possible error of a hit's distance, which comes from a longer computation; otherwise, of two
+// coincident surfaces, the tree's order would choose. Maxima and minima are taken of the bits, as integers. Where one
+// operand is not negative, they order floats correctly, and a negative exit is a miss whatever its value.
 float hit_slabs(vec3 near, vec3 far, slab_ray r, float t_max)
 {
 	ivec3 a = floatBitsToInt(fma(near, r.inverse, r.near_bias));
