@@ -1,4 +1,5 @@
-// What the ray through a pixel's middle meets: depth, normal, albedo, id, as the path tracer's pass of that name writes them.
+// The AOVs of the ray through a pixel's middle: depth, normal, albedo, id, in the format of the path tracer's pass of that
+// name.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

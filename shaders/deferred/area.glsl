@@ -1,4 +1,4 @@
-// Which part of the image and which sample a pass works on.
+// The part of the image and the sample that a pass works on.
 #ifndef DIRECT_AREA_GLSL
 #define DIRECT_AREA_GLSL
 

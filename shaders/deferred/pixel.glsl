@@ -1,4 +1,5 @@
-// What a shading pass sees of a pixel, and where its light goes. A pass is a compute shader over tiles:
+// What a shading pass needs of a pixel: its visible surface, and where to add radiance. A pass is a compute shader over
+// tiles:
 //
 //   layout(local_size_x = TILE_PIXELS) in;
 //   void main()
@@ -17,7 +18,7 @@
 
 layout(binding = DEFERRED_VISIBILITY_UNIT) uniform usampler2D visibility;
 
-// What its ray meets; false: nothing.
+// The hit of the pixel's ray. False if it hits nothing.
 bool pixel_visible(uvec2 pixel, out visible_point v)
 {
 	v = visible_ray(pixel);
@@ -25,8 +26,9 @@ bool pixel_visible(uvec2 pixel, out visible_point v)
 	return id != 0u && visible_at(v, id - 1u);
 }
 
-// Of a clear surface the part that is opaque, and what its boundary reflects: Fresnel's reflectance after Schlick (1994), none
-// where nothing bends light. What comes through is another pass's.
+// The surface without the light that passes through its clear part: what remains are the opaque part and the reflection at
+// the boundary, with Fresnel's reflectance after Schlick (1994), which is zero where light is not bent. Another pass adds
+// the transmitted light.
 surface without_clear(surface s)
 {
 	float r = (s.ior - 1.0) / (s.ior + 1.0);

@@ -1,4 +1,4 @@
-// The last pass of a sample: into the sums, what is no number counted and left out.
+// The last pass of a sample: adds it to the sums. Values that are not finite are counted and left out.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

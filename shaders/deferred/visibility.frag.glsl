@@ -1,5 +1,5 @@
-// Which triangle a pixel's ray meets first. Depth is that of the ray's own hit, not what the raster interpolates, so that
-// surfaces that nearly touch come in the order that the path tracer sees, and of equal ones the lower id.
+// The triangle that a pixel's ray hits first. Depth is computed from the ray's own hit, not interpolated by the rasteriser.
+// So surfaces that nearly touch come in the same order as in the path tracer; at equal depth the lower id wins.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -16,6 +16,6 @@ void main()
 	if (!visible_at(v, id) || (EFFECT_ALPHA_MASK && !is_there(id, triangles[id].material, v.uv)))
 		discard;
 	visible = id + 1u;
-	// Grows towards the eye, and keeps a float's full precision at every distance.
+	// This depth grows towards the eye and keeps a float's full precision at every distance.
 	gl_FragDepth = min(VISIBLE_NEAR / v.t, 1.0);
 }

@@ -1,5 +1,5 @@
-// Every corner of every triangle, pulled out of the scene's buffers, on the image plane. x and y are relative to the eye
-// before anything is rounded; depth is left to the fragments.
+// Projects every corner of every triangle, fetched from the scene's buffers, to the image plane. x and y are taken relative
+// to the eye before anything is rounded. The fragment shader computes depth.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -14,7 +14,7 @@ void main()
 	vec3 up = to_vec3(job.up);
 	vec2 at = vec2(dot(p, right) / dot(right, right), dot(p, up) / dot(up, up));
 	float w = job.orthographic != 0.0 ? 1.0 : dot(p, to_vec3(job.forward));
-	// Rows count downwards, and the ray at `jitter` is to fall on the pixel's middle.
+	// Rows count downwards. The shift makes the ray at `jitter` fall on the pixel's middle.
 	vec2 shift = (1.0 - 2.0 * jitter) / vec2(job.width, job.height);
 	gl_Position = vec4(vec2(at.x, -at.y) + shift * w, job.orthographic != 0.0 ? 0.5 : VISIBLE_NEAR, w);
 }

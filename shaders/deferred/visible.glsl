@@ -1,5 +1,5 @@
-// The camera's ray through a pixel, and the point of a triangle that it meets. The raster says which triangle; where on it
-// is found as the path tracer finds it, from the same ray by the same arithmetic.
+// The camera ray through a pixel, and its hit on a triangle. The rasteriser determines the triangle. The point on it is
+// computed as in the path tracer, from the same ray by the same arithmetic.
 #ifndef DIRECT_VISIBLE_GLSL
 #define DIRECT_VISIBLE_GLSL
 
@@ -8,14 +8,14 @@
 #include "trace/triangle.glsl"
 
 struct visible_point {
-	vec3 origin;       // of the camera's ray
+	vec3 origin;       // origin of the camera ray
 	vec3 direction;    // unit
 	uint id;           // triangle
 	float t;           // metres along the ray
 	vec2 uv;           // barycentrics of corners 1 and 2
 };
 
-// `pixel` counts from the image's top left.
+// The ray of a pixel, counted from the image's top left; no hit yet.
 visible_point visible_ray(uvec2 pixel)
 {
 	visible_point v;
@@ -26,8 +26,9 @@ visible_point visible_ray(uvec2 pixel)
 	return v;
 }
 
-// The raster rounds corners to a fraction of a pixel, so the ray may pass its triangle by as much: the nearest barycentrics
-// are taken then, and the middle of a triangle that is seen exactly from its side. False: behind the eye.
+// Intersects the ray with triangle `id`. The rasteriser rounds corners to a fraction of a pixel, so the ray may miss the
+// triangle by as much. Then the nearest barycentrics are used, and for a triangle seen exactly edge-on its middle. False if
+// it is behind the eye.
 bool visible_at(inout visible_point v, uint id)
 {
 	triangle tri = triangles[id];
@@ -37,7 +38,7 @@ bool visible_at(inout visible_point v, uint id)
 	v.id = id;
 	if (hit_triangle(shear_ray(v.origin, v.direction), v0, v1, v2, v.t, v.uv))
 		return true;
-	// By comparisons that a NaN fails.
+	// Written as comparisons that a NaN fails.
 	vec3 b = vec3(1.0 - v.uv.x - v.uv.y, v.uv);
 	b = vec3(b.x > 0.0 ? min(b.x, 1.0) : 0.0, b.y > 0.0 ? min(b.y, 1.0) : 0.0, b.z > 0.0 ? min(b.z, 1.0) : 0.0);
 	float sum = b.x + b.y + b.z;

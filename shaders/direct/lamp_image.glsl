@@ -1,17 +1,17 @@
-// What the lamps send to each pixel's diffuse part, kept between two passes, and what tells neighbours on one surface from
-// others.
+// The light of the lamps on each pixel's diffuse part, kept between two passes, with the distance and normal by which
+// neighbours on the same surface are recognised.
 #ifndef DIRECT_LAMP_IMAGE_GLSL
 #define DIRECT_LAMP_IMAGE_GLSL
 
 #include "direct/lighting.glsl"
 #include "deferred/radiance.glsl"
 
-layout(binding = DIRECT_SCALE_UNIT, rgba32f) uniform image2D scale_image;         // w: metres from the eye; 0: no such light
-layout(binding = DIRECT_ARRIVED_UNIT, rgba32f) uniform image2D arrived_image;     // w, and the next one's: the normal
+layout(binding = DIRECT_SCALE_UNIT, rgba32f) uniform image2D scale_image;         // w: metres from the eye; 0: no lamp light
+layout(binding = DIRECT_ARRIVED_UNIT, rgba32f) uniform image2D arrived_image;     // w, with expected_image's: the normal
 layout(binding = DIRECT_FACETS_UNIT, rgba32f) uniform image2D facets_image;
 layout(binding = DIRECT_EXPECTED_UNIT, rgba32f) uniform image2D expected_image;
 
-// A unit vector on the octahedron, unfolded: Cigolle et al. 2014 (JCGT 3-2).
+// Maps a unit vector to the unfolded octahedron: Cigolle et al. 2014 (JCGT 3-2).
 vec2 octahedron(vec3 n)
 {
 	vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));

@@ -1,4 +1,4 @@
-// Light straight from its sources, with shadow rays.
+// Direct light with shadow rays.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

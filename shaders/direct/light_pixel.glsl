@@ -1,5 +1,5 @@
-// What the camera sees of the lamps, the background and unlit surfaces, and the light that comes to every other surface
-// straight from its source: a pass over tiles.
+// A pass over tiles: what the camera sees of lamps, background and unlit surfaces, and the direct light on all other
+// surfaces.
 #ifndef DIRECT_LIGHT_PIXEL_GLSL
 #define DIRECT_LIGHT_PIXEL_GLSL
 

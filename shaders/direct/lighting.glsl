@@ -1,20 +1,19 @@
-// Light that comes to a surface straight from its sources.
+// Direct light on a surface.
 //
-// Point, spot and directional lights are exact: one shadow ray each, up to DIRECT_LIGHTS of them. Of more, so many are taken
-// at even steps of their summed power.
+// Point, spot and directional lights are exact: one shadow ray each, for at most DIRECT_LIGHTS lights. If there are more,
+// that many are chosen at even steps of their cumulative power. With DIRECT_MAPS, a light that has a shadow map
+// (shadow_map.glsl) uses it instead of a ray.
 //
-// With DIRECT_MAPS a light that has a shadow map (shadow_map.glsl) is looked up there instead.
+// Emissive triangles on the diffuse part: where they are few and of uniform radiance, the unshadowed irradiance is known in
+// closed form (lamps.glsl). DIRECT_POINTS points on them, evenly distributed over their power, then estimate the
+// visibility: it is the ratio of the visible points' light to the light of all points (Heitz, Hill and McGuire 2018,
+// "Combining analytic direct illumination and stochastic shadows"). So neither unshadowed nor fully shadowed places show
+// noise. Otherwise the points alone estimate the light. The points of 4 × 4 pixels form one set: the mean over any such
+// block (soften.comp.glsl) uses 16 times as many. Pictures of many samples have enough points in each pixel and use neither
+// the closed form nor the mean, so that shadows keep their edges.
 //
-// Emissive triangles, diffuse part. Where they are few and evenly bright, what they would send without shadows is known in
-// closed form (lamps.glsl); DIRECT_POINTS points on them, evenly over their power, tell how much of it arrives, as the ratio
-// of what the points' visible light adds up to, to what all of it does (Heitz, Hill and McGuire 2018, "Combining analytic
-// direct illumination and stochastic shadows"). Neither unshadowed nor fully shadowed places show any noise then. Else the
-// points alone estimate the light.
-// The points of 4 × 4 pixels are one set together: the mean over any such block (soften.comp.glsl) has 16 times as many.
-// Pictures of many samples have points enough in each pixel, and take neither form nor mean: shadows keep their edges.
-//
-// Microfacets: the same points, and one ray in a direction that the facets reflect, weighted by the power heuristic (Veach
-// 1997, 9.2.4); a perfect mirror's is the one there is.
+// Emissive triangles on microfacets: the same points, and one ray in a direction sampled from the facets, combined by the
+// power heuristic (Veach 1997, 9.2.4). A perfect mirror has only its one direction.
 #ifndef DIRECT_LIGHTING_GLSL
 #define DIRECT_LIGHTING_GLSL
 
@@ -22,18 +21,18 @@
 #include "direct/lamps.glsl"
 #include "trace/single.glsl"
 
-// Options, macros of the program.
+// Options; macros that the program defines.
 #ifndef DIRECT_POINTS
-#define DIRECT_POINTS 2u        // on emissive triangles, 1…16
-#define DIRECT_CLOSED false     // few emissive triangles, none textured
+#define DIRECT_POINTS 2u        // points on emissive triangles, 1…16
+#define DIRECT_CLOSED false     // closed form: few emissive triangles, none textured
 #define DIRECT_SHADOWS true
-#define DIRECT_LAMPS true         // else emissive triangles send no light here
-#define DIRECT_SOFT true        // lamps' light is kept for soften.comp.glsl
-#define DIRECT_MAPS true        // defined: lights have shadow maps
-#define DIRECT_MAPS_FOR_ALL false // each of them
+#define DIRECT_LAMPS true         // emissive triangles send light
+#define DIRECT_SOFT true        // keep the lamps' light for soften.comp.glsl
+#define DIRECT_MAPS true        // if defined: lights have shadow maps
+#define DIRECT_MAPS_FOR_ALL false // every light has one
 #endif
 #ifndef DIRECT_TURN
-#define DIRECT_TURN turn.y        // which of the sets of points
+#define DIRECT_TURN turn.y        // which set of points
 #endif
 #ifdef DIRECT_MAPS
 #include "direct/shadow_map.glsl"
@@ -41,10 +40,10 @@
 #define DIRECT_MAPS_FOR_ALL false
 #endif
 #define DIRECT_LIGHTS 64u
-#define DIRECT_BLOCK 16u        // pixels whose points are one set
+#define DIRECT_BLOCK 16u        // number of pixels whose points form one set
 
-// Who traces no shadow rays for want of something better says by DIRECT_OPEN what part of a light arrives: a function of the
-// ray's origin, the surface's normal, the segment and t_max.
+// A program without shadow rays defines DIRECT_OPEN as a function that returns a light's visibility, 0…1. Its arguments are
+// the ray's origin, the surface's normal, the segment and t_max.
 #ifdef DIRECT_OPEN
 #define DIRECT_RAYS false
 float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
@@ -59,33 +58,34 @@ float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
 }
 #endif
 
-// Diffuse light, luminance: what arrived, and what would without shadows.
+// Luminance of the diffuse reflection: with shadows (x) and without (y).
 vec2 direct_share = vec2(0.0);
 
-// Rays traced by this invocation.
+// Number of rays that this invocation traced.
 uint direct_rays = 0u;
 
-// What the emissive triangles send to a surface's diffuse part. Reflected radiance is scale × arrived / expected, channel by
-// channel, 0 where nothing is expected. The material's colour is in scale alone, so that sums over neighbouring pixels may
-// stand for the other two.
+// The light of the emissive triangles on a surface's diffuse part. Reflected radiance is scale × arrived / expected,
+// channel by channel, or 0 where nothing is expected. Only `scale` contains the material's colour, so that the other two
+// may be replaced by sums over neighbouring pixels.
 struct lamp_light {
 	vec3 scale;
 	vec3 arrived;
 	vec3 expected;
-	vec3 facets;     // radiance by the microfacets, but a perfect mirror's
+	vec3 facets;     // radiance reflected by the microfacets, except a perfect mirror's
 };
 
 vec3 lamp_radiance(lamp_light l)
 {
 	vec3 ratio = l.arrived / max(l.expected, 1e-30);
-	// A ratio is at most a little above one, where light comes folded over a leaning normal.
+	// The ratio slightly exceeds one where light is folded over a tilted normal.
 	if (DIRECT_CLOSED)
 		ratio = min(ratio, 2.0);
 	return l.scale * vec3(l.expected.r > 0.0 ? ratio.r : 0.0, l.expected.g > 0.0 ? ratio.g : 0.0,
 			      l.expected.b > 0.0 ? ratio.b : 0.0);
 }
 
-// A pixel's number in its 4 × 4 block, neighbours far apart. Over sixteen samples a pixel has them all.
+// A pixel's number in its 4 × 4 block; neighbouring pixels have distant numbers. Over sixteen samples, a pixel takes every
+// number.
 uint direct_pattern(uvec2 pixel)
 {
 	uvec2 p = pixel & 3u;
@@ -94,27 +94,28 @@ uint direct_pattern(uvec2 pixel)
 	return (odd << 3 | (p.y & 1u) << 2 | far << 1 | p.y >> 1) ^ (bitfieldReverse(turn.y) >> 28) ^ (9u * turn.x);
 }
 
-// Each half of the samples has its own shifts.
+// The shift of the point sets. The two halves of the samples have different ones.
 uint direct_shift()
 {
 	return hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.x);
 }
 
-// 32 bits for the choice of a light, the i-th of `count` even steps; samples fill them up.
+// 32 bits that choose a light: step i of `count` even steps, whose position within the step depends on the sample.
 uint direct_step(uint i, uint count, uint shift)
 {
 	float part = float((bitfieldReverse(DIRECT_TURN) ^ shift) >> 8) * UNIT_24;
 	return uint((float(i) + part) / float(count) * 16777216.0) << 8;
 }
 
-// Point k of a pattern's: which light (x, y: 32 bits each, as alias tables want) and where on it (z, w: 0…1).
+// Point k of a pixel with this pattern: `pick` chooses the light (two times 32 bits for alias tables), `where` the place on
+// it, 0…1.
 void direct_point(uint pattern, uint k, out uvec2 pick, out vec2 where)
 {
 	const uint count = DIRECT_POINTS * DIRECT_BLOCK;
 	uint i = k * DIRECT_BLOCK + pattern;
 	uint h = direct_shift();
-	// The first by even steps, the other two by Sobol's: Hammersley's set in three dimensions, shifted as a whole. The next
-	// sample goes on with the two.
+	// The first coordinate takes even steps, the other two are Sobol' points: Hammersley's set in three dimensions,
+	// shifted as a whole. The next sample continues the latter two.
 	uint row, low;
 	uint at = direct_step(i, count, hash(h));
 	umulExtended(at, job.emitter_count, row, low);
@@ -124,7 +125,7 @@ void direct_point(uint pattern, uint k, out uvec2 pick, out vec2 where)
 	where = vec2(bits >> 8) * UNIT_24;
 }
 
-// A light and the reciprocal of its chance, for the i-th of so many shadow rays. `number`: its own.
+// The light of shadow ray i, 1 / its probability in `weight`, and its own number.
 punctual_light direct_punctual(uint i, out float weight, out uint number)
 {
 	weight = 1.0;
@@ -145,8 +146,7 @@ vec3 folded_below(bsdf b, vec3 w, float above)
 	return into_frame(b, w - 2.0 * above * b.geometric);
 }
 
-// BSDF × cosine of the diffuse part as if it were white, and of the microfacets with their density, folded as bsdf_eval
-// folds them.
+// The diffuse part's BSDF × cosine for a white surface, and the microfacets' with their density, folded as in bsdf_eval.
 void direct_eval(bsdf b, vec3 w, out vec3 diffuse, out vec4 facets)
 {
 	b.diffuse = vec3(1.0);
@@ -158,14 +158,14 @@ void direct_eval(bsdf b, vec3 w, out vec3 diffuse, out vec4 facets)
 	facets = lit ? facet_lobe(b, l) + facet_lobe(b, f) : vec4(0.0);
 }
 
-// What one ray may bring.
+// A shadow ray and what it brings if nothing blocks it.
 struct direct_ray {
 	vec3 segment;
-	float t_max;        // -1: none
-	vec3 diffuse;       // radiance by the diffuse part, if nothing is in the way; by a white one, of a lamp's light
-	vec3 facets;        // by the microfacets
-	vec3 expected;      // lamps: what the closed form knows
-	uint map;           // of shadow_first, instead of a ray; NONE: a ray
+	float t_max;        // -1: no ray
+	vec3 diffuse;       // radiance reflected by the diffuse part; for emissive triangles, by a white diffuse part
+	vec3 facets;        // radiance reflected by the microfacets
+	vec3 expected;      // for emissive triangles: the light that the closed form also contains
+	uint map;           // shadow map to use instead of a ray, from shadow_first; NONE: a ray
 };
 
 void ray_to_light(bsdf b, vec3 origin, uint i, inout direct_ray r)
@@ -209,7 +209,7 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 		r.t_max = -1.0;
 }
 
-// A direction of the microfacets, its BSDF × cosine over its density in `facets`. Returns the density.
+// Samples a direction from the microfacets; r.facets becomes BSDF × cosine / density. Returns the density, 1/sr.
 float ray_off_facets(bsdf b, uint pattern, inout direct_ray r)
 {
 	uvec2 pick;
@@ -228,7 +228,7 @@ float ray_off_facets(bsdf b, uint pattern, inout direct_ray r)
 	return b.gloss.mirror ? PDF_MIRROR : facets.w;
 }
 
-// What a ray off the facets met: emitted radiance, as far as the lamps' own points do not stand for it.
+// Radiance emitted by what a ray off the facets hit, weighted against the points on lamps.
 vec3 lamp_met(ray_hit hit, vec3 w, float pdf)
 {
 	triangle tri = triangles[hit.id];
@@ -242,8 +242,8 @@ vec3 lamp_met(ray_hit hit, vec3 w, float pdf)
 	return emits ? emission_at(m, at) * power_weight(min(r, 1e18)) : vec3(0.0);
 }
 
-// Radiance that a surface sends back along the camera's ray, but for the emissive triangles' light on its diffuse part, which
-// is in `lamps`. `origin`: where its rays begin. `pattern`: direct_pattern of its pixel.
+// Radiance, W/(m² sr), that a surface reflects along the camera ray. The light of emissive triangles on its diffuse part is
+// not included but returned in `lamps`. `origin` is where shadow rays start; `pattern` is the pixel's direct_pattern.
 vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_light lamps)
 {
 	const bool has_lamps = EFFECT_EMITTERS && DIRECT_LAMPS && job.emitter_count > 0u;
@@ -304,8 +304,8 @@ vec3 direct_light(surface s, bsdf b, vec3 origin, uvec2 pixel)
 	return radiance + lamps.facets + lamp_radiance(lamps);
 }
 
-// Irradiance of a plane in space, W/m², for what is no pixel: a voxel. `offset`: rays begin so far off it along the normal.
-// `pattern`: any number; neighbours should differ in it.
+// Irradiance, W/m², on a plane in space that belongs to no pixel, such as a voxel's. Shadow rays start `offset` metres off
+// it along the normal. `pattern` is any number; neighbours should have different ones.
 vec3 direct_irradiance(vec3 position, vec3 normal, float offset, uint pattern)
 {
 	surface s;

@@ -1,4 +1,4 @@
-// Depth is the raster's own; what alpha cuts out is not there.
+// Renders a shadow map. Depth is the rasteriser's own; what alpha masks is discarded.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

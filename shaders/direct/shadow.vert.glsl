@@ -1,4 +1,5 @@
-// Every corner of every triangle, pulled out of the scene's buffers, as a light's map sees it. Clip space has depths 0 to w.
+// Projects every corner of every triangle, fetched from the scene's buffers, to a light's shadow map. Clip space has depths
+// 0 to w.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

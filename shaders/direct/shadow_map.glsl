@@ -1,11 +1,10 @@
-// What part of a point, spot or directional light arrives, out of its map: the share of the texels about the place in which
-// nothing is nearer to the light than the receiver's own plane.
+// Visibility of a point, spot or directional light from its shadow map: the share of the texels around the receiver in
+// which nothing is nearer to the light than the receiver's own plane.
 //
-// The plane's depth is linear over a map (shared/shadow.h), so each texel is compared with the plane's depth at its own middle:
-// however the surface leans, its own texels lie on that plane and need no bias for it. What bias remains is a lift along the
-// normal by SHADOW_LIFT texels, in metres where the receiver is.
-// Filter: a box of three texels' side about the place, over texels taken whole (percentage-closer filtering: Reeves,
-// Salesin and Cook 1987).
+// The plane's depth is linear over a map (shared/shadow.h), so each texel is compared with the plane's depth at the texel's
+// own middle. However the surface is tilted, its own texels lie on that plane and need no slope bias. The remaining bias is
+// a lift along the normal by SHADOW_LIFT texels, measured in metres at the receiver. The filter is a box of three texels'
+// side about the receiver (percentage-closer filtering: Reeves, Salesin and Cook 1987).
 #ifndef DIRECT_SHADOW_MAP_GLSL
 #define DIRECT_SHADOW_MAP_GLSL
 
@@ -23,7 +22,7 @@ uint shadow_face(vec3 d)
 	return 2u * axis + (d[axis] < 0.0 ? 1u : 0u);
 }
 
-// A receiver's plane in a map: its depth at `at` (texels), and how that changes from texel to texel.
+// The receiver's plane in a map: its depth at `at` (in texels), and the change of depth per texel.
 struct shadow_plane {
 	vec2 at;
 	float depth;
@@ -40,13 +39,13 @@ shadow_plane shadow_plane_of(shadow_view v, vec3 origin, vec3 normal, float side
 	shadow_plane p;
 	p.at = (ndc * 0.5 + 0.5) * side;
 	p.depth = shadow_depth(v, q.z);
-	// Seen from its edge a plane has no such numbers; nor does it get any light.
+	// A plane seen edge-on has no finite slope; nor does it receive light.
 	float facing = v.parallel ? min(n.z, -1e-3) * v.range : min(dot(n, q), -1e-3 * length(q)) / max(v.near, 1e-37);
 	p.slope = v.half_side * n.xy / facing * (2.0 / side);
 	return p;
 }
 
-// Of four texels, textureGather's order about a corner between them.
+// Visibility of four texels about the corner between them, in textureGather's order.
 vec4 shadow_lit(shadow_plane p, vec2 corner, uint layer, float side)
 {
 	vec4 stored = textureGather(shadow_depths, vec3(corner / side, float(layer)));
@@ -55,7 +54,7 @@ vec4 shadow_lit(shadow_plane p, vec2 corner, uint layer, float side)
 	return vec4(lessThanEqual(stored, max(plane, 0.0)));
 }
 
-// `first`: of shadow_first. `origin`: on the receiver, whose unit normal leans to the light.
+// Visibility of a light, 0…1. `first` is from shadow_first. `origin` is on the receiver, whose unit normal faces the light.
 float shadow_map_open(uint first, vec3 origin, vec3 normal)
 {
 	uint layer = first & ~SHADOW_CUBE;
@@ -63,7 +62,7 @@ float shadow_map_open(uint first, vec3 origin, vec3 normal)
 		layer += shadow_face(origin - shadow_vectors[4u * layer].xyz);
 	float side = float(textureSize(shadow_depths, 0).x);
 	shadow_plane p = shadow_plane_of(shadow_view_of(layer), origin, normal, side);
-	// Three texels' side: the inner two of four whole, the outer ones as far as the box reaches.
+	// A box of three texels' side covers four texels in each direction: the inner two entirely, the outer two in part.
 	vec2 low = floor(p.at - 0.5);
 	vec2 f = p.at - 0.5 - low;
 	float sum = 0.0;

@@ -1,4 +1,4 @@
-// Where a shadow map looks: struct shadow_map.
+// The projection of a shadow map: struct shadow_map.
 #ifndef DIRECT_SHADOW_VIEW_GLSL
 #define DIRECT_SHADOW_VIEW_GLSL
 
@@ -28,7 +28,7 @@ shadow_view shadow_view_of(uint map)
 	return shadow_view(eye.xyz, x.xyz, y.xyz, z.xyz, vec2(x.w, y.w), eye.w, z.w, eye.w == 0.0);
 }
 
-// In the map's own axes, from its eye.
+// A position in the map's own axes, relative to its eye.
 vec3 shadow_into(shadow_view v, vec3 position)
 {
 	vec3 d = position - v.eye;

@@ -1,5 +1,5 @@
-// Lamps' light with the points of 4 × 4 pixels instead of one pixel's: neighbours on the same surface share them. Any such
-// window has every part of the set once, so none of the pattern is left.
+// Computes the lamps' light with the points of 4 × 4 pixels instead of one pixel's: neighbours on the same surface share
+// them. Every such window contains each part of the set exactly once, so no pattern remains.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -8,8 +8,8 @@
 
 layout(local_size_x = TILE_PIXELS) in;
 
-// Neighbours whose normals differ by more than this cosine, or that lie more than this many pixels off the surface's plane,
-// are on another.
+// A neighbour is on another surface if the cosine between the normals is below SAME_NORMAL, or if it lies more than
+// SAME_PLANE pixels off the surface's plane.
 const float SAME_NORMAL = 0.9;
 const float SAME_PLANE = 1.0;
 

@@ -1,4 +1,4 @@
-// Cells of the pyramid's finest level, of two by two by two voxels each; along an axis of one voxel, of one.
+// Cells of the pyramid's finest level. Each is two by two by two voxels; along an axis with a single voxel, one.
 #ifndef VCT_CELLS_GLSL
 #define VCT_CELLS_GLSL
 
@@ -16,7 +16,7 @@ uvec3 cell_of(uint number)
 	return uvec3(number % sides.x, number / sides.x % sides.y, number / sides.x / sides.y);
 }
 
-// Bits 0, 1 and 2 of k: the upper voxel along x, y, z.
+// Voxel k of a cell: bits 0, 1 and 2 of k select the upper voxel along x, y, z.
 uvec3 child_voxel(uvec3 cell, uint k)
 {
 	return min(2u * cell + uvec3(k & 1u, k >> 1 & 1u, k >> 2), voxel_sides() - 1u);

@@ -1,47 +1,47 @@
 // Marching a cone through the directional pyramid.
 //
-// Coverage adds up. A cell's coverage along an axis is the share of its face that surfaces hide. Through a medium of such cells
-// a ray of direction d crosses |d_i| · step / side faces of axis i in a step, so what it meets there is
-//     Σ_i |d_i| · (step / side) · coverage_i,
-// which for a flat wall sums to its coverage, whatever the angle, the level and where the samples fall (the weights of a
-// trilinear filter add up to one). Opacity is that sum, up to 1: what lies within one cone's breadth is taken to be one
-// surface, or several side by side, rather than many at random behind each other.
+// Coverage is additive. A cell's coverage along an axis is the share of its face that surfaces hide. In a medium of such
+// cells, a ray of direction d crosses |d_i| · step / side faces of axis i in a step, so the coverage that it meets there is
+//     Σ_i |d_i| · (step / side) · coverage_i.
+// For a flat wall this sums to the wall's coverage, whatever the angle, the level and the places of the samples (the
+// weights of a trilinear filter add up to one). Opacity is that sum, limited to 1. So surfaces within one cone's breadth
+// are taken to be one surface, or several side by side, rather than many at random behind each other.
 //
-// A surface's own plane is in the cells that its cones start in, and on every level that they read. Its share there is known, and
-// is taken off: on a plane alone in the world a cone meets nothing.
+// The surface from which a cone starts is itself in the cells around the start, on every level that the cone reads. Its
+// coverage there is known and is subtracted: above a plane alone in the world, a cone hits nothing.
 #ifndef VCT_CONE_GLSL
 #define VCT_CONE_GLSL
 
 #include "vct/params.glsl"
 
-// Ways of doing it, macros of the program; the others are there to show what these are worth.
+// Variants; macros that the program defines. All but the defaults exist for comparison.
 #ifndef VCT_OWN
-#define VCT_OWN true            // take the starting plane out
-#define VCT_SUM true            // coverage adds up; else opacities multiply, weighted by the direction's squares
-#define VCT_ISOTROPIC false     // one value a cell, whatever the way
-#define VCT_AMBIENT false       // an ambient term, dimmed where surfaces are near
+#define VCT_OWN true            // subtract the starting plane
+#define VCT_SUM true            // coverage is additive; else opacities multiply, weighted by the direction's squares
+#define VCT_ISOTROPIC false     // one value a cell for all directions
+#define VCT_AMBIENT false       // add an ambient term, dimmed where surfaces are near
 #endif
 
-// A wall that a cone meets while its footprint doubles is seen partly on one level and partly on the next, and those parts need
-// not add up to 1: some 5 % of its light would be lost, and as much let through from behind. So the more a cone has met, the
-// more the next coverage counts: d opacity = (1 + CONE_CLOSED · opacity) d coverage closes it at a coverage of 0.61, and
-// leaves small things as they are.
+// A cone may meet a wall while its footprint doubles. It then sees part of the wall on one level and part on the next, and
+// these parts need not add up to 1: some 5 % of the wall's light would be lost, and as much would leak through from behind.
+// So coverage counts more the more a cone has already met: with d opacity = (1 + CONE_CLOSED · opacity) d coverage, a cone
+// is opaque at a coverage of 0.61, and small objects hardly change.
 #define CONE_CLOSED 1.5
 
 layout(binding = VCT_PYRAMID_UNIT) uniform sampler3D vct_pyramid;
 
-// Of the last cone, with VCT_AMBIENT: what it met, the nearer the more: Σ opacity / (1 + fall-off · distance).
+// With VCT_AMBIENT: nearness of what the last cone met, Σ opacity / (1 + fall-off · distance).
 float cone_nearness;
 
-// Where a cone starts, and the plane that it starts from.
+// The start of a cone, and the plane from which it starts.
 struct cone_origin {
-	vec3 position;   // cells of the finest level
+	vec3 position;   // in cells of the finest level
 	vec3 normal;     // unit
-	vec3 facing;     // |normal|, 0 where the plane is too steep to be told along the axis
-	vec3 inverse;    // 1 / normal, likewise
-	vec3 spread;     // half breadth in cells of the plane's coverage along each axis
-	vec3 steep;      // 0: flat on the axis … 1: in between
-	float start;     // cells
+	vec3 facing;     // |normal|; 0 where the plane is too steep to be recognised along the axis
+	vec3 inverse;    // 1 / normal; 0 in the same cases
+	vec3 spread;     // half breadth, in cells, of the plane's coverage along each axis
+	vec3 steep;      // 0: perpendicular to the axis … 1: oblique
+	float start;     // distance of the first sample, in cells
 };
 
 cone_origin cone_from(vec3 position, vec3 normal, float shift)
@@ -60,15 +60,16 @@ cone_origin cone_from(vec3 position, vec3 normal, float shift)
 	return o;
 }
 
-// Coverage and radiance one way along an axis, at `at` in cells of `level`, whose sides are `sides`.
+// Coverage and coverage × radiance in one direction along an axis. `at` is in cells of `level`, whose numbers are `sides`.
 vec4 read_way(float way, vec3 at, vec3 sides, float level)
 {
 	float x = clamp(at.x, 0.5, sides.x - 0.5) / sides.x;
 	return textureLod(vct_pyramid, vec3((way + x) * (1.0 / 6.0), at.yz / sides.yz), level);
 }
 
-// Coverage × weight and radiance × coverage × weight of one sample. `along`: |direction|; `own`: of the starting plane; `inside`:
-// how far the filter lies within the grid, by axis. The light of what is taken off goes with it.
+// One sample: radiance × coverage × weight (rgb) and coverage × weight (a). `along` is |direction|. `own` is the coverage
+// of the starting plane; it is subtracted together with its light. `inside` says, by axis, how far the filter lies within
+// the grid.
 vec4 read_cell(vec3 way, vec3 along, vec3 own, vec3 inside, vec3 at, vec3 sides, float level)
 {
 	vec3 weight = VCT_SUM ? along : along * along;
@@ -88,7 +89,8 @@ vec4 read_cell(vec3 way, vec3 along, vec3 own, vec3 inside, vec3 at, vec3 sides,
 	return vec4(part.x * x.rgb + part.y * y.rgb + part.z * z.rgb, left.x + left.y + left.z);
 }
 
-// The share of each axis' coverage at `at` that is the starting plane's, which lies `height` cells of this level below.
+// The part of each axis' coverage at `at` that belongs to the starting plane, which lies `height` cells of this level
+// below.
 vec3 own_cover(cone_origin o, vec3 at, float height)
 {
 	vec3 plane = at - height * o.inverse;
@@ -97,7 +99,7 @@ vec3 own_cover(cone_origin o, vec3 at, float height)
 	return mix(vec3(0.0), tent, greaterThan(o.facing, vec3(0.0)));
 }
 
-// How far the cone runs until it has left the grid, its footprint included; cells of the finest level.
+// The distance at which the cone, its footprint included, has left the grid; in cells of the finest level.
 float cone_end(cone_origin o, vec3 direction)
 {
 	vec3 margin = vec3(exp2(float(vct_sides_top.w)));
@@ -108,8 +110,8 @@ float cone_end(cone_origin o, vec3 direction)
 	return min(min(far.x, min(far.y, far.z)), uintBitsToFloat(vct_reach_emission.x) / vct_low_cell.w);
 }
 
-// Radiance (scaled) that comes in by a cone up to `end` cells away, and the share of it that surfaces hide. `tangent`: of its
-// half aperture.
+// Marches a cone at most `far` cells. Returns coverage × radiance (scaled) and the share of the cone that surfaces hide.
+// `tangent` is of its half aperture.
 vec4 cone_march_to(cone_origin o, vec3 direction, float tangent, float far)
 {
 	vec3 way = vec3(0.0, 2.0, 4.0) + mix(vec3(0.0), vec3(1.0), lessThan(direction, vec3(0.0)));
@@ -121,14 +123,14 @@ vec4 cone_march_to(cone_origin o, vec3 direction, float tangent, float far)
 	cone_nearness = 0.0;
 	float t = o.start;
 	while (t < end && sum.a < 0.998) {
-		// The footprint is half the cone's breadth: a trilinear filter reaches as far again.
+		// The footprint is half the cone's breadth, because a trilinear filter reaches as far again.
 		float foot = clamp(t * tangent, 1.0, exp2(top));
 		float level = min(floor(log2(foot) + 0.5), top);
 		float shrink = exp2(-level);
 		vec3 sides = max(vec3(vct_sides_top.xyz) * shrink, vec3(1.0));
 		vec3 at = (o.position + t * direction) * shrink;
 		float step = vct_start_step_dither.y * foot;
-		// Nothing beyond the edge: the texture's clamping would go on with its last cell.
+		// Nothing is beyond the edge; the texture's clamping would repeat its last cell.
 		vec3 inside = clamp(at + 0.5, 0.0, 1.0) * clamp(sides - at + 0.5, 0.0, 1.0);
 		vec3 own = VCT_OWN ? own_cover(o, at, t * rise * shrink) : vec3(0.0);
 		vec4 met = read_cell(way, along, own, inside, at, sides, level);
@@ -156,7 +158,7 @@ vec4 cone_march(cone_origin o, vec3 direction, float tangent)
 #include "common/sky_map.glsl"
 layout(binding = SKY_CONES_UNIT) uniform sampler2DArray vct_sky_cones;
 
-// The mean radiance of the picture around the scene over a cone.
+// Mean radiance of the environment map over a cone, W/(m² sr).
 vec3 cone_background(vec3 direction, float tangent)
 {
 	float turn = vct_shadow.y;
@@ -174,7 +176,7 @@ vec3 cone_background(vec3 direction, float tangent)
 }
 #endif
 
-// The same with the background behind; W/(m² sr).
+// Radiance of a cone with the background behind it, W/(m² sr).
 vec3 cone_radiance(cone_origin o, vec3 direction, float tangent)
 {
 	vec4 c = cone_march(o, direction, tangent);
@@ -182,7 +184,7 @@ vec3 cone_radiance(cone_origin o, vec3 direction, float tangent)
 	return c.rgb / vct_background_scale.w + max(1.0 - c.a, 0.0) * cone_background(direction, tangent) + ambient;
 }
 
-// Irradiance / π by the diffuse cones about `shading`, kept above the true surface.
+// Irradiance / π from the diffuse cones about `shading`, kept above the true surface.
 vec3 cone_irradiance(cone_origin o, vec3 x, vec3 y, vec3 shading)
 {
 	vec3 sum = vec3(0.0);

@@ -1,28 +1,28 @@
-// What is seen through a clear surface. The view goes on by rays from face to face, bent at each as glass.glsl has it, through
-// sheets and bodies alike, and loses what they reflect, colour and absorb. Behind the last face a cone takes what is there out
-// of the voxels, as wide as the roughest face scatters. Of smooth glass the ray that went on tells where that is: only the
-// voxels about what it met are asked, for a surface there hides all of so thin a cone.
-// What a rough body does to light on its way inside, and what the faces reflect back into it, is left out; but total
-// reflection is followed. Lamps that are not in the voxels are seen by the ray, sharp.
+// What is seen through a clear surface. Rays follow the view from face to face, refracted at each as in glass.glsl, through
+// sheets and bodies alike. They lose what the faces reflect, colour and absorb. Behind the last face, a cone reads what is
+// there from the voxels; its width is the scattering of the roughest face. For smooth glass, the ray itself determines the
+// distance: only the voxels about its hit are read, because a surface there hides all of so thin a cone. Scattering inside
+// a rough body and reflections back into a body are left out, but total reflection is followed. The ray sees lamps that are
+// not in the voxels, sharply.
 #ifndef VCT_GLASS_GLSL
 #define VCT_GLASS_GLSL
 
 #include "trace/single.glsl"
 #include "vct/indirect.glsl"
 
-#define GLASS_FACES 8u          // behind the first
-#define GLASS_SMOOTH 0.02       // tangent of the cone's half aperture below which it is a ray
-#define GLASS_CELLS 2.0         // about what a ray met
+#define GLASS_FACES 8u          // most faces behind the first
+#define GLASS_SMOOTH 0.02       // a cone with a tangent of its half aperture below this is a ray
+#define GLASS_CELLS 2.0         // cells read before and behind a ray's hit
 
-// Rays that it took.
+// Number of rays traced.
 uint glass_rays = 0u;
 
 struct glass_way {
 	vec3 origin;
 	vec3 direction;
 	vec3 weight;
-	vec3 absorption;   // of what it is in, 1/m
-	float alpha;       // of the roughest face, of a lobe about the ray
+	vec3 absorption;   // of the current medium, 1/m
+	float alpha;       // α of the roughest face, as a lobe about the ray
 };
 
 void glass_cross(inout glass_way w, surface s)
@@ -34,7 +34,7 @@ void glass_cross(inout glass_way w, surface s)
 	vec3 bent = s.thin ? w.direction : refract(w.direction, s.shading, 1.0 / eta);
 	bool through = bent != vec3(0.0) && r < 1.0;
 	vec3 d = normalize(through ? bent : reflect(w.direction, s.shading));
-	// Kept on its side of the true surface, whichever way the shading normal leans.
+	// The direction is kept on its side of the true surface, however the shading normal is tilted.
 	float above = dot(d, s.geometric);
 	w.direction = through == (above > 0.0) ? d - 2.0 * above * s.geometric : d;
 	w.origin = s.position + (through ? -s.offset : s.offset) * s.geometric;
@@ -44,14 +44,15 @@ void glass_cross(inout glass_way w, surface s)
 	w.alpha = max(w.alpha, s.roughness * s.roughness * (s.thin ? 1.0 : min(abs(eta - 1.0), 1.0)));
 }
 
-// Along the way's ray through the faces behind: what it met last, if anything. `far`: metres from the last face to it.
+// Follows the ray through the faces behind. False if it leaves the scene; otherwise s is its last hit, `far` metres from
+// the last face.
 bool glass_follow(inout glass_way w, out surface s, out float far)
 {
 	for (uint i = 0u; i <= GLASS_FACES; i++) {
 		ray_hit hit;
 		glass_rays++;
 		if (!walk_single(w.origin, w.direction, INFINITY, false, hit)) {
-			// Not out of the body: there is no face to leave it by.
+			// Inside a body, the ray finds no face to leave by: its weight becomes zero.
 			w.weight = w.absorption == vec3(0.0) ? w.weight : vec3(0.0);
 			return false;
 		}
@@ -65,7 +66,7 @@ bool glass_follow(inout glass_way w, out surface s, out float far)
 	return true;
 }
 
-// What the voxels have about a surface that a ray met `far` metres away.
+// What the voxels contain about a surface that a ray hit `far` metres away.
 vec3 glass_met(cone_origin o, vec3 direction, float tangent, float far)
 {
 	float cells = far / vct_low_cell.w;
@@ -74,7 +75,7 @@ vec3 glass_met(cone_origin o, vec3 direction, float tangent, float far)
 	return c.a > 1e-3 ? c.rgb / (c.a * vct_background_scale.w) : vec3(0.0);
 }
 
-// Radiance towards the camera through the surface that its ray `v` meets. `shift`: as cone_from's.
+// Radiance, W/(m² sr), towards the camera through the surface that its ray `v` hits. `shift` is as in cone_from.
 vec3 glass_radiance(surface s, visible_point v, float shift)
 {
 	glass_way w = glass_way(v.origin, v.direction, vec3(1.0), vec3(0.0), 0.0);
@@ -85,7 +86,7 @@ vec3 glass_radiance(surface s, visible_point v, float shift)
 	float far;
 	bool met = glass_follow(w, behind, far);
 	cone_origin o = cone_from(w.origin, w.direction, shift);
-	// Clear faces are not in the voxels: there is no plane to take out.
+	// Clear faces are not in the voxels, so there is no plane to subtract.
 	o.facing = vec3(0.0);
 	float tangent = clamp(w.alpha, 0.0087, 1.0);
 	vec3 radiance = cone_background(w.direction, tangent);
@@ -100,7 +101,7 @@ vec3 glass_radiance(surface s, visible_point v, float shift)
 	return w.weight * radiance;
 }
 
-// To the pixel what comes through its surface, if it is clear.
+// Adds to the pixel the light that comes through its surface, if it is clear.
 void pixel_add_glass(uvec2 pixel, surface s, visible_point v)
 {
 	if (EFFECT_GLASS && s.transmission > 0.0)

@@ -1,5 +1,5 @@
-// Light that comes to a pixel's surface from other surfaces and the background: the diffuse cones, and one about the mirror
-// direction as wide as the facets scatter.
+// Indirect light of a pixel, from other surfaces and the background: the diffuse cones, and one about the mirror direction,
+// as wide as the facets scatter.
 #ifndef VCT_INDIRECT_GLSL
 #define VCT_INDIRECT_GLSL
 
@@ -8,11 +8,11 @@
 #include "vct/cone.glsl"
 
 struct indirect {
-	vec3 irradiance;   // / π, about the shading normal
-	vec3 facets;       // radiance that the facets reflect
+	vec3 irradiance;   // irradiance / π about the shading normal
+	vec3 facets;       // incoming radiance for the facets, before their albedo
 };
 
-// Part of a step by which a pixel's cones are shifted, −0.5…0.5: neighbours differ, 4 × 4 pixels have them all.
+// The shift of a pixel's cones, as a share of a step, −0.5…0.5. Neighbours differ; 4 × 4 pixels take all values.
 float pixel_shift(uvec2 pixel)
 {
 	uvec2 p = pixel & 3u;
@@ -35,14 +35,14 @@ indirect indirect_at(surface s, bsdf b, uvec2 pixel)
 	indirect r = indirect(vec3(0.0), vec3(0.0));
 	if (max(b.diffuse, vec3(0.0)) != vec3(0.0))
 		r.irradiance = cone_irradiance(o, b.x, b.y, b.normal);
-	// Half of what GGX's normals reflect lies within the half vector's angle of atan α (Walter et al. 2007); a sharper cone than
-	// 1° would only show single cells.
+	// Half of what GGX's normals reflect lies where the half vector's angle is below atan α (Walter et al. 2007). A
+	// cone sharper than 1° would only show single cells.
 	if (EFFECT_GLOSSY && max(b.gloss.f0, b.gloss.f90) != vec3(0.0))
 		r.facets = cone_radiance(o, mirror_direction(b), clamp(b.gloss.alpha, 0.0087, 1.0));
 	return r;
 }
 
-// What the surface makes of it: radiance towards the camera.
+// Radiance, W/(m² sr), that the surface reflects towards the camera.
 vec3 indirect_radiance(bsdf b, indirect r)
 {
 	if (!EFFECT_GLOSSY)

@@ -1,9 +1,9 @@
-// Two cells behind each other, looked at along their axis.
+// Combines two cells, one behind the other along an axis.
 #ifndef VCT_PAIR_GLSL
 #define VCT_PAIR_GLSL
 
-// Coverage in a, coverage × radiance in rgb. The nearer, and what it leaves of the farther: halfway between both hiding the same
-// part of the face and hiding parts side by side.
+// Coverage is in a, coverage × radiance in rgb. The result is the near cell plus the visible part of the far one, halfway
+// between two cases: both hide the same part of the face, or parts side by side.
 vec4 pair(vec4 near, vec4 far)
 {
 	float apart = min(far.a, 1.0 - near.a);

@@ -10,7 +10,7 @@ layout(std140, binding = UNIFORM_VCT_PARAMS) uniform VctParams {
 	vec4 vct_background_scale;
 	vec4 vct_start_step_dither;   // w: bits of the number of cones
 	uvec4 vct_reach_emission;     // bits of: x: metres; y: emission; z: ambient radiance; w: its fall-off
-	vec4 vct_shadow;              // x: tangent of a shadow cone's half aperture; y, z: the sky's turn and scale
+	vec4 vct_shadow;              // x: tangent of a shadow cone's half aperture; y, z: sky_turn and sky_scale
 	vec4 vct_cone[VCT_CONES_MAX];
 	vec4 vct_tangent[VCT_CONES_MAX];
 	vec4 vct_gather[VCT_GATHER_CONES];
@@ -21,7 +21,7 @@ uint vct_cones()
 	return floatBitsToUint(vct_start_step_dither.w);
 }
 
-// Side of a cell of a level, metres.
+// Side of a cell of a level, in metres.
 float vct_cell(float level)
 {
 	return vct_low_cell.w * exp2(level);

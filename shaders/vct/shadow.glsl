@@ -1,5 +1,5 @@
-// What part of a light arrives, by marching towards it through the pyramid: by a ray that is stopped or not (hard), or by a cone
-// that is stopped more or less (soft); or by what the voxels there know of their own light. For direct/lighting.glsl.
+// Visibility of a light, by marching towards it through the pyramid: with a ray that is blocked or not (hard), or a cone
+// that is partly blocked (soft); or from the shares of light that the voxels have stored. For direct/lighting.glsl.
 #ifndef VCT_SHADOW_GLSL
 #define VCT_SHADOW_GLSL
 
@@ -14,13 +14,13 @@
 #ifdef VCT_SHADOW_VOLUME
 layout(binding = VCT_SHARES_UNIT) uniform sampler3D vct_shares;
 
-// The same for all lights: the mean of the voxels about that face as the surface does.
+// Visibility, the same for all lights: the mean of the voxels that face like the surface.
 float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 {
 	vec3 sides = vec3(vct_sides_top.xyz);
 	vec3 at = (origin - vct_low_cell.xyz) / vct_low_cell.w;
 	float x = clamp(at.x, 0.5, sides.x - 0.5) / sides.x;
-	// Who looks at the surface looks against its normal.
+	// The surface is seen against its normal.
 	vec3 way = vec3(0.0, 2.0, 4.0) + mix(vec3(0.0), vec3(1.0), greaterThan(normal, vec3(0.0)));
 	vec2 sum = vec2(0.0);
 	for (uint i = 0u; i < 3u; i++) {
@@ -34,7 +34,7 @@ float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 {
 	float l = length(segment);
 	float tangent = VCT_SHADOW_HARD ? 0.0 : vct_shadow.x;
-	// The lamp's own voxels, and those of what it hangs from, are no obstacle: the last footprint ends before them.
+	// The voxels of the lamp itself and of its holder must not block the light: the last footprint ends before them.
 	float end = t_max * l / vct_low_cell.w / (1.0 + 1.5 * tangent) - 1.5;
 	cone_origin o = cone_from(origin, normal, 0.0);
 	vec4 c = cone_march_to(o, segment / l, tangent, end);

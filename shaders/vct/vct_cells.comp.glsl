@@ -1,5 +1,5 @@
-// The cells of the pyramid's finest level that have entries, one after the other in any order: one invocation an entry, and the
-// first entry of a cell puts it on the list. Also how much of the surface bounds a wall too thin for voxels to hold the light.
+// Lists the cells of the pyramid's finest level that have entries, in any order. One invocation for each entry; the first
+// entry of a cell adds it to the list. Also sums the area of surfaces that bound walls too thin to hold the light.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -9,15 +9,15 @@ layout(local_size_x = VCT_GROUP) in;
 layout(location = VCT_RANGE) uniform uvec2 range;
 
 layout(std430, binding = BIND_VCT_CELLS) buffer VctCells {
-	uint vct_cells[];   // how many, then their numbers; areas
+	uint vct_cells[];   // their number, then the cells, then the areas
 };
 
-const float ALIGNED = 0.99;    // of a unit normal, along an axis
-const float OPPOSITE = -0.8;   // cosine of a wall's two faces' normals
+const float ALIGNED = 0.99;    // component of a unit normal along an axis, from which the wall is aligned
+const float OPPOSITE = -0.8;   // limit of the cosine between the normals of a wall's two faces
 const float ROUNDING = 0.05;   // voxels
 
-// Whether there is another face behind this one, the other way about, so near that light leaks through what is between them.
-// Whatever faces a lower end of an axis is in the other layer, so that the two of the thinnest wall are not mixed.
+// Whether another face lies behind this one, facing the opposite way, so near that light leaks through the wall between
+// them. Opposite faces are in different layers, so those of the thinnest wall are not mixed.
 bool bounds_thin_wall(uint entry, uvec3 cell)
 {
 	vec3 normal = voxel_normal(entry);

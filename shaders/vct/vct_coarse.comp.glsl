@@ -1,5 +1,5 @@
-// Indirect light of every second pixel of every second row. The first quarter of a band's tiles do it, for a lane that has
-// nothing to do costs as much as one that has.
+// Indirect light at half resolution (every second pixel of every second row). The first quarter of a band's tiles computes
+// it, because an idle lane costs as much as a busy one.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

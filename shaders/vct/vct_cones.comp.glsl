@@ -1,4 +1,4 @@
-// Indirect light, pixel by pixel.
+// Indirect light at full resolution.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

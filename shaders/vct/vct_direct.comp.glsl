@@ -1,4 +1,4 @@
-// Light straight from its sources, with shadows out of the voxels.
+// Direct light with shadows from the voxels.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,6 +1,6 @@
-// Every pixel's indirect light out of the four nearest that have some of their own, as far as they lie on the same surface:
-// bilinear weights, less for another normal or another plane (Kopf et al. 2007, "Joint bilateral upsampling"). A pixel that has
-// no such neighbour traces its own cones.
+// Interpolates indirect light from half to full resolution: a pixel takes that of the four nearest pixels that have it, as
+// far as they lie on the same surface. Weights are bilinear, reduced for a different normal or plane (Kopf et al. 2007,
+// "Joint bilateral upsampling"). A pixel without such neighbours traces its own cones.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,10 +11,10 @@ layout(local_size_x = TILE_PIXELS) in;
 layout(binding = VCT_IRRADIANCE_UNIT) uniform sampler2D irradiance_texture;
 layout(binding = VCT_FACETS_UNIT) uniform sampler2D facets_texture;
 
-const float PLANE_PART = 0.02;    // of the distance between the two points, off the plane
+const float PLANE_PART = 0.02;    // tolerated distance off the plane, as a share of the distance between the two points
 const float LEAST_WEIGHT = 0.05;
 
-// How far a neighbour's light may stand for this surface's.
+// The weight, 0…1, of a neighbour's light for this surface.
 float kinship(surface s, vec3 normal, float breadth, uvec2 texel, vec4 irradiance, vec4 facets)
 {
 	visible_point v = visible_ray(half_pixel(texel));
@@ -32,7 +32,7 @@ bool blend(surface s, bsdf b, visible_point v, uvec2 pixel, out indirect r)
 	vec2 at = vec2(pixel - uvec2(0u, area.x)) * 0.5;
 	uvec2 base = uvec2(at);
 	vec2 f = at - vec2(base);
-	// Metres that a pixel covers there.
+	// The size of a pixel at the surface, in metres.
 	float breadth = job.orthographic > 0.0 ? 1.0 : v.t;
 	breadth *= 2.0 * length(to_vec3(job.up)) / float(job.height);
 	r = indirect(vec3(0.0), vec3(0.0));

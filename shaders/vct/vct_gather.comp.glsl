@@ -1,4 +1,5 @@
-// Light from surface to surface: the diffuse cones of both sides of every entry, added to what comes from the lights.
+// The bounce from surface to surface: traces the diffuse cones of both sides of every entry and adds the result to the
+// light from the lights.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -26,7 +27,7 @@ void frame_of(vec3 n, out vec3 x, out vec3 y)
 	y = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
-// Different for the four voxels of any two by two that lie in a plane across an axis.
+// A number that differs among the four voxels of any two by two that lie in a plane across an axis.
 uint group_of(uint entry)
 {
 	uint number = voxel_albedo[entry].w >> 1;

@@ -1,7 +1,8 @@
-// The pyramid's finest level out of the entries: one invocation an occupied cell and an axis.
+// Builds the pyramid's finest level from the entries. One invocation for each occupied cell and axis.
 //
-// Both ways along the axis, four columns of two voxels: the nearer first, of the farther what the nearer leaves open. Sides that
-// face the way come before sides that turn their back to it, for a solid's far side is behind its near side.
+// In each direction along the axis there are four columns of two voxels. The nearer voxel counts first, the farther one
+// with what the nearer leaves open. Sides that face the viewing direction come before sides that turn their back to it,
+// because the far side of a solid is behind its near side.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -13,10 +14,10 @@
 #define VCT_ISOTROPIC false
 #endif
 #ifndef VCT_REFLECTS
-#define VCT_REFLECTS true     // else surfaces send back none of the light that they get: without a bounce
+#define VCT_REFLECTS true     // else surfaces reflect none of the light on them: no bounce
 #endif
 #ifndef VCT_SHARES
-#define VCT_SHARES false     // shares in the place of radiance
+#define VCT_SHARES false     // store shares in place of radiance
 #endif
 
 layout(local_size_x = VCT_GROUP) in;
@@ -30,9 +31,9 @@ layout(std430, binding = BIND_VCT_TOTAL) readonly buffer VctTotal {
 	float vct_total[];
 };
 
-// Coverage (a) and coverage × radiance (scaled) of a voxel both ways along an axis.
+// Coverage (a) and coverage × radiance (scaled, rgb) of a voxel in both directions along an axis.
 struct ways {
-	vec4 up;     // looked for along +axis
+	vec4 up;     // for a cone that looks along +axis
 	vec4 down;
 };
 
@@ -47,7 +48,7 @@ vec3 side_radiance(uint entry, uint side)
 	return r * vct_background_scale.w;
 }
 
-// No more than `room` of a coverage.
+// Limits a coverage to `room`.
 vec4 within(vec4 c, float room)
 {
 	return c.a > room ? c * (room / c.a) : c;
@@ -70,7 +71,7 @@ ways voxel_ways(uvec3 voxel, uint axis)
 		if ((layers >> layer & 1u) == 0u)
 			continue;
 		uint entry = voxel_entry(voxel, layer);
-		vec2 faces = unpackHalf2x16(voxel_coverage[entry][axis]);   // what faces +axis, −axis
+		vec2 faces = unpackHalf2x16(voxel_coverage[entry][axis]);   // coverage of surfaces that face +axis, −axis
 		vec3 ahead = side_radiance(entry, 0u);
 		vec3 behind = side_radiance(entry, 1u);
 		if (vct_reach_emission.y != 0u && !VCT_SHARES) {
@@ -78,11 +79,11 @@ ways voxel_ways(uvec3 voxel, uint axis)
 			ahead += emitted;
 			behind += voxel_emits_back(entry) ? emitted : vec3(0.0);
 		}
-		// Light comes up the axis to who looks down, from what faces up.
+		// A cone that looks down sees surfaces that face up.
 		front.up += faces.y * vec4(ahead, 1.0);
 		front.down += faces.x * vec4(ahead, 1.0);
-		// On some axis an oblique wall turns its back to who is in front of it. Backs count along the axis that they face
-		// most alone: there, only who looks along the wall takes one for the other.
+		// An oblique wall turns its back, along some axis, to a viewer in front of it. So backs count only along
+		// the axis that they face most: there, only a viewer who looks along the wall confuses the two.
 		if (faces.x + faces.y < widest_face(entry))
 			continue;
 		back.up += faces.x * vec4(behind, 1.0);
@@ -95,7 +96,7 @@ ways voxel_ways(uvec3 voxel, uint axis)
 	return front;
 }
 
-// Both ways through a cell: four columns.
+// Both directions through a cell: four columns.
 ways cell_ways(uvec3 cell, uint axis)
 {
 	vec4 up = vec4(0.0);
@@ -110,7 +111,7 @@ ways cell_ways(uvec3 cell, uint axis)
 	return ways(up, down);
 }
 
-// One value for all ways: the largest coverage, and the mean radiance.
+// One value for all directions: the largest coverage and the mean radiance.
 vec4 isotropic(uvec3 cell)
 {
 	vec4 sum = vec4(0.0);
@@ -132,7 +133,7 @@ void main()
 	uvec3 cell = cell_of(vct_cells[1u + item / 3u]);
 	uint wide = vct_sides_top.x;
 	if (VCT_ISOTROPIC && !VCT_SHARES) {
-		// One invocation a cell and an axis, here too: the first does it.
+		// There is one invocation for each cell and axis here too; that of the first axis does the work.
 		if (axis == 0u)
 			imageStore(level_image, ivec3(cell), isotropic(cell));
 		return;

@@ -1,4 +1,4 @@
-// A level of the pyramid out of the one below: one invocation a cell and a way.
+// Builds a level of the pyramid from the one below. One invocation for each cell and direction.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,7 +11,7 @@
 
 layout(local_size_x = VCT_GROUP) in;
 layout(location = VCT_RANGE) uniform uvec2 range;
-layout(location = VCT_LEVEL) uniform uint level;   // being made
+layout(location = VCT_LEVEL) uniform uint level;   // the level being built
 layout(binding = VCT_PYRAMID_UNIT) uniform sampler3D vct_pyramid;
 layout(binding = VCT_PYRAMID_IMAGE, rgba16f) uniform writeonly image3D level_image;
 
@@ -20,7 +20,7 @@ vec4 below(uvec3 at, uint way, uint side)
 	return texelFetch(vct_pyramid, ivec3(at.x + way * side, at.yz), int(level) - 1);
 }
 
-// Along one axis, one way.
+// The combined value along one axis, in one direction.
 vec4 along_axis(uvec3 first, uint axis, bool up, uint way, uint side)
 {
 	uvec3 along = uvec3(axis == 0u, axis == 1u, axis == 2u);

@@ -1,4 +1,4 @@
-// Irradiance of both sides of every entry straight from the lights, with their shadows.
+// Direct irradiance, with shadows, of both sides of every entry.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 #define SCENE_WITHOUT_TANGENTS
@@ -6,19 +6,20 @@
 
 #include "shared/bindings.h"
 
-// In the place of two storage blocks, which the voxels need: an entry has neither gloss nor normal maps, so neither is read.
+// These replace two storage blocks, whose places the voxels need. Neither is read, because an entry has no microfacets and
+// no normal maps.
 vertex_tangent tangents[1];
 vec2 ggx_table[1];
 
 #if defined(VCT_SHADOW_HARD) && !defined(VCT_SHADOW_VOLUME)
 #include "vct/shadow.glsl"
 #endif
-// Each entry has a set of points of its own: one set for all would miss the same parts of the lamps everywhere, and cones see
+// Each entry has its own set of points. One set for all would miss the same parts of the lamps everywhere, and a cone reads
 // many entries together.
 uint entry_turn;
 #define DIRECT_TURN entry_turn
-// A ratio to the closed form is biased for the few points of one entry, most where a lamp is seen through a gap. Points alone are
-// not, and a cone's mean over many entries has little of their noise.
+// The ratio to the closed form is biased for the few points of one entry, most where a lamp is seen through a gap. The
+// points alone are unbiased, and a cone's mean over many entries shows little of their noise.
 #undef DIRECT_CLOSED
 #define DIRECT_CLOSED false
 #include "direct/lighting.glsl"
@@ -41,8 +42,9 @@ layout(std430, binding = BIND_VCT_DIRECT) buffer VctDirect {
 	uint vct_direct[];
 };
 
-// Plain: Lambert about the mean normal. Weighted: about the three axes that it leans to, by its squares, for a voxel whose
-// surfaces face this way and that has no normal worth the name.
+// Without VCT_WEIGHTED: Lambert's irradiance about the mean normal. With it: the irradiances about the three axes on the
+// normal's side, weighted by the squares of its components, for voxels whose surfaces face many ways, so that the mean
+// normal says little.
 vec3 entry_irradiance(vec3 position, vec3 n, uint pattern)
 {
 	float off = 0.25 * voxel_size;
@@ -68,14 +70,15 @@ void main()
 	vec3 most = vec3(0.0);
 	entry_turn = hash(entry) & 255u;
 	for (uint side = 0u; side < 2u; side++) {
-		// Off the surface by a part of the voxel: the mean place of a curved surface lies a little inside of it.
+		// The point is moved off the surface by a part of the voxel's size: the mean position of a curved surface
+		// lies slightly inside of it.
 		direct_share = vec2(0.0);
 		vec3 e = entry_irradiance(position, side == 0u ? normal : -normal, entry * 7u + side);
-		// A NaN fails every comparison.
+		// Written as comparisons that a NaN fails.
 		e = vec3(e.r > 0.0 ? min(e.r, 1e30) : 0.0, e.g > 0.0 ? min(e.g, 1e30) : 0.0, e.b > 0.0 ? min(e.b, 1e30) : 0.0);
 		for (uint i = 0u; i < 3u; i++)
 			vct_direct[entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS + i] = floatBitsToUint(e[i]);
-		// Where no light shines there is nothing to shade.
+		// Where no light shines there is nothing to shade: the share is 1.
 		float share = direct_share.y > 0.0 ? clamp(direct_share.x / direct_share.y, 0.0, 1.0) : 1.0;
 		vct_direct[entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS + 3u] = floatBitsToUint(share);
 		most = max(most, e);

@@ -1,5 +1,6 @@
-// The voxels themselves: for each pixel the first occupied cell along its ray, or a slice of the grid seen straight on. Cells
-// are shown as they are, one value each: nothing is filtered. Level 0 are the voxels; level n is level n − 1 of the pyramid.
+// Displays the voxels themselves: for each pixel the first occupied cell along its ray, or a slice of the grid seen
+// straight on. Each cell is shown with its one value, without filtering. Level 0 is the voxels; level n is level n − 1 of
+// the pyramid.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 #define SCENE_WITHOUT_TRACE
@@ -34,7 +35,7 @@ uvec3 level_sides()
 	return voxel_sides() >> where.x;
 }
 
-// Of entry `entry` on its front or its back.
+// The value of an entry's front or back.
 vec3 entry_value(uint entry, bool front)
 {
 	if (VCT_SHOW == VCT_SHOW_ALBEDO)
@@ -51,7 +52,7 @@ vec3 entry_value(uint entry, bool front)
 	return voxel_diffuse_albedo(entry) * irradiance * (1.0 / PI) + (shines ? voxel_emitted(entry) : vec3(0.0));
 }
 
-// Fronts hide backs: a voxel of a thin wall has the wall's other side, too.
+// The value of a voxel. Fronts hide backs, because a voxel of a thin wall also contains the wall's other side.
 vec3 voxel_value(uvec3 voxel, vec3 direction)
 {
 	uint layers = voxel_layers(voxel);
@@ -81,7 +82,8 @@ vec3 voxel_value(uvec3 voxel, vec3 direction)
 	return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
 }
 
-// Of a cell of the pyramid, looked at along `direction`, or every way if that is zero. rgb: coverage × radiance; a: coverage.
+// The value of a cell of the pyramid seen along `direction`, or in all directions if that is zero. rgb: coverage ×
+// radiance; a: coverage.
 vec4 pyramid_sum(uvec3 cell, vec3 direction, out vec3 cover)
 {
 	uint wide = level_sides().x;
@@ -124,8 +126,9 @@ vec3 cell_value(uvec3 cell, vec3 direction)
 	return sum.rgb / (sum.a * vct_background_scale.w);
 }
 
-// The first occupied cell that the ray through a pixel enters, by the planes between cells one after the other (Amanatides
-// and Woo 1987, "A fast voxel traversal algorithm for ray tracing"). The one that the eye is in is looked through.
+// Finds the first occupied cell that the ray through a pixel enters, by stepping from plane to plane between cells
+// (Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing"). The cell that contains the eye is
+// transparent.
 bool first_cell(uvec2 pixel, out uvec3 found, out vec3 direction)
 {
 	vec3 origin;
@@ -146,7 +149,7 @@ bool first_cell(uvec2 pixel, out uvec3 found, out vec3 direction)
 	bool look = near > 0.0;
 	bool inside = far > max(near, 0.0);
 	bool met = false;
-	// No ray passes more cells than so.
+	// No ray crosses more cells than this.
 	for (int i = sides.x + sides.y + sides.z; i > 0 && inside && !met; i--) {
 		met = look && occupied(uvec3(cell), direction);
 		found = uvec3(cell);
@@ -160,8 +163,8 @@ bool first_cell(uvec2 pixel, out uvec3 found, out vec3 direction)
 	return met;
 }
 
-// The cell of a slice that a pixel is in. x slices are seen from +x with −z to the right, y slices from above with x to the
-// right and −z up, z slices from +z with x to the right: always against the axis, which points at the one who looks.
+// The cell of a slice at a pixel. Slices across x are seen from +x with −z to the right, slices across y from above with x
+// to the right and −z up, slices across z from +z with x to the right: the viewer always looks against the axis.
 bool slice_cell(uvec2 pixel, out uvec3 cell)
 {
 	uvec3 sides = level_sides();

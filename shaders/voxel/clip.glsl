@@ -1,14 +1,14 @@
-// Area and centroid of a triangle inside a unit cell, exactly, without a list of corners: the triangle's outline is cut at the
-// two heights 0 and 1, and integrated along over the unit square with its x held to 0…1 (Green's theorem). Every piece is a
-// continuous function of the corners, so rounding moves the sums by as much as it moves the corners, and no more.
+// Exact area and centroid of a triangle inside a unit cell, without a list of corners. The triangle's outline is cut at the
+// heights 0 and 1. It is then integrated over the unit square, with x clamped to 0…1 (Green's theorem). Every piece is a
+// continuous function of the corners, so rounding moves the sums by no more than it moves the corners.
 #ifndef VOXEL_CLIP_GLSL
 #define VOXEL_CLIP_GLSL
 
-// Integrals of 1, x, y over the part of the square left of the outline so far; the outline's own extent.
+// Integrals of 1, x and y over the part of the square to the left of the outline so far, and the outline's extent.
 struct integral {
 	float area;
 	vec2 moment;
-	float climb;       // Σ |Δy|: what rounding is measured by
+	float climb;       // Σ |Δy|, the scale of the rounding error
 	vec2 low;
 	vec2 high;
 };
@@ -24,7 +24,7 @@ integral integral_begin()
 	return r;
 }
 
-// Add the outline's piece from p to q.
+// Adds the piece of the outline from p to q.
 void add_piece(inout integral r, vec2 p, vec2 q)
 {
 	vec2 y = clamp(vec2(p.y, q.y), 0.0, 1.0);
@@ -32,7 +32,7 @@ void add_piece(inout integral r, vec2 p, vec2 q)
 	float slope = p.y != q.y ? (q.x - p.x) / (q.y - p.y) : 0.0;
 	vec2 x = vec2(p.x, p.x) + (y - p.y) * slope;
 	float dx = x.y - x.x;
-	// The stretch where x is between 0 and 1, as a part of the piece; before and after it x is held.
+	// The part of the piece where x is between 0 and 1, as a range of its length. Before and after it, x is clamped.
 	vec2 s = dx != 0.0 ? clamp(vec2(-x.x, 1.0 - x.x) / dx, 0.0, 1.0) : vec2(0.0);
 	float s0 = min(s.x, s.y);
 	float s1 = max(s.x, s.y);
@@ -52,7 +52,7 @@ void add_piece(inout integral r, vec2 p, vec2 q)
 	r.high = max(r.high, max(p, q));
 }
 
-// Where the outline leaves a height and comes back.
+// The places where the outline leaves a height and where it comes back.
 struct gap {
 	vec2 from;
 	vec2 to;
@@ -64,7 +64,7 @@ vec2 at_height(vec3 p, vec3 q, float h)
 	return p.xy + (q.xy - p.xy) * clamp((h - p.z) / (q.z - p.z), 0.0, 1.0);
 }
 
-// An edge from p to q, its part between the heights 0 and 1.
+// Adds the part of the edge from p to q between the heights 0 and 1.
 void add_edge(inout integral r, inout gap below, inout gap above, vec3 p, vec3 q)
 {
 	bool p0 = p.z < 0.0;
@@ -84,8 +84,8 @@ void add_edge(inout integral r, inout gap below, inout gap above, vec3 p, vec3 q
 	above.open = above.open || p1 || q1;
 }
 
-// Over the unit square, of the triangle between the heights (z) 0 and 1. Corners relative to the cell's low corner. The area is
-// that of the projection, its sign that of the triangle's turn.
+// The integrals over the unit square of the part of the triangle between the heights (z) 0 and 1. Corners are relative to
+// the cell's low corner. The area is that of the projection; its sign is that of the triangle's winding.
 integral clip_triangle(vec3 a, vec3 b, vec3 c)
 {
 	integral r = integral_begin();

@@ -1,8 +1,9 @@
-// The voxel grid, and which cells a triangle overlaps: the separating axes of a triangle and a box (Akenine-Möller 2001, "Fast
-// 3D triangle-box overlap testing"), over the columns of a struct voxel_item.
+// The voxel grid, and the cells that a triangle overlaps. The test uses the separating axes of a triangle and a box
+// (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing"), over the columns of a struct voxel_item.
 //
-// In voxels, relative to the first corner, which keeps a small triangle's own shape exact wherever it lies. A cell counts as
-// overlapped if it is within VOXEL_SLACK of the triangle: rounding stays below that, so nothing thin is lost.
+// Coordinates are in voxels relative to the triangle's first corner, so that the shape of a small triangle stays exact
+// wherever it lies. A cell counts as overlapped if it is within VOXEL_SLACK of the triangle. Rounding stays below that, so
+// nothing thin is lost.
 #ifndef VOXEL_GRID_GLSL
 #define VOXEL_GRID_GLSL
 
@@ -22,12 +23,12 @@ SCENE_BUFFER(BIND_VOXEL_ITEMS) readonly buffer VoxelItems {
 	voxel_item items[];
 };
 
-// Items of this dispatch: first, count.
+// The items of this dispatch: first, count.
 layout(location = 0) uniform uvec2 item_range;
 
 const float VOXEL_SLACK = 1.0 / 4096.0;
 
-// Cyclic, so that handedness stays: the axis `k` becomes z, and back.
+// Rotates the axes so that axis `k` becomes z; turn_back undoes it. Cyclic, so that handedness is kept.
 vec3 turn_axes(vec3 v, uint k)
 {
 	return k == 0u ? v.yzx : k == 1u ? v.zxy : v;
@@ -38,23 +39,24 @@ vec3 turn_back(vec3 v, uint k)
 	return k == 0u ? v.zxy : k == 1u ? v.yzx : v;
 }
 
-// A triangle over the grid, its axes turned: columns run along z.
+// A triangle over the grid, with rotated axes: columns run along z.
 struct tile {
 	uint id;           // of the triangle
 	uint k;            // the axis that became z
 	bool needle;
-	vec3 start;        // first corner, voxels
-	vec3 e1;           // from it to the others
+	vec3 start;        // first corner, in voxels
+	vec3 e1;           // edges from it to the other corners
 	vec3 e2;
-	vec3 e3;           // from the second to the third
+	vec3 e3;           // edge from the second corner to the third
 	vec3 normal;       // e1 × e2
-	vec3 low;          // its box
+	vec3 low;          // bounding box
 	vec3 high;
-	vec2 slope;        // of its height over the columns
+	vec2 slope;        // change of its height per column
 	ivec2 first;       // columns
 	ivec2 size;
-	ivec2 range;       // cells of z that the box touches
-	// Separating axes: the edges × x, × y, × z, three edges in each vector: |a·p + b·q − middle| ≤ reach overlaps.
+	ivec2 range;       // cells along z that the bounding box touches
+	// Separating axes: the edges × x, × y, × z, three edges in each vector. The cell overlaps where |a·p + b·q −
+	// middle| ≤ reach.
 	vec3 ex;
 	vec3 ey;
 	vec3 ez;
@@ -70,7 +72,7 @@ vec3 longest_edge(tile t)
 	return dot(t.e3, t.e3) > dot(d, d) ? t.e3 : d;
 }
 
-// The product of the two shorter edges, whose rounding is least.
+// The product of the two shorter edges, which has the least rounding error.
 vec3 normal_of(tile t)
 {
 	float l1 = dot(t.e1, t.e1);
@@ -81,8 +83,8 @@ vec3 normal_of(tile t)
 	return cross(a, b);
 }
 
-// How a triangle's height changes over the columns. A needle takes the slopes of its longest edge, which is never steep
-// along the axis chosen for it.
+// The change of a triangle's height per column. A needle takes the slopes of its longest edge, which is never steep along
+// the axis chosen for it.
 vec2 slope_of(tile t)
 {
 	vec3 n = t.normal;
@@ -94,7 +96,7 @@ vec2 slope_of(tile t)
 	return n.z != 0.0 ? clamp(-n.xy / n.z, -1.5, 1.5) : vec2(0.0);
 }
 
-// First and last cell that [low, high] touches, the upper end left out unless it is the lower one, too.
+// The last cell that [low, high] touches. The upper end is exclusive unless it equals the lower one.
 ivec3 last_cell(vec3 low, vec3 high)
 {
 	return max(ivec3(floor(low)), ivec3(ceil(high)) - 1);
@@ -122,7 +124,7 @@ void set_axes(inout tile t)
 	t.reach_z = 0.5 * abs(t.normal.z) + h * (abs(t.ex) + abs(t.ey));
 	vec3 m = max(abs(t.e1), abs(t.e2));
 	float l = max(m.x, max(m.y, m.z));
-	// The normal's own rounding counts where the triangle is long.
+	// The rounding error of the normal itself matters for long triangles.
 	t.reach_n = h * dot(abs(t.normal), vec3(1.0)) + 4e-7 * l * l * (l + 1.0);
 }
 
@@ -150,10 +152,11 @@ tile tile_of(voxel_item item)
 	return t;
 }
 
-// Whether a triangle overlaps the cell whose middle is `q` from its first corner; their boxes do.
+// Whether a triangle overlaps the cell whose middle is at `q`, relative to the first corner. Their boxes must overlap.
 bool overlaps(tile t, vec3 q)
 {
-	// Both ends of an edge × axis are ± the normal's component of that axis apart from the third corner.
+	// The two ends of an edge differ from the third corner, along edge × axis, by ± the normal's component of that
+	// axis.
 	const vec3 half_sign = vec3(0.5, -0.5, -0.5);
 	bvec3 x = lessThanEqual(abs(t.ey * q.z - t.ez * q.y - half_sign * t.normal.x), t.reach_x);
 	bvec3 y = lessThanEqual(abs(t.ez * q.x - t.ex * q.z - half_sign * t.normal.y), t.reach_y);
@@ -161,11 +164,11 @@ bool overlaps(tile t, vec3 q)
 	return all(x) && all(y) && all(z) && abs(dot(t.normal, q)) <= t.reach_n;
 }
 
-// Where a walk over a tile's cells is.
+// The state of a walk over a tile's cells.
 struct walk {
 	int column;        // 0 … size.x · size.y
-	ivec3 cell;        // next to be looked at
-	int last;          // of the column
+	ivec3 cell;        // next cell to test
+	int last;          // last cell of the column
 };
 
 void open_column(tile t, inout walk w)
@@ -188,7 +191,7 @@ walk walk_begin(tile t)
 	return w;
 }
 
-// The next cell that the triangle overlaps, axes turned. False: there is none any more.
+// Finds the next cell that the triangle overlaps, in rotated axes. False if there are no more.
 bool walk_next(tile t, inout walk w, out ivec3 cell)
 {
 	bool found = false;
@@ -206,7 +209,7 @@ bool walk_next(tile t, inout walk w, out ivec3 cell)
 	return found;
 }
 
-// The bit of a cell (axes turned) in a layer, or NONE outside of the grid.
+// The bit of a cell (in rotated axes) and layer, or NONE outside of the grid.
 uint bit_of(tile t, ivec3 turned, uint layer)
 {
 	ivec3 c = t.k == 0u ? turned.zxy : t.k == 1u ? turned.yzx : turned;
@@ -216,7 +219,7 @@ uint bit_of(tile t, ivec3 turned, uint layer)
 	return 2u * (uint(c.x) + sides.x * (uint(c.y) + sides.y * uint(c.z))) + layer;
 }
 
-// 1 if the largest component of the normal is negative: the tile's z, but for a needle.
+// The layer of a triangle: 1 if the largest component of its normal is negative. That is the tile's z, except for a needle.
 uint layer_of(tile t)
 {
 	vec3 n = t.normal;
@@ -225,7 +228,7 @@ uint layer_of(tile t)
 	return largest < 0.0 ? 1u : 0u;
 }
 
-// 0 … 1, the same for the same triangle and cell.
+// A pseudo-random number, 0 … 1, that depends only on the triangle and the cell.
 float dither(tile t, ivec3 cell)
 {
 	uvec3 v = floatBitsToUint(t.start) ^ floatBitsToUint(t.e1).yzx * 0x9E3779B1u ^ floatBitsToUint(t.e2).zxy * 0x85EBCA77u;

@@ -1,5 +1,5 @@
-// Reading voxels, for programs that come after: from a place to its cell, from a cell to its entries, and what they hold.
-// Layouts: shared/voxel.h. A block that a program does not read takes none of its storage blocks.
+// Reading voxels: from a place to its cell, from a cell to its entries, and their contents. For programs that run after the
+// voxels are built. Layouts: shared/voxel.h. A storage block that a program does not use does not count against its limit.
 #ifndef VOXEL_LOOKUP_GLSL
 #define VOXEL_LOOKUP_GLSL
 
@@ -41,7 +41,7 @@ float voxel_side()
 	return grid_low_side.w;
 }
 
-// A place in metres, relative to the blob's origin, in voxels from the grid's low corner; and back.
+// Converts between metres, relative to the blob's origin, and voxels from the grid's low corner.
 vec3 voxel_from_metres(vec3 p)
 {
 	return (p - grid_low_side.xyz) / grid_low_side.w;
@@ -57,7 +57,7 @@ bool voxel_is_inside(ivec3 cell)
 	return all(greaterThanEqual(cell, ivec3(0))) && all(lessThan(cell, ivec3(grid_sides_entries.xyz)));
 }
 
-// The entry of a cell inside of the grid in a layer (0 or 1), or NONE.
+// The entry of a cell in a layer (0 or 1), or NONE. The cell must be inside of the grid.
 uint voxel_entry(uvec3 cell, uint layer)
 {
 	uint bit = 2u * (cell.x + grid_sides_entries.x * (cell.y + grid_sides_entries.y * cell.z)) + layer;
@@ -66,14 +66,14 @@ uint voxel_entry(uvec3 cell, uint layer)
 	return (word.x & at) != 0u ? word.y + uint(bitCount(word.x & at - 1u)) : NONE;
 }
 
-// Whether a cell inside of the grid has an entry in either layer: bits 1 and 2.
+// The layers in which a cell has entries: bit 0 for layer 0, bit 1 for layer 1. The cell must be inside of the grid.
 uint voxel_layers(uvec3 cell)
 {
 	uint bit = 2u * (cell.x + grid_sides_entries.x * (cell.y + grid_sides_entries.y * cell.z));
 	return voxel_words[bit >> 5].x >> (bit & 31u) & 3u;
 }
 
-// The cell and layer of an entry.
+// The cell of an entry; voxel_layer gives its layer.
 uvec3 voxel_cell(uint entry)
 {
 	uint cell = voxel_albedo[entry].w >> 1;
@@ -106,7 +106,7 @@ vec3 voxel_emitted(uint entry)
 	return uintBitsToFloat(voxel_emission[entry].xyz);
 }
 
-// Whether its back emits as much: some of its surfaces shine on both sides.
+// Whether the back of an entry emits as its front does, because some of its surfaces emit on both sides.
 bool voxel_emits_back(uint entry)
 {
 	uint bits = voxel_emission[voxel_entries() + entry / VOXEL_BACK_BITS][entry / 32u % 4u];
@@ -119,8 +119,8 @@ float voxel_area(uint entry)
 	return uintBitsToFloat(voxel_emission[entry].w);
 }
 
-// Area / side² projected along each axis: of what faces its positive and its negative end. Above 1 where several surfaces lie
-// behind each other.
+// Area / side² projected along each axis, separately for surfaces that face the axis' positive and negative end. Above 1
+// where several surfaces lie behind each other.
 void voxel_projections(uint entry, out vec3 plus, out vec3 minus)
 {
 	uvec4 c = voxel_coverage[entry];

@@ -1,4 +1,4 @@
-// Unit vectors in 32 bits: the octahedron unfolded (Cigolle et al. 2014, "A survey of efficient representations for
+// Unit vectors in 32 bits: the unfolded octahedron (Cigolle et al. 2014, "A survey of efficient representations for
 // independent unit vectors").
 #ifndef VOXEL_OCTAHEDRAL_GLSL
 #define VOXEL_OCTAHEDRAL_GLSL

@@ -1,4 +1,4 @@
-// What a triangle looks like within one cell: colours averaged over several points of the part that is inside.
+// The appearance of a triangle within one cell: colours averaged over several points of the part that is inside.
 #ifndef VOXEL_SAMPLE_GLSL
 #define VOXEL_SAMPLE_GLSL
 
@@ -6,15 +6,15 @@
 #include "voxel/grid.glsl"
 
 struct look {
-	vec3 albedo;       // of a Lambert surface that reflects as much as this one
+	vec3 albedo;       // albedo of a Lambertian surface that reflects as much as this one
 	vec3 emission;     // radiance, W/(m² sr)
-	float there;       // share that alpha leaves, and clear material
+	float there;       // share that remains after alpha masking and transmission
 };
 
-// Texels along the longer side of a part above which it has more points.
+// With more texels than this along the longer side of a part, more points are sampled.
 const float LOOK_TEXELS = 12.0;
 
-// Barycentrics of a point over the columns, held to the triangle.
+// Barycentrics of a point over the columns, clamped to the triangle.
 vec3 barycentrics(tile t, vec2 p, out bool inside)
 {
 	vec2 d = p - t.start.xy;
@@ -27,9 +27,9 @@ vec3 barycentrics(tile t, vec2 p, out bool inside)
 	return vec3(1.0 - uv.x - uv.y, uv);
 }
 
-// Radiance that a surface gives away is diffuse here, so its specular part is too: Schlick's reflectance averaged over the
-// hemisphere, F̄ = F0 + (F90 − F0) / 21, goes back at once, and the diffuse part has what is left. No more than 1 with either.
-// What is metal, and what is clear, is asked at one point for all, `uv`: it changes the sum of both parts by little.
+// The voxels' light is all diffuse, so the specular reflection is treated as diffuse too: the hemispherical mean of
+// Schlick's reflectance, F̄ = F0 + (F90 − F0) / 21, is added to the diffuse albedo times what F̄ leaves. The sum is at most
+// 1. Metalness and transmission are looked up once for all points, at `uv`; they change the sum little.
 vec3 diffuse_albedo(material m, vec3 base, vec4 uv, out float transmission)
 {
 	surface s;
@@ -44,7 +44,7 @@ vec3 diffuse_albedo(material m, vec3 base, vec4 uv, out float transmission)
 	return clamp(s.albedo * (1.0 - specular) + specular, 0.0, 1.0);
 }
 
-// Add a point's base colour and emission, by weight.
+// Adds a point's base colour and emission, by weight.
 void add_point(inout look l, material m, triangle tri, vec3 bary, vec4 uv, float weight)
 {
 	vec4 base = base_color_at(m, tri, bary, uv);
@@ -53,14 +53,14 @@ void add_point(inout look l, material m, triangle tri, vec3 bary, vec4 uv, float
 	l.there += w;
 	l.albedo += w * clamp(base.rgb, 0.0, 1.0);
 	bool emits = EFFECT_EMITTERS && (m.emission[0] > 0.0 || m.emission[1] > 0.0 || m.emission[2] > 0.0);
-	// A loop, for some drivers run what is behind an `if` in any case.
+	// A loop instead of an `if`, because some drivers execute the body of an `if` in any case.
 	while (emits) {
 		l.emission += w * emission_at(m, uv);
 		emits = false;
 	}
 }
 
-// Texture coordinates over a triangle: linear in the barycentrics of its second and third corner.
+// Texture coordinates over a triangle, linear in the barycentrics of its second and third corner.
 struct chart {
 	vec4 at;
 	vec4 d1;
@@ -76,7 +76,7 @@ chart chart_of(triangle tri)
 	return c;
 }
 
-// Texels of a material's first texture along a voxel's side, the larger of both directions.
+// Texels of a material's first texture along a voxel's side, in the direction that has more.
 float texels_a_voxel(material m, chart c, tile t)
 {
 	uint chosen = m.albedo_texture != NONE ? m.albedo_texture : m.emission_texture;
@@ -94,15 +94,16 @@ float texels_a_voxel(material m, chart c, tile t)
 	return max(length(along1) / max(length(t.e1), 1e-6), length(along2) / max(length(t.e2), 1e-6));
 }
 
-// Points along a side of the pattern; 0: the centroid alone.
+// Number of points along a side of the pattern; 0: the centroid alone.
 uint points_a_side(float texels)
 {
 	return texels <= 1.5 ? 0u : texels <= LOOK_TEXELS ? 2u : 3u;
 }
 
-// Colours over the part of a triangle in a cell: of points strewn evenly over the part's box [low, high] (over the columns, from
-// the cell's low corner) those that are inside, and the centroid, `middle`, which always is. `seed` (0 … 1) moves the points
-// about within their strata, lest they keep step with a texture that repeats (Roberts 2018's sequence R2).
+// Colours over the part of a triangle in a cell. Points are spread evenly over the part's box [low, high] (over the
+// columns, from the cell's low corner); those inside the part count, and so does the centroid, `middle`, which is always
+// inside. `seed` (0 … 1) moves the points within their strata, to avoid resonance with a texture that repeats (Roberts
+// 2018's sequence R2).
 look look_at(tile t, ivec3 cell, vec2 low, vec2 high, vec2 middle, float seed)
 {
 	look l = look(vec3(0.0), vec3(0.0), 0.0);
@@ -116,7 +117,7 @@ look look_at(tile t, ivec3 cell, vec2 low, vec2 high, vec2 middle, float seed)
 		side = points_a_side(texels_a_voxel(m, c, t) * max(high.x - low.x, high.y - low.y));
 	}
 	vec4 uv = vec4(0.0);
-	// The last round is the centroid.
+	// The last round is for the centroid.
 	for (uint i = 0u; i <= side * side; i++) {
 		bool last = i == side * side;
 		vec2 within = fract(seed + float(i) * vec2(0.75487767, 0.56984029));
@@ -136,7 +137,7 @@ look look_at(tile t, ivec3 cell, vec2 low, vec2 high, vec2 middle, float seed)
 	l.there /= points;
 	if (EFFECT_GLASS)
 		l.there *= 1.0 - transmission;
-	// Unlit surfaces neither reflect nor light anything.
+	// Unlit surfaces neither reflect light nor light anything.
 	if (EFFECT_UNLIT && (m.flags & MATERIAL_UNLIT) != 0u) {
 		l.albedo = vec3(0.0);
 		l.emission = vec3(0.0);

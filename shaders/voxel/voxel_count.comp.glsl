@@ -1,4 +1,4 @@
-// Entries of each block of VOXEL_BLOCK_WORDS words; the sums over blocks are the host's.
+// Counts the entries of each block of VOXEL_BLOCK_WORDS words. The host sums over the blocks.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -13,7 +13,7 @@ layout(std430, binding = BIND_VOXEL_BLOCKS) writeonly buffer VoxelBlocks {
 	uint blocks[];
 };
 
-// Words of the grid.
+// Number of words of the grid.
 layout(location = 0) uniform uint words;
 
 void main()

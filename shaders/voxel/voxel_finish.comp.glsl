@@ -1,4 +1,4 @@
-// From sums to what shading reads, in the same memory: an invocation a word.
+// Converts the sums to what shading reads, in the same memory. One invocation for each word.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -26,9 +26,9 @@ layout(std430, binding = BIND_VOXEL_COVERAGE) buffer Coverage {
 	uvec4 coverage[];
 };
 
-// Words of the grid.
+// Number of words of the grid.
 layout(location = 0) uniform uint words;
-// 1 / units of area; radiance of a unit of emission in a unit of area's stead.
+// x: 1 / units of area; y: radiance of one unit of emission per unit of area.
 layout(location = 1) uniform vec2 unit_sizes;
 // First word of this dispatch.
 layout(location = 2) uniform uint first_word;
@@ -42,7 +42,7 @@ vec3 cell_middle(uint bit)
 	return vec3(cell % sides.x, cell / sides.x % sides.y, cell / sides.x / sides.y) + 0.5;
 }
 
-// Where the parts' normals cancel, some axis that its layer's sign goes with.
+// The normalised sum of normals. Where they cancel, an axis that agrees with the layer's sign.
 vec3 mean_normal(vec3 n, uint layer)
 {
 	float l = length(n);

@@ -1,4 +1,4 @@
-// Set the bit of every (cell, layer) that a triangle overlaps.
+// Sets the bit of every (cell, layer) that a triangle overlaps.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

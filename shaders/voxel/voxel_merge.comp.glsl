@@ -1,4 +1,5 @@
-// Sums of what did not move into those of an edited scene, whose words say where: an invocation a word.
+// Copies the sums of what did not move into those of an edited scene, whose words determine the places. One invocation for
+// each word.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -37,9 +38,9 @@ layout(std430, binding = BIND_VOXEL_COVERAGE) writeonly buffer Coverage {
 	uvec4 coverage[];
 };
 
-// Words of the grid.
+// Number of words of the grid.
 layout(location = 0) uniform uint words;
-// Entries of what stays in place, and of all.
+// Number of entries of what did not move, and of all.
 layout(location = 1) uniform uvec2 entries;
 // First word of this dispatch.
 layout(location = 2) uniform uint first_word;

@@ -1,4 +1,4 @@
-// Entries before each word, out of those before its block.
+// Computes the number of entries before each word from the number before its block.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -13,7 +13,7 @@ layout(std430, binding = BIND_VOXEL_BLOCKS) readonly buffer VoxelBlocks {
 	uint blocks[];
 };
 
-// Words of the grid.
+// Number of words of the grid.
 layout(location = 0) uniform uint words;
 
 void main()

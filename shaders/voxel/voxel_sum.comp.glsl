@@ -1,6 +1,6 @@
-// Sums over every triangle's part in every cell: areas, colours, places, each weighted by area, in fixed point, so that the
-// order of the additions does not matter. Rounding is up or down by a number drawn from the triangle's own place, which is as
-// often too much as too little; the area alone is never rounded to nothing.
+// Sums over every triangle's part in every cell: areas, colours and places, each weighted by area. Sums are in fixed point,
+// so that they do not depend on the order of additions. Values are rounded up or down by a number derived from the
+// triangle's place, so that the rounding is unbiased. Only the area is never rounded to zero.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -12,7 +12,7 @@ layout(local_size_x = VOXEL_GROUP) in;
 SCENE_BUFFER(BIND_VOXEL_WORDS) buffer VoxelWords {
 	uvec2 voxel_words[];
 };
-// Four words an entry: area and place; albedo and projection +x; emission and projection −x; projections +y −y +z −z.
+// Four words for each entry: area and place; albedo and projection +x; emission and projection −x; projections +y −y +z −z.
 SCENE_BUFFER(BIND_VOXEL_PLACE) buffer PlaceSums {
 	uint place_sums[];
 };
@@ -26,15 +26,15 @@ SCENE_BUFFER(BIND_VOXEL_COVERAGE) buffer CoverageSums {
 	uint coverage_sums[];
 };
 
-// Units of a voxel side's square of area; of the same in the scene's brightest emission.
+// x: units of area in a voxel side's square; y: the same for area × the scene's brightest emission.
 layout(location = 1) uniform vec2 units;
-// Words of the grid, before the one that tells what is full.
+// Number of words of the grid; the word behind them holds the VOXEL_FULL_… flags.
 layout(location = 2) uniform uint words;
 
-// What of a triangle is in a cell.
+// The part of a triangle that is in a cell.
 struct part {
-	float share;       // of the triangle's area
-	vec3 middle;     // from the cell's low corner, axes turned
+	float share;       // share of the triangle's area
+	vec3 middle;     // from the cell's low corner, in rotated axes
 	vec2 low;
 	vec2 high;
 };
@@ -44,14 +44,14 @@ bool is_within_one_cell(tile t)
 	return all(equal(ivec3(floor(t.low)), last_cell(t.low, t.high)));
 }
 
-// Area of a triangle up to a place along its longest edge, 0 … 1, as a share; its height stands at `foot`.
+// Share of a triangle's area up to a place along its longest edge, 0 … 1; `foot` is the foot of its height on that edge.
 float share_until(float at, float foot)
 {
 	return at < foot ? at * at / foot : 1.0 - (1.0 - at) * (1.0 - at) / max(1.0 - foot, 1e-20);
 }
 
-// The middle of the triangle's longest edge within the cell, and the share of the area that is beside it there: for what is
-// too thin to have a centroid.
+// For triangles too thin to have a centroid: the middle of the part of the longest edge that is within the cell (xyz), and
+// the share of the triangle's area along that part (w).
 vec4 edge_within(tile t, vec3 a)
 {
 	bool first = dot(t.e1, t.e1) > dot(t.e2, t.e2);
@@ -108,7 +108,7 @@ void add_area(uint entry, uint v)
 void add_emission(uint entry, vec3 emission, bool both_sides, float scale, float round_up)
 {
 	bool emits = any(greaterThan(emission, vec3(0.0)));
-	// A loop, for some drivers run what is behind an `if` in any case.
+	// A loop instead of an `if`, because some drivers execute the body of an `if` in any case.
 	while (emits) {
 		uvec3 v = uvec3(emission * scale + round_up);
 		bool full = false;
@@ -123,7 +123,7 @@ void add_emission(uint entry, vec3 emission, bool both_sides, float scale, float
 	}
 }
 
-// A part's projections on the axes, signed by the side that it turns to them.
+// Adds a part's projections on the axes, separately for each sign.
 void add_projections(uint entry, vec3 projected, float round_up)
 {
 	uvec3 v = uvec3(abs(projected) * units.x + round_up);
