@@ -1,4 +1,4 @@
-// π, and angles in degrees as they are named by people.
+// The constant π, for conversions between degrees and radians.
 #ifndef CANDIL_BASE_ANGLE_H
 #define CANDIL_BASE_ANGLE_H
 

@@ -1,4 +1,5 @@
-// Sizes from outside: arithmetic that says when it overflowed. Each returns false and leaves `out` alone on overflow.
+// Arithmetic for sizes that come from outside, with a check for overflow. Each function returns false and leaves `out`
+// unchanged on overflow. Any thread.
 #ifndef CANDIL_BASE_CHECKED_H
 #define CANDIL_BASE_CHECKED_H
 

@@ -3,7 +3,7 @@
 
 #include <stdint.h>
 
-// Monotonic time in microseconds, from an arbitrary start.
+// Monotonic time in microseconds since an arbitrary start. Any thread; cannot fail.
 uint64_t clock_us(void);
 
 #endif

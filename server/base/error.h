@@ -1,5 +1,6 @@
-// A failure on its way up: a stable code and one sentence that says what to do. Functions that can fail return the code
-// and fill the sentence; a caller that adds nothing passes both on. No errno travels: error_errno() puts it in words.
+// A failure that is passed up to the caller: a stable code and one sentence that says what to do. A function that can fail
+// returns the code and fills the sentence; a caller that has nothing to add passes both on. errno is not passed up:
+// error_errno() puts it into words. Any thread.
 #ifndef CANDIL_BASE_ERROR_H
 #define CANDIL_BASE_ERROR_H
 
@@ -11,11 +12,11 @@ struct error {
 	char text[LIMIT_TEXT + 1];
 };
 
-// Set code and sentence, cut to fit. Returns `code`, so `return error_set(err, STATUS_X, "…")` is the usual call.
-// `err` may be NULL: the code alone is kept.
+// Set code and sentence; the sentence is cut to fit. Returns `code`, so `return error_set(err, STATUS_X, "…")` is the usual
+// call. If `err` is NULL, only the code is returned.
 enum status error_set(struct error *err, enum status code, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-// The same with ": <errno in words>" behind the sentence. Reads errno first of all.
+// As error_set, with ": " and errno's text appended to the sentence. errno is read before anything can change it.
 enum status error_errno(struct error *err, enum status code, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 #endif

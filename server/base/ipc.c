@@ -16,7 +16,7 @@ _Static_assert(sizeof(struct ipc_image) <= IPC_MAX_BYTES, "a frame's account fit
 const char *ipc_build(void)
 {
 	static char build[64];
-	// Written with the same bytes by whoever comes first, so a race is harmless; callers are single-threaded anyway.
+	// Every call writes the same bytes, so a race is harmless. Besides, callers are single-threaded.
 	if (!build[0])
 		snprintf(build, sizeof build, "%s/%zu.%zu.%zu.%zu.%zu", CANDIL_VERSION_STRING, sizeof(struct ipc_begin),
 			 sizeof(struct ipc_begun), sizeof(struct ipc_stepped), sizeof(struct ipc_image),
@@ -50,7 +50,8 @@ enum status ipc_send(int socket, const void *message, size_t bytes, int fd, stru
 	return STATUS_OK;
 }
 
-// The first descriptor to *fd. Padding leaves room for a second, which is closed: true if one came.
+// Move the first descriptor to *fd. The buffer's padding leaves room for a second one, which is closed. True if there was
+// more than one.
 static bool take_descriptors(struct msghdr *m, int *fd)
 {
 	bool too_many = false;

@@ -1,9 +1,9 @@
-// The front's line to the processes it starts: a SOCK_SEQPACKET pair, one datagram a message, descriptors beside it.
-// Both ends are of one build, so the messages are plain structs; `ipc_build` in the first one proves it.
-// The child finds its end at descriptor IPC_FD.
+// The protocol between the front and the processes that it starts: a SOCK_SEQPACKET socket pair with one datagram for each
+// message; descriptors are passed beside it. Both ends are of the same build, so the messages are plain structs;
+// `ipc_build` in the first message proves it. The child finds its end at descriptor IPC_FD.
 //
 //   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END
-//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)      (IMAGE comes from the encoder's thread, at any time)
+//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)      (the encoder's thread sends IMAGE, at any time)
 //   loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
 #ifndef CANDIL_BASE_IPC_H
 #define CANDIL_BASE_IPC_H
@@ -20,36 +20,36 @@
 
 enum ipc_op {
 	// front -> worker
-	IPC_SCENE = 1, // struct ipc_scene, one sealed blob: known from now on under its id
-	IPC_FORGET, // struct ipc_scene: jobs that use it go on; the blob is let go after the last
+	IPC_SCENE = 1, // struct ipc_scene and a sealed blob, which from now on has this id
+	IPC_FORGET, // struct ipc_scene: jobs that use it go on; the blob is unmapped after the last of them
 	IPC_BEGIN, // struct ipc_begin
 	IPC_STEP, // struct ipc_step: work on the job for about budget_us
 	IPC_READ, // struct ipc_read: encode what has been accumulated
-	IPC_END, // struct ipc_job: forget the job (READs already asked for still answer)
+	IPC_END, // struct ipc_job: forget the job; READs already requested are still answered
 	// worker -> front
 	IPC_READY, // struct ipc_ready, once
-	IPC_BEGUN, // struct ipc_begun, one a BEGIN
-	IPC_STEPPED, // struct ipc_stepped, one a STEP
-	IPC_IMAGE, // struct ipc_image, one a READ, the encoded file as a sealed memfd unless error
+	IPC_BEGUN, // struct ipc_begun, the answer to a BEGIN
+	IPC_STEPPED, // struct ipc_stepped, the answer to a STEP
+	IPC_IMAGE, // struct ipc_image, the answer to a READ, with the file as a sealed memfd unless there is an error
 	// loader -> front
-	IPC_LOADED, // struct ipc_loaded, the blob as a sealed memfd unless error
+	IPC_LOADED, // struct ipc_loaded, with the blob as a sealed memfd unless there is an error
 };
 
 struct ipc_head {
 	uint32_t op; // enum ipc_op
-	uint32_t job; // 0 where none is meant
+	uint32_t job; // 0 if the message concerns no job
 };
 
 struct ipc_scene {
 	struct ipc_head head;
-	uint64_t scene; // id, never used twice in the front's life
+	uint64_t scene; // id, never reused while the front runs
 };
 
 struct ipc_begin {
 	struct ipc_head head;
 	uint64_t scene;
-	uint64_t environment; // id of the picture of its surroundings; 0: none
-	candil_Render render; // checked by the front
+	uint64_t environment; // id of the scene that holds the environment map; 0: none
+	candil_Render render; // already checked by the front
 };
 
 struct ipc_job {
@@ -69,9 +69,9 @@ struct ipc_read {
 struct ipc_ready {
 	struct ipc_head head;
 	char build[64]; // ipc_build()
-	char device[128]; // "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6"
-	uint32_t software; // no GPU behind it
-	struct error error; // code != OK: no usable device; the worker then only answers BEGIN with this error
+	char device[128]; // for instance "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6"
+	uint32_t software; // 1: a software driver, no GPU
+	struct error error; // code != OK: no usable device; the worker then answers every BEGIN with this error
 };
 
 struct ipc_begun {
@@ -82,14 +82,14 @@ struct ipc_begun {
 
 struct ipc_stepped {
 	struct ipc_head head;
-	struct error error; // any but OK: the job is dead and needs END
-	uint32_t samples_done; // complete ones, of every pixel
-	uint32_t finished; // time for the last READ: all samples are in, or
-	uint32_t reached; // so is the target error
-	double fraction; // of the job's work
-	double estimated_relmse; // at the last look; negative: unknown
-	uint64_t device_us; // this slice took
-	uint64_t device_bytes; // held on the device now, all jobs
+	struct error error; // code != OK: the job has failed; only END may follow
+	uint32_t samples_done; // completed samples of every pixel
+	uint32_t finished; // 1: all samples are done, or the target error is reached; time for the last READ
+	uint32_t reached; // 1: the target error is reached
+	double fraction; // done share of the job's work
+	double estimated_relmse; // latest estimate; negative: unknown
+	uint64_t device_us; // device time of this slice
+	uint64_t device_bytes; // bytes held on the device now, by all jobs
 	uint64_t validation_errors; // since the worker started
 };
 
@@ -97,7 +97,7 @@ struct ipc_image {
 	struct ipc_head head;
 	struct error error;
 	candil_ImageFrame frame;
-	candil_Done done; // the worker's part: samples, stages, estimates, counts, device; for a final READ
+	candil_Done done; // for a final READ, the worker's part: samples, stages, estimates, counts, device
 };
 
 struct ipc_loaded {
@@ -107,16 +107,17 @@ struct ipc_loaded {
 	candil_SceneInfo info; // without name and load_us, which the front knows
 };
 
-// Identifies a build: version and a hash of the message sizes.
+// The identification of a build: version and message sizes. Static storage. Any thread.
 const char *ipc_build(void);
 
-// Send one datagram with up to one descriptor (fd < 0: none). The descriptor stays the caller's. Thread-safe.
-// STATUS_IO if the peer is gone or, on a non-blocking socket, cannot take it now (errno is EAGAIN then).
+// Send one datagram with at most one descriptor (fd < 0: none). The descriptor remains the caller's. Any thread. STATUS_IO
+// if the peer is gone. Also STATUS_IO, with errno EAGAIN, if a non-blocking socket cannot take it now.
 enum status ipc_send(int socket, const void *message, size_t bytes, int fd, struct error *err);
 
-// Receive one datagram into `buffer` (IPC_MAX_BYTES is always enough). *bytes 0 means the peer closed. *fd is -1 or a new
-// close-on-exec descriptor that the caller owns. STATUS_INTERNAL for a message that is longer or brings more; none of its
-// descriptors stays open. On a non-blocking socket with nothing to read: STATUS_IO and errno EAGAIN.
+// Receive one datagram into `buffer`; IPC_MAX_BYTES is always enough. *bytes is 0 if the peer has closed. *fd is -1 or a
+// new close-on-exec descriptor that the caller owns. STATUS_INTERNAL for a message that is longer than `capacity` or
+// carries more than one descriptor; all its descriptors are closed. STATUS_IO, with errno EAGAIN, if a non-blocking socket
+// has nothing to read.
 enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fd, struct error *err);
 
 #endif

@@ -36,7 +36,7 @@ void log_line(enum log_level level, const char *format, ...)
 		return;
 	size_t length = strlen(line);
 	line[length++] = '\n';
-	// A log that cannot be written has nowhere to complain.
+	// If the log cannot be written, there is nowhere to report it.
 	ssize_t ignored = write(STDERR_FILENO, line, length);
 	(void)ignored;
 }

@@ -1,4 +1,4 @@
-// Luminance of linear Rec.709 light, in its own unit: Rec. ITU-R BT.709, E_Y.
+// Luminance of linear Rec.709 light, in the unit of its components: Rec. ITU-R BT.709, E_Y.
 #ifndef CANDIL_BASE_LUMINANCE_H
 #define CANDIL_BASE_LUMINANCE_H
 

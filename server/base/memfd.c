@@ -29,7 +29,7 @@ enum status memfd_create_mapped(const char *name, size_t bytes, int *fd, void **
 
 enum status memfd_seal(int fd, void *map, size_t bytes, struct error *err)
 {
-	// F_SEAL_WRITE is refused while a writable shared mapping exists.
+	// The kernel refuses F_SEAL_WRITE while a writable shared mapping exists.
 	munmap(map, bytes);
 	if (fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL) != 0)
 		return error_errno(err, STATUS_INTERNAL, "cannot seal shared memory");

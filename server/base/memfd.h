@@ -1,6 +1,6 @@
-// Anonymous memory that travels between processes by descriptor: scene blobs and encoded frames.
-// The writer creates, fills, unmaps and seals; from then on nobody can change or shrink it, so a reader may check it once
-// and trust it after. Readers map MAP_PRIVATE (a sealed memfd refuses MAP_SHARED with PROT_WRITE).
+// Anonymous memory that is passed between processes by descriptor: scene blobs and encoded frames. The writer creates,
+// fills, unmaps and seals it. From then on nobody can change or shrink it, so a reader may check it once and then trust it.
+// Readers map it with MAP_PRIVATE, because a sealed memfd refuses MAP_SHARED with PROT_WRITE. Any thread.
 #ifndef CANDIL_BASE_MEMFD_H
 #define CANDIL_BASE_MEMFD_H
 
@@ -8,14 +8,15 @@
 
 #include "server/base/error.h"
 
-// A new memfd of `bytes`, close-on-exec, mapped for writing at *map. Caller owns both; end with memfd_seal.
+// Create a close-on-exec memfd of `bytes` and map it for writing at *map. The caller owns both; memfd_seal ends the
+// mapping. STATUS_MEMORY, STATUS_INTERNAL.
 enum status memfd_create_mapped(const char *name, size_t bytes, int *fd, void **map, struct error *err);
 
-// Unmap and seal (shrink, grow, write, seal). After it the content is immutable.
+// Unmap and seal (shrink, grow, write, seal). Afterwards the content is immutable. STATUS_INTERNAL.
 enum status memfd_seal(int fd, void *map, size_t bytes, struct error *err);
 
-// Map a sealed memfd for reading. Fails unless it is a memfd with SHRINK and WRITE sealed: only those cannot fault or change
-// under the reader. *bytes is its size. Unmap with munmap.
+// Map a sealed memfd for reading; *bytes becomes its size. Fails unless it is a memfd with SHRINK and WRITE sealed: only
+// such a file can neither fault nor change under the reader. Unmap with munmap.
 enum status memfd_map_sealed(int fd, const void **map, size_t *bytes, struct error *err);
 
 #endif

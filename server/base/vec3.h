@@ -1,5 +1,4 @@
-// Three doubles as a vector, for the few places of the processor's side that need more than sums. Any thread; no failure but
-// where said.
+// Vectors of three doubles, for code on the CPU that needs products. Any thread. No function fails except where noted.
 #ifndef CANDIL_BASE_VEC3_H
 #define CANDIL_BASE_VEC3_H
 
@@ -11,7 +10,7 @@ static inline double vec3_dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// `out` is neither of the others.
+// `out` must not be one of the operands.
 static inline void vec3_cross(const double a[3], const double b[3], double out[3])
 {
 	out[0] = a[1] * b[2] - a[2] * b[1];
@@ -19,8 +18,8 @@ static inline void vec3_cross(const double a[3], const double b[3], double out[3
 	out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// Unit length, in place. False, and v left alone, where it has no length or none that a double's square holds
-// (transform_normalize bears any).
+// Normalise in place. False, and v unchanged, if its length is zero or its square is not finite as a double.
+// (transform_normalize handles any length.)
 static inline bool vec3_normalize(double v[3])
 {
 	const double length = sqrt(vec3_dot(v, v));
@@ -31,7 +30,8 @@ static inline bool vec3_normalize(double v[3])
 	return true;
 }
 
-// Across the triangle a, b, c, towards where its corners run counter-clockwise; twice its area long.
+// A vector perpendicular to the triangle a, b, c, on the side where its corners run counter-clockwise. Its length is twice
+// the triangle's area.
 static inline void vec3_across(const float a[3], const float b[3], const float c[3], double out[3])
 {
 	double u[3], v[3];
