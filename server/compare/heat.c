@@ -11,7 +11,7 @@ static double mix(double a, double b, double t)
 	return a + (b - a) * t;
 }
 
-// Oklab to linear sRGB; the matrices are those of the publication.
+// Convert Oklab to linear sRGB, with the matrices of the publication.
 static void from_oklab(double lightness, double a, double b, double rgb[3])
 {
 	double l = lightness + 0.3963377774 * a + 0.2158037573 * b;
@@ -39,7 +39,7 @@ void heat_colour(double t, uint8_t codes[3])
 	double lightness = mix(0.13, 0.97, t);
 	double hue = mix(-75, 105, t) * PI / 180; // violet through red to yellow
 	double rgb[3];
-	// The most colourful one of this lightness and hue that a screen has, up to a chroma of 0.2.
+	// The most colourful colour of this lightness and hue within the screen's gamut, up to a chroma of 0.2.
 	for (double chroma = 0.2; chroma >= 0; chroma -= 0.002) {
 		from_oklab(lightness, chroma * cos(hue), chroma * sin(hue), rgb);
 		if (in_gamut(rgb))

@@ -1,4 +1,4 @@
-// candil-compare A B: how far picture A is from the reference B. `candil compare` runs it.
+// candil-compare A B: the difference between picture A and the reference B. `candil compare` runs it.
 #include <getopt.h>
 #include <math.h>
 #include <stdbool.h>
@@ -11,7 +11,7 @@ enum exit_code { EXIT_COMPARED = 0, EXIT_COULD_NOT = 1, EXIT_USAGE = 2 };
 
 struct arguments {
 	const char *a, *b;
-	const char *error_image, *side_by_side; // NULL: not drawn
+	const char *error_image, *side_by_side; // NULL: do not draw
 	double mask_above;
 	bool json;
 };
@@ -38,7 +38,7 @@ static bool parse_radiance(const char *text, double *value)
 	return end != text && *end == 0 && !isnan(*value);
 }
 
-// 0, or the exit code that ends the program plus one.
+// Returns 0, or one more than the exit code with which the program must end.
 static int parse(int argc, char **argv, struct arguments *args)
 {
 	static const struct option options[] = {
@@ -82,7 +82,7 @@ static enum status output(const struct arguments *args, const struct report *rep
 			  const struct picture *b, const float *error, struct error *err)
 {
 	enum status s = STATUS_OK;
-	// The figures come last: with --json a failure is an object of its own, in their place.
+	// The figures are printed last: with --json, a failure is printed as an object in their place.
 	if (args->error_image)
 		s = report_draw_error(args->error_image, a->width, a->height, error, err);
 	if (s == STATUS_OK && args->side_by_side)
@@ -98,7 +98,7 @@ static enum status output(const struct arguments *args, const struct report *rep
 	return s;
 }
 
-// Yee's metric on copies without the pixels that are left out: the originals are still to be drawn.
+// Yee's metric on copies in which the excluded pixels are blanked. The originals are still needed for drawing.
 static enum status perceptual(const struct picture *a, const struct picture *b, const float *error, uint64_t *failures,
 			      struct error *err)
 {

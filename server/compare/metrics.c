@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// How often `small` fits into `large` along both sides; 0 if it does not.
+// The factor by which `large` exceeds `small` on both sides; 0 if there is no such whole number.
 static uint32_t factor_of(const struct picture *large, const struct picture *small)
 {
 	uint32_t factor = large->width / small->width;
@@ -69,7 +69,7 @@ struct sums {
 	double a[3], b[3];
 };
 
-// Add a pixel to the sums; its share of the relMSE.
+// Add a pixel to the sums. Returns its share of the relMSE.
 static double add_pixel(const float *x, const float *r, struct sums *sums, double *max_abs)
 {
 	double relative = 0;

@@ -13,7 +13,7 @@ extern "C" {
 namespace
 {
 
-// Where R, G and B are among a file's channels.
+// Find the channels R, G and B among those of a file.
 void find_channels(const OIIO::ImageSpec &spec, int index[3])
 {
 	const char *names[3] = {"R", "G", "B"};
@@ -50,7 +50,7 @@ status read(const char *path, picture *out, error *err)
 		return s;
 	int index[3];
 	find_channels(spec, index);
-	// The span of channels that holds all three, in one read: not every reader can go back for the next.
+	// One read for the span of channels that contains all three: not every reader can go back for the next channel.
 	int first = std::min({index[0], index[1], index[2]}), end = std::max({index[0], index[1], index[2]}) + 1;
 	size_t pixels = size_t(spec.width) * size_t(spec.height), span = size_t(end - first);
 	std::unique_ptr<float[]> all(new float[pixels * span]);
@@ -81,7 +81,7 @@ status write(const char *path, uint32_t width, uint32_t height, const uint8_t *c
 	return STATUS_OK;
 }
 
-// Run `body`; no exception crosses to C.
+// Run `body` and turn exceptions into a status, so that none crosses into C.
 template <typename Body> status guarded(const char *what, error *err, Body body)
 {
 	try {

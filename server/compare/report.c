@@ -36,7 +36,7 @@ void report_print(const struct report *report)
 		printf("%-22s %" PRIu64 " pixels (reference above %g)\n", "masked", m->masked, report->mask_above);
 }
 
-// JSON has no number for what is not finite.
+// JSON has no representation of numbers that are not finite.
 static json_t *number(double value)
 {
 	return isfinite(value) ? json_real(value) : json_null();

@@ -1,4 +1,4 @@
-// What candil-compare says and draws.
+// The output of candil-compare: text, JSON and pictures. One thread.
 #ifndef CANDIL_COMPARE_REPORT_H
 #define CANDIL_COMPARE_REPORT_H
 
@@ -6,25 +6,27 @@
 
 struct report {
 	struct metrics metrics;
-	uint64_t perceptual_failures; // pixels
+	uint64_t perceptual_failures; // number of pixels
 	const char *name_a, *name_b;
-	double mask_above; // +infinity: no mask
+	double mask_above; // radiance; +infinity: no mask
 };
 
-// To standard output: a table for people, or one JSON object.
+// Print to standard output: a table for people, or one JSON object. STATUS_BAD_ARGUMENT if a file name is not UTF-8,
+// STATUS_IO.
 void report_print(const struct report *report);
 enum status report_print_json(const struct report *report, struct error *err);
 
-// In place of report_print_json, the failure as the other commands of candil print theirs.
+// In place of report_print_json: print a failure in the format of candil's other commands.
 void report_print_failure(const struct error *failure, int exit_code);
 
-// The scale of the error image, in words.
+// Print the scale of the error image.
 void report_print_scale(void);
 
-// The false-colour image of `error` (as metrics_compare fills it): masked pixels mid-grey, non-finite ones green.
+// Write the false-colour image of `error` (as metrics_compare fills it) as a PNG: masked pixels are mid-grey, non-finite
+// ones green. STATUS_MEMORY, STATUS_IO, STATUS_ENCODE.
 enum status report_draw_error(const char *path, uint32_t width, uint32_t height, const float *error, struct error *err);
 
-// A, B (clipped at 1, sRGB) and the error image beside one another.
+// Write A, B (clipped at 1, sRGB) and the error image side by side as a PNG. Failures as report_draw_error.
 enum status report_draw_side_by_side(const char *path, const struct picture *a, const struct picture *b, const float *error,
 				     struct error *err);
 
