@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-// The probabilities that the finished rows give: a row's own share and what others pass on to it.
+// The probabilities that the finished rows produce: a row's own share and what other rows pass on to it.
 static void fill_pmf(struct alias_row *rows, size_t count, double *share)
 {
 	for (size_t i = 0; i < count; i++)
@@ -15,8 +15,8 @@ static void fill_pmf(struct alias_row *rows, size_t count, double *share)
 		rows[i].pmf = (float)(share[i] / (double)count);
 }
 
-// `share` starts as weight · count / sum: rows below 1 are topped up by rows above it. `queue` holds the poor from its
-// front and the rich from its back.
+// `share` starts as weight · count / sum. Rows above 1 fill up rows below 1. `queue` holds the rows below 1 at its front
+// and those above 1 at its back.
 static void pair_rows(struct alias_row *rows, size_t count, double *share, uint32_t *queue)
 {
 	size_t poor = 0, rich = count;

@@ -1,5 +1,5 @@
-// Alias tables (Walker 1977, in Vose's form of 1991): an entry in constant time, with a probability in proportion to its
-// weight.
+// Alias tables (Walker 1977, in Vose's form of 1991): they choose an entry in constant time, with a probability
+// proportional to its weight.
 #ifndef CANDIL_SCENE_ALIAS_H
 #define CANDIL_SCENE_ALIAS_H
 
@@ -8,15 +8,15 @@
 
 #include "server/base/error.h"
 
-// A draw takes a row, each as likely as the others, then that row's entry with the chance `keep`, else its alias.
+// A draw picks a row uniformly, then takes that row's entry with probability `keep`, otherwise its alias.
 struct alias_row {
 	float keep; // 0…1
-	uint32_t alias; // an entry
-	float pmf; // of the entry as the table with its rounded `keep` draws it, not of the weight
+	uint32_t alias; // index of an entry
+	float pmf; // probability of the entry in the table with its rounded `keep`, not in the weights
 };
 
-// Fill `count` rows. Weights are finite and above zero. Scaling all weights by a power of two leaves every bit as it was.
-// STATUS_MEMORY. *sum is the weights' sum. Any thread.
+// Fill `count` rows owned by the caller. Weights must be finite and above zero. Scaling all weights by a power of two does
+// not change any bit of the rows. *sum becomes the sum of the weights. STATUS_MEMORY. Any thread.
 enum status alias_build(const double *weights, size_t count, struct alias_row *rows, double *sum, struct error *err);
 
 #endif

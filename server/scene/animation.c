@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-// The values of key `i`: behind the times, `values` of `width` floats a key.
+// A curve in the blob: `keys` times, followed by `values` vectors of `width` floats for each key.
 struct curve {
 	const float *times, *data;
 	uint32_t keys;
@@ -19,13 +19,13 @@ static struct curve curve_of(const struct scene_channel *c, const float *curves)
 			      .values = c->curve == CURVE_CUBIC ? 3 : 1};
 }
 
-// Which: 0 the tangent that leads in, 1 the value, 2 the tangent that leads out; of a curve that is not cubic always 0.
+// `which` selects, in a cubic curve, 0 the incoming tangent, 1 the value, 2 the outgoing tangent. In other curves it is 0.
 static const float *value_of(const struct curve *c, uint32_t key, int which)
 {
 	return c->data + ((size_t)key * (size_t)c->values + (size_t)which) * (size_t)c->width;
 }
 
-// The last key at or before `time`, which lies between the first and the last.
+// The last key at or before `time`, which must lie between the first key and the last.
 static uint32_t key_before(const struct curve *c, double time)
 {
 	uint32_t low = 0, high = c->keys - 1;
@@ -58,7 +58,7 @@ static void slerp(const float *from, const float *to, double share, double out[4
 	for (int i = 0; i < 4; i++)
 		cosine += a[i] * b[i];
 	const double sign = cosine < 0 ? -1 : 1, angle = acos(fmin(fabs(cosine), 1));
-	// Close together a straight line is as good, and divides by nothing small.
+	// For a small angle, linear interpolation is as accurate and avoids dividing by a small number.
 	const double wa = angle < 1e-6 ? 1 - share : sin((1 - share) * angle) / sin(angle);
 	const double wb = angle < 1e-6 ? share : sin(share * angle) / sin(angle);
 	for (int i = 0; i < 4; i++)

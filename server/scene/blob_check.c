@@ -1,4 +1,4 @@
-// The one place that reads a blob before it is trusted. Everything after it indexes without looking.
+// The one place that reads a blob before it is trusted. Code that runs after it does not check indices again.
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -166,7 +166,7 @@ static enum status check_leaf_triangles(const struct blob_header *h, struct erro
 	return status;
 }
 
-// Where a walk over the tree in depth-first order stands. An entry of the stack is one child, still to be visited.
+// The state of a depth-first walk over the tree. An entry of its stack is a child still to be visited.
 struct walk {
 	const struct blob_header *blob;
 	uint32_t next_node;
@@ -193,7 +193,7 @@ static bool box_is_sane(const float min[3], const float max[3])
 	return finite_all(min, 3) && finite_all(max, 3) && min[0] <= max[0] && min[1] <= max[1] && min[2] <= max[2];
 }
 
-// Only the single node of a scene of one leaf or none has a child that is not there.
+// Only the single node of a scene with at most one leaf may lack a child.
 static bool walk_push(struct walk *w, const float min[3], const float max[3], uint32_t child, uint32_t count, uint32_t level)
 {
 	if (box_is_empty(min, max))
@@ -206,7 +206,7 @@ static bool walk_push(struct walk *w, const float min[3], const float max[3], ui
 	return true;
 }
 
-// A leaf continues where the last one ended; so every leaf triangle lies in exactly one leaf.
+// A leaf starts where the previous one ended, so every leaf triangle lies in exactly one leaf.
 static bool walk_leaf(struct walk *w, uint32_t first, uint32_t count)
 {
 	if (first != w->next_leaf || count > BLOB_LEAF_MAX ||
@@ -216,9 +216,9 @@ static bool walk_leaf(struct walk *w, uint32_t first, uint32_t count)
 	return true;
 }
 
-// Nodes are numbered in the order of this walk (a node, its first child's tree, its second child's tree). A child's number
-// must be the one that the walk has reached: that alone makes the nodes a tree and bounds the walk. A level leaves at most
-// one entry behind on the stack, so its size bounds the depth and the other way round.
+// Nodes are numbered in the order of this walk: a node, then the tree of its first child, then that of its second. A
+// child's number must be the one that the walk has reached. This alone makes the nodes a tree and bounds the walk. Each
+// level leaves at most one entry on the stack, so the stack's size bounds the depth and vice versa.
 static bool walk_node(struct walk *w, uint32_t node, uint32_t level)
 {
 	const struct bvh_node *n = (const struct bvh_node *)blob_section(w->blob, BLOB_NODES) + node;
@@ -261,7 +261,7 @@ static bool textures_are_known(const struct material *m, uint32_t count)
 	       texture_is_known(m->coat_roughness_texture, count) && texture_is_known(m->coat_normal_texture, count);
 }
 
-// What lets light through is in its ranges.
+// Whether the parameters of a clear material are in their ranges.
 static bool clears(const struct material *m)
 {
 	for (int c = 0; c < 3; c++)
@@ -350,7 +350,7 @@ static bool light_is_sane(const struct punctual_light *l, uint32_t count)
 	       fabsf(l->cos_outer) <= 1.0f && is_share(l->spread);
 }
 
-// One that shaders index by its width and height.
+// Shaders index the environment map by its width and height, so the counts must agree with them.
 static enum status check_environment(const struct blob_header *h, struct error *err)
 {
 	const struct environment_texel *texels = blob_section(h, BLOB_ENVIRONMENT);
@@ -395,7 +395,8 @@ static enum status check_lights_and_cameras(const struct blob_header *h, struct 
 	return STATUS_OK;
 }
 
-// Last, because collecting them trusts the rest. A shader made for the facts reads what they promise.
+// Runs last, because collecting the facts trusts everything else. A shader specialised for the facts reads what they
+// promise.
 static enum status check_facts(const struct blob_header *h, struct error *err)
 {
 	if (h->facts != facts_collect(h))

@@ -11,7 +11,7 @@ static struct box empty_box(void)
 	return (struct box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 }
 
-// Of what is no NaN: without the calls that fminf and fmaxf are.
+// Minimum of two floats that are not NaN. Unlike fminf and fmaxf, it is not a function call.
 static float least(float a, float b)
 {
 	return a < b ? a : b;
@@ -61,7 +61,7 @@ static void refit_child(const struct bvh_node *nodes, const struct leaf_triangle
 	memcpy(max, box.max, sizeof box.max);
 }
 
-// A child that is not there (only the single node of a small scene has one) is a point at infinity.
+// A missing child (only the single node of a small scene has one) is a point at infinity.
 static bool is_there(const float min[3])
 {
 	return !isinf(min[0]);
@@ -69,7 +69,7 @@ static bool is_there(const float min[3])
 
 void bvh_refit(struct bvh_node *nodes, uint32_t node_count, const struct leaf_triangle *leaves)
 {
-	// Children are numbered after their parents.
+	// Children have higher numbers than their parents.
 	for (uint32_t i = node_count; i-- > 0;) {
 		struct bvh_node *n = &nodes[i];
 		if (is_there(n->min0))

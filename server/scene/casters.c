@@ -7,11 +7,11 @@
 #include "server/scene/alias.h"
 #include "server/scene/lights.h"
 
-// Texels of a texture that are looked at, each way.
+// Number of texels sampled in each direction of a texture.
 #define LOOKS 32u
 
-// Of a lobe of that α: all of one that is not evaluated, for there is no other way to its light; of others what chance finds
-// badly.
+// The strength that counts for a lobe of this α. It counts fully for a lobe that is not evaluated, because nothing else
+// finds its light. It counts for other lobes if BSDF sampling finds their light badly.
 static double lobe_strength(double strength, double alpha)
 {
 	if (alpha < GGX_ALPHA_LEAST)
@@ -19,7 +19,8 @@ static double lobe_strength(double strength, double alpha)
 	return alpha <= CASTERS_ALPHA_MOST && strength >= CASTERS_ROUGH_LEAST ? strength : 0;
 }
 
-// As make_glossy, make_coat and glass_make of shaders/common see it.
+// The strength of a material with this roughness and metalness, consistent with make_glossy, make_coat and glass_make in
+// shaders/common.
 static double strength_at(const struct material *m, double roughness, double metal)
 {
 	const double alpha = roughness * roughness, rest = 1 - metal;
@@ -51,7 +52,7 @@ double casters_strength(const struct blob_view *scene, const struct material *m)
 	return sum / ((double)across * down);
 }
 
-// casters_strength of each material, to be freed; NULL: no memory, or no material.
+// casters_strength of each material. The caller frees it. NULL if there is no memory or no material.
 static double *strengths_of(const struct blob_view *scene)
 {
 	const struct material *materials = scene->sections[BLOB_MATERIALS];
@@ -78,7 +79,7 @@ uint32_t casters_count(const struct blob_view *scene)
 	return count;
 }
 
-// Weights and triangle ids. Returns how many.
+// List weights and triangle ids. Returns their number.
 static uint32_t list_casters(const struct blob_view *scene, const double *strengths, double *weights, struct emitter *rows)
 {
 	const struct triangle *triangles = scene->sections[BLOB_TRIANGLES];

@@ -4,22 +4,23 @@
 
 #include "server/scene/blob.h"
 
-// Lobes of microfacets that are wider (α, the square of the perceptual roughness; of glass times |ior − 1|), or that reflect
-// or let through less than that, are none of theirs: chance does as well. Measured: tests/bench/RESULTS.md.
+// A microfacet lobe does not make a caster if it is wider than the first (α, the square of the perceptual roughness; for
+// glass times |ior − 1|), or if it reflects or transmits less than the second: there BSDF sampling does as well. Measured:
+// tests/bench/RESULTS.md.
 #define CASTERS_ALPHA_MOST 0.25
 #define CASTERS_ROUGH_LEAST 0.25
 
-// The share of light that a surface of this material mirrors or lets through nearly unspread, 0…1: what a metal, a
-// dielectric or a clear coat reflects at normal incidence, or what meets glass. 0 for all that spreads light and for what is
-// unlit. With a texture of roughness and metal, the mean over some of its texels.
+// The share of light, 0…1, that a surface of this material reflects or transmits with little spread: the reflectance of a
+// metal, a dielectric or a clear coat at normal incidence, or the share that is glass. 0 for unlit materials and those that
+// only spread light. With a texture of roughness and metalness, the mean over some of its texels.
 double casters_strength(const struct blob_view *scene, const struct material *material);
 
-// How many triangles of the scene cast; 0 also for want of memory.
+// The number of triangles that are casters; 0 also if there is no memory.
 uint32_t casters_count(const struct blob_view *scene);
 
-// Put them into an alias table, chosen by area · strength. *rows (to be freed; NULL without any) holds as many as *count;
-// density[m], an element a material, becomes the density over area with which a point of that material is chosen, 1/m².
-// Triangles whose weight is no normal number are left out. STATUS_MEMORY.
+// Put the casters into an alias table by area · strength. *rows, which the caller frees, has *count rows; it is NULL if
+// there are none. density[m], an array of the caller's with an element for each material, becomes the density over area,
+// 1/m², of chosen points on that material. Triangles whose weight is not a normal number are left out. STATUS_MEMORY.
 enum status casters_make_table(const struct blob_view *scene, struct emitter **rows, uint32_t *count, float *density,
 			       struct error *err);
 

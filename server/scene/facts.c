@@ -69,7 +69,7 @@ uint32_t facts_of_view(const struct blob_view *view)
 	uint32_t facts = view->counts[BLOB_EMITTERS] > 0 ? FACT_EMITTERS : 0;
 	uint32_t last = NONE;
 
-	// Only what some triangle uses counts: an unused material calls for nothing.
+	// Only materials that a triangle uses count.
 	for (uint32_t i = 0; i < view->counts[BLOB_TRIANGLES]; i++) {
 		if (triangles[i].material != last)
 			facts |= material_facts(&materials[triangles[i].material]);

@@ -13,13 +13,13 @@
 #define BINS 12
 #define DEPTH_MAX 31u
 
-// Where lamps are, and which way they look: every normal is within `spread` radians of the axis. Of directional lights the
-// place is the tip of their direction, on the unit sphere.
+// Bounds of the places and directions of lamps: every normal is within `spread` radians of the axis. For a directional
+// light, the place is the tip of its direction on the unit sphere.
 struct bound {
 	double min[3], max[3];
-	double power; // π times what they send at the most: W/sr, of directional lights W/m²
+	double power; // π times the most that they emit in a direction: W/sr, directional lights W/m²
 	double axis[3];
-	double spread; // π: every way
+	double spread; // radians; π: all directions
 };
 
 struct lamp {
@@ -30,9 +30,9 @@ struct lamp {
 
 struct builder {
 	struct light_node *nodes;
-	uint32_t *trails; // by emitter
+	uint32_t *trails; // indexed by emitter
 	uint32_t emitter_count;
-	uint32_t used; // nodes so far
+	uint32_t used; // number of nodes used so far
 };
 
 static double clamped_acos(double c)
@@ -42,7 +42,7 @@ static double clamped_acos(double c)
 
 // ---- bounds -------------------------------------------------------------------------------------------------------------
 
-// The smallest cone about two: Conty Estevez and Kulla, algorithm 1.
+// The smallest cone about two cones: Conty Estevez and Kulla, algorithm 1.
 static void cone_add(struct bound *to, const struct bound *from)
 {
 	struct bound wide = to->spread >= from->spread ? *to : *from;
@@ -77,8 +77,8 @@ static void bound_add(struct bound *to, const struct bound *from)
 	to->power += from->power;
 }
 
-// How much of a lamp's surroundings the cone's lamps may light, weighted by the cosine: their equation 1, with the half
-// sphere that a surface emits into.
+// The solid angle that lamps within the cone may light, weighted by the cosine: their equation 1, for surfaces that emit
+// into a hemisphere.
 static double cone_measure(double spread)
 {
 	const double w = fmin(spread + PI / 2, PI);
@@ -86,12 +86,12 @@ static double cone_measure(double spread)
 	       PI / 2 * (2 * w * sin(spread) - cos(spread - 2 * w) - 2 * spread * sin(spread) + cos(spread));
 }
 
-// What choosing among a node's lamps is expected to cost in noise: their equation 2, but for its regularising factor.
+// The expected cost, in noise, of choosing among a node's lamps: their equation 2 without its regularising factor.
 static double bound_cost(const struct bound *b)
 {
 	const double d[3] = {b->max[0] - b->min[0], b->max[1] - b->min[1], b->max[2] - b->min[2]};
 	const double area = d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
-	// Lamps in a line have no area; their length still counts.
+	// Lamps in a line have no area, but their length still counts.
 	const double length = d[0] + d[1] + d[2];
 	return b->power * (area + 1e-3 * length * length) * cone_measure(b->spread);
 }
@@ -119,7 +119,7 @@ static struct lamp emitter_lamp(const struct light_tree_lamps *in, uint32_t numb
 	return l;
 }
 
-// A spot is as a small lamp that faces where it shines: it sends nothing behind itself.
+// A spot light is like a small lamp that faces its direction: it emits nothing backwards.
 static struct lamp light_lamp(const struct light_tree_lamps *in, uint32_t i)
 {
 	const struct punctual_light *light = &in->lights[i];
@@ -161,7 +161,7 @@ static uint32_t bin_of(const struct lamp *l, int axis, double min, double max)
 	return at < BINS - 1 ? (uint32_t)at : BINS - 1;
 }
 
-// The best of the places between bins along one axis. A long thin node is not to be cut along its thin side.
+// Find the best split between bins along one axis. The costs prevent a long thin node from being cut along its thin side.
 static void try_axis(const struct lamp *lamps, uint32_t count, int axis, const double min[3], const double max[3],
 		     struct split *best)
 {
@@ -187,8 +187,8 @@ static void try_axis(const struct lamp *lamps, uint32_t count, int axis, const d
 	}
 }
 
-// Put those before the split first. Returns how many. In pieces: the order of equals does not matter, but is always the
-// same.
+// Move the lamps before the split to the front. Returns their number. The order within each
+// part does not matter, but it is always the same.
 static uint32_t partition(struct lamp *lamps, uint32_t count, const struct split *split, const double min[3],
 			  const double max[3])
 {
@@ -205,7 +205,7 @@ static uint32_t partition(struct lamp *lamps, uint32_t count, const struct split
 	return left;
 }
 
-// Divide a node's lamps in two, neither empty. No more than `half_most` fit under a child.
+// Divide a node's lamps in two parts, neither empty. No more than `half_most` lamps fit under a child.
 static uint32_t divide(struct lamp *lamps, uint32_t count, uint32_t half_most)
 {
 	double min[3], max[3];
@@ -232,7 +232,7 @@ static uint32_t divide(struct lamp *lamps, uint32_t count, uint32_t half_most)
 
 // ---- the tree -----------------------------------------------------------------------------------------------------------
 
-// Nodes of directional lights are told by bounds that hold nothing.
+// Bounds that contain nothing mark the nodes of directional lights.
 static void put_node(struct light_node *n, const struct bound *b, bool far)
 {
 	for (int i = 0; i < 3; i++) {
@@ -240,8 +240,8 @@ static void put_node(struct light_node *n, const struct bound *b, bool far)
 		n->max[i] = far ? -1.0f : (float)b->max[i];
 		n->axis[i] = (float)b->axis[i];
 	}
-	n->power = (float)fmax(FLT_MIN, fmin(b->power, 1e37)); // only shares count
-	n->cos_spread = (float)(cos(b->spread) - 1e-6); // rounding is not to leave a lamp out
+	n->power = (float)fmax(FLT_MIN, fmin(b->power, 1e37)); // only ratios of powers count
+	n->cos_spread = (float)(cos(b->spread) - 1e-6); // rounding must not exclude a lamp
 }
 
 static void build(struct builder *b, uint32_t node, struct lamp *lamps, uint32_t count, bool far, uint32_t trail,
@@ -265,7 +265,7 @@ static void build(struct builder *b, uint32_t node, struct lamp *lamps, uint32_t
 	build(b, child + 1, lamps + left, count - left, far, trail | 1u << depth, depth + 1);
 }
 
-// Those that are somewhere, from the front, and directional ones from the back. Returns how many are somewhere.
+// List local lamps from the front and directional lights from the back. Returns the number of local lamps.
 static uint32_t list_lamps(const struct light_tree_lamps *in, struct lamp *lamps)
 {
 	uint32_t near = 0, far = in->emitter_count + in->light_count;
@@ -288,7 +288,7 @@ enum status light_tree_build(const struct light_tree_lamps *in, struct light_nod
 	if (near == 0 || near == count) {
 		build(&b, 0, lamps, count, near == 0, 0, 0);
 	} else {
-		// The root's own bounds are never asked for.
+		// Nobody reads the root's own bounds.
 		nodes[0] = (struct light_node){.power = 1, .cos_spread = -1, .axis = {0, 0, 1}, .child = 1};
 		b.used = 3;
 		build(&b, 1, lamps, near, false, 0, 1);

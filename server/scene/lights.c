@@ -9,7 +9,7 @@
 #include "server/base/vec3.h"
 #include "server/scene/alias.h"
 
-// The sum of all weights must stay a float, and a weight that is no normal double has lost its digits.
+// Whether w may be a weight: the sum of all weights must fit a float, and a double that is not normal has lost digits.
 static bool is_weight(double w)
 {
 	return w >= DBL_MIN && isfinite(w);
@@ -55,7 +55,7 @@ double lights_area(const struct vertex *vertices, const struct triangle *t)
 	return 0.5 * sqrt(vec3_dot(n, n));
 }
 
-// Weights and triangle ids of what emits. Returns how many.
+// List weights and triangle ids of emitters. Returns their number.
 static uint32_t list_emitters(const struct material *materials, const struct vertex *vertices,
 			      const struct triangle *triangles, uint32_t count, double *weights, struct emitter *out)
 {
@@ -130,7 +130,7 @@ double lights_bounding_radius(const float min[3], const float max[3])
 	return sum > 0 ? 0.5 * sqrt(sum) : 1.0;
 }
 
-// Keep what has a weight. Returns how many.
+// Keep the lights that have a weight. Returns their number.
 static uint32_t weigh(struct punctual_light *lights, uint32_t count, double radius, double *weights, uint32_t *place)
 {
 	uint32_t found = 0;

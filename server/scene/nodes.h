@@ -1,14 +1,15 @@
-// What stands on a node: cameras and lights, placed by the node's transform to world space. Any thread.
+// Cameras and lights on nodes: the node's transform places them in world space. Any thread.
 #ifndef CANDIL_SCENE_NODES_H
 #define CANDIL_SCENE_NODES_H
 
 #include "server/scene/blob.h"
 
-// Eye, forward and up of a camera. False, and the camera left alone, where the transform leaves no direction, or the place
-// is beyond LIMIT_COORDINATE.
+// Set eye, forward and up of a camera. False, and the camera unchanged, if the transform leaves no direction, or if the
+// position is beyond LIMIT_COORDINATE.
 bool node_place_camera(const struct transform *world, struct blob_camera *camera);
 
-// Direction and world position of a light; a light that shines along a direction needs one. False as above.
+// Set the direction of a light, if it has one, and its world position in metres. False, and both unchanged, in the same
+// cases; a point light needs only the position.
 bool node_place_light(const struct transform *world, struct punctual_light *light, double position[3]);
 
 #endif

@@ -49,7 +49,7 @@ struct transform transform_of_parts(const struct transform_parts *parts)
 	return t;
 }
 
-// Shepperd's way: from the largest of the four, so that nothing small is divided by.
+// Shepperd's method: it starts from the largest of the four components, so that it never divides by a small number.
 static void quaternion_of(const double c[3][3], double q[4])
 {
 	const double trace = c[0][0] + c[1][1] + c[2][2];
@@ -181,7 +181,7 @@ void transform_tangent(const struct transform *map, const struct transform_norma
 	const bool usable = length > 0 && isfinite(length) && (in[3] > 0 || in[3] < 0);
 	for (int row = 0; row < 3; row++)
 		out[row] = usable ? (float)(v[row] / length) : 0.0f;
-	// A mirror keeps normal, tangent and bitangent but not their handedness.
+	// A mirror reverses the handedness of normal, tangent and bitangent.
 	out[3] = !usable ? 0.0f : (in[3] > 0) == (normals->determinant >= 0) ? 1.0f : -1.0f;
 }
 

@@ -1,15 +1,15 @@
-// Affine maps in double, as node hierarchies compose them. Any thread; no failure but where said.
+// Affine maps in double precision, as node hierarchies compose them. Any thread. No function fails except where noted.
 #ifndef CANDIL_SCENE_TRANSFORM_H
 #define CANDIL_SCENE_TRANSFORM_H
 
 #include <stdbool.h>
 
-// Columns: the images of the axes, then of the origin. p' = c[0]·x + c[1]·y + c[2]·z + c[3].
+// The columns are the images of the axes, then of the origin: p' = c[0]·x + c[1]·y + c[2]·z + c[3].
 struct transform {
 	double c[4][3];
 };
 
-// A map as glTF animates it: scale, then turn, then move. The quaternion is x, y, z, w and of unit length.
+// A map as glTF animates it: scale, then rotate, then translate. The quaternion is x, y, z, w and of unit length.
 struct transform_parts {
 	double translation[3];
 	double rotation[4];
@@ -19,27 +19,28 @@ struct transform_parts {
 extern const struct transform transform_identity;
 extern const struct transform_parts transform_no_parts;
 
-// parent · local: `local` first.
+// The product parent · local, which applies `local` first.
 struct transform transform_compose(const struct transform *parent, const struct transform *local);
 
-// translation · rotation · scale. A quaternion is made unit first; one without a length or not finite turns nothing.
+// The map translation · rotation · scale. The quaternion is normalised first; one that has no length or is not finite means
+// no rotation.
 struct transform transform_of_parts(const struct transform_parts *parts);
 
-// The parts of a map without shear; with one, the nearest by Gram-Schmidt on its columns. A mirror is a negative x scale.
-// A column of length zero gives a scale of zero and no turn.
+// The parts of a map without shear. With shear, the nearest such map by Gram-Schmidt on its columns. A reflection becomes a
+// negative x scale. A column of length zero gives a scale of zero and no rotation.
 struct transform_parts transform_to_parts(const struct transform *map);
 
-// False, and *out untouched, where the map flattens space: its determinant is below 1e-12 of the product of its columns'
-// lengths, or not a normal number.
+// Invert a map. False, and *out unchanged, if the map flattens space: its determinant is below 1e-12 of the product of its
+// columns' lengths, or not a normal number.
 bool transform_invert(const struct transform *map, struct transform *out);
 
 bool transform_is_finite(const struct transform *map);
-bool transform_is_same(const struct transform *a, const struct transform *b); // bit for bit, -0 being 0
+bool transform_is_same(const struct transform *a, const struct transform *b); // bit for bit, except that -0 equals 0
 
 void transform_point(const struct transform *map, const double in[3], double out[3]);
 
-// How directions go. Normals go by the inverse transpose; its cofactors do without a division, up to a factor that has the
-// determinant's sign.
+// The map of normals. Normals are transformed by the inverse transpose. Its cofactors need no division, and differ from it
+// only by a factor with the determinant's sign.
 struct transform_normals {
 	double c[3][3];
 	double determinant;
@@ -47,16 +48,16 @@ struct transform_normals {
 
 struct transform_normals transform_normals_of(const struct transform *map);
 
-// A normal, any length, to one whose largest component is ±1, so that a float holds it whatever the scale. Zero where it
-// comes to nothing.
+// Transform a normal of any length. The result's largest component is ±1, so that it fits a float whatever the scale. Zero
+// if the map leaves no direction.
 void transform_normal(const struct transform_normals *map, const double in[3], float out[3]);
 
-// A direction along a surface, with a sign in [3] that says which way its bitangent goes: by the map itself, the sign turned
-// by a mirror. All zero where it comes to nothing or the sign is none.
+// Transform a tangent. in[3] is the sign of its bitangent. The tangent is transformed by the map itself, and a reflection
+// reverses the sign. All zero if the map leaves no direction or in[3] is zero.
 void transform_tangent(const struct transform *map, const struct transform_normals *normals, const double in[4],
 		       float out[4]);
 
-// Unit length, in place. False for a vector without a direction.
+// Normalise in place. False for a vector without a direction.
 bool transform_normalize(double v[3]);
 
 #endif
