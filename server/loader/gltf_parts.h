@@ -44,10 +44,10 @@ enum status gltf_find_texture(gltf_reader *reader, const gltf_slot &slot, uint32
 double gltf_number(const tinygltf::Value &object, const char *key, double standard);
 double gltf_number_in(const tinygltf::Value &object, const char *key, int index, double standard);
 
-// What a material says under an extension's name; null: nothing. gltf_material.cpp
+// What a material says under an extension's name; null: nothing. gltf_extension.cpp
 const tinygltf::Value *gltf_extension_of(const tinygltf::Material &m, const char *name);
 
-// A texture that an extension's object names, which tinygltf does not read itself. gltf_material.cpp
+// A texture that an extension's object names, which tinygltf does not read itself. gltf_extension.cpp
 enum status gltf_texture_in(gltf_reader *reader, const tinygltf::Value &object, const char *key, uint32_t flags,
 			    uint32_t *texture, struct error *err);
 
