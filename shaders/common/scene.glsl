@@ -3,6 +3,7 @@
 #define COMMON_SCENE_GLSL
 
 #include "shared/bindings.h"
+#include "shared/scene_params.h"
 
 #include "common/pi.glsl"
 #include "effects.glsl"

@@ -5,6 +5,7 @@
 #include "common/finite.glsl"
 #include "deferred/radiance.glsl"
 #include "common/accumulate.glsl"
+#include "shared/scene_params.h"
 
 layout(local_size_x = TILE_PIXELS) in;
 

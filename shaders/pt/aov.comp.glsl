@@ -10,6 +10,7 @@
 #include "common/tile.glsl"
 #include "pt/lens.glsl"
 #include "trace/traverse.glsl"
+#include "shared/pt.h"
 
 layout(local_size_x = TILE_PIXELS) in;
 

@@ -32,6 +32,7 @@
 
 #include "common/light.glsl"
 #include "pt/lens.glsl"
+#include "shared/pt.h"
 
 // caster_density[material]: density, 1/m², of the points of this material at which light paths are aimed.
 layout(std430, set = 0, binding = BIND_CASTER_DENSITY) readonly buffer CasterDensity {

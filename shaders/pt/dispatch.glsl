@@ -5,6 +5,7 @@
 
 #include "common/scene.glsl"
 #include "trace/traverse.glsl"
+#include "shared/pt.h"
 
 layout(push_constant) uniform Push {
 	path_push push;

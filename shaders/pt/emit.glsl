@@ -6,6 +6,7 @@
 
 #include "pt/caustic.glsl"
 #include "pt/sky.glsl"
+#include "shared/pt.h"
 
 layout(std430, set = 0, binding = BIND_CASTERS) readonly buffer Casters {
 	emitter casters[];

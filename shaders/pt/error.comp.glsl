@@ -8,6 +8,8 @@
 
 #include "common/tile.glsl"
 #include "common/accumulate.glsl"
+#include "shared/pt.h"
+#include "shared/scene_params.h"
 
 layout(local_size_x = TILE_PIXELS) in;
 

@@ -5,6 +5,7 @@
 #define PATH_FILM_GLSL
 
 #include "pt/lens.glsl"
+#include "shared/pt.h"
 
 layout(std430, set = 0, binding = BIND_FILM) buffer Film {
 	film_pixel film[];

@@ -13,6 +13,7 @@
 
 #include "common/camera.glsl"
 #include "common/sampling.glsl"
+#include "shared/pt.h"
 
 layout(constant_id = SPEC_CAMERA) const uint CAMERA = CAMERA_PINHOLE;
 layout(constant_id = SPEC_FILTER) const uint FILTER = FILTER_BOX;

@@ -24,6 +24,7 @@
 #include "pt/emit.glsl"
 #include "pt/film.glsl"
 #include "pt/media.glsl"
+#include "shared/pt.h"
 
 layout(local_size_x = TILE_PIXELS) in;
 

@@ -22,6 +22,7 @@
 #include "pt/lens.glsl"
 #include "pt/media.glsl"
 #include "pt/sky.glsl"
+#include "shared/pt.h"
 
 layout(local_size_x = TILE_PIXELS) in;
 

@@ -9,6 +9,7 @@
 
 #include "common/light.glsl"
 #include "common/sky_place.glsl"
+#include "shared/pt.h"
 
 layout(constant_id = SPEC_SKY) const bool SKY = false;
 

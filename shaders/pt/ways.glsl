@@ -4,6 +4,7 @@
 #define PATH_WAYS_GLSL
 
 #include "shared/bindings.h"
+#include "shared/pt.h"
 
 layout(constant_id = SPEC_SAMPLER) const uint WAY_SAMPLER = SAMPLER_SOBOL;
 layout(constant_id = SPEC_UNIFORM) const bool WAY_UNIFORM = false;

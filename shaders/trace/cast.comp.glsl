@@ -6,6 +6,7 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 
 #include "trace/traverse.glsl"
+#include "shared/cast.h"
 
 layout(local_size_x = 64) in;
 

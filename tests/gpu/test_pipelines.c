@@ -10,7 +10,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/vk/pipeline.h"
 #include "shaders/error_comp.h"
-#include "shaders/shared/bindings.h"
+#include "shaders/shared/pt.h"
 
 #define SKIPPED 77
 

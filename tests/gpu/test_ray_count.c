@@ -15,6 +15,7 @@
 #include "shaders/gl/sum_comp.h"
 #include "shaders/shared/bindings.h"
 #include "shaders/shared/deferred.h"
+#include "shaders/shared/scene_params.h"
 
 #define SKIPPED 77
 #define RAYS 1000003u // of each pixel; a float holds it exactly

@@ -6,6 +6,7 @@
 
 #include "server/worker/scenes/resident.h"
 #include "server/worker/vk/pipeline.h"
+#include "shaders/shared/cast.h"
 
 struct cast {
 	struct device *device;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "shaders/shared/bindings.h"
+#include "shaders/shared/scene_params.h"
 
 // Even samples belong to half A, odd ones to half B.
 static void count_halves(uint32_t first, uint32_t samples, double counts[2])

@@ -4,7 +4,7 @@
 
 #include "server/worker/plan/plan.h"
 #include "server/worker/scenes/resident.h"
-#include "shaders/shared/bindings.h"
+#include "shaders/shared/scene_params.h"
 
 // Bindings (bits 1 << BIND_…) that shading by this plan reads; a pass that traces rays adds TRACE_BINDINGS.
 uint32_t scene_bindings_shade(const struct plan *plan);

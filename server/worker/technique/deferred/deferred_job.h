@@ -5,6 +5,7 @@
 
 #include "server/worker/gl/scene.h"
 #include "server/worker/technique/deferred/deferred.h"
+#include "shaders/shared/scene_params.h"
 
 // Rows of tiles, or of pixels.
 struct deferred_rows {

@@ -8,6 +8,8 @@
 #include "server/worker/technique/pt/pt_sky.h"
 #include "server/worker/trace/trace.h"
 #include "server/worker/vk/pipeline.h"
+#include "shaders/shared/pt.h"
+#include "shaders/shared/scene_params.h"
 
 // Rows of the image whose sums fit one buffer that the device can bind. Most images are one band.
 struct pt_band {

@@ -1,5 +1,6 @@
 // What every pass of the path tracer is made of: its variant of a shader, its bindings, its first run. The ground on which
 // pt_setup.c, pt_light.c and pt_effects.c stand.
+#include "protocol/names.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light_tree.h"
@@ -9,6 +10,11 @@
 _Static_assert(FILTER_BOX == (int)candil_Filter_FILTER_BOX && FILTER_GAUSSIAN == (int)candil_Filter_FILTER_GAUSSIAN &&
 		   FILTER_BLACKMAN_HARRIS == (int)candil_Filter_FILTER_BLACKMAN_HARRIS,
 	       "one number a filter");
+_Static_assert(BIND_PATH_COUNT <= BIND_MOST && BIND_LIGHT_COUNT <= BIND_MOST && BIND_TRACE_COUNT <= BIND_MOST &&
+		   BIND_ERROR_COUNT <= BIND_MOST,
+	       "a binding set has room for every pass");
+_Static_assert(EFFECT_COUNT + SPEC_END - SPEC_EFFECTS <= PIPELINE_CONSTANTS_MAX,
+	       "a pipeline has room for every effect and every constant of a pass");
 
 enum status pt_job_bind(struct technique_job *j, struct pipeline *pipeline, const struct buffer *result,
 			struct binding_set *set, struct error *err)
