@@ -8,7 +8,7 @@
 
 #include "protocol/text.h"
 #include "server/base/checked.h"
-#include "server/loader/image_read.h"
+#include "server/loader/import_parts.h"
 
 void import_init(struct import *im, struct files *files, candil_SceneInfo *info)
 {
@@ -38,8 +38,7 @@ void import_finish(struct import *im)
 	*im = (struct import){0};
 }
 
-// Make room for `more` elements behind `count`. Returns the array, moved or not, or NULL with err set.
-static void *grown(void *items, size_t count, size_t more, size_t *room, size_t stride, size_t limit, const char *what,
+void *import_grown(void *items, size_t count, size_t more, size_t *room, size_t stride, size_t limit, const char *what,
 		   struct error *err)
 {
 	size_t bytes;
@@ -63,8 +62,8 @@ static void *grown(void *items, size_t count, size_t more, size_t *room, size_t 
 
 enum status import_add_vertex(struct import *im, const struct import_vertex *vertex, struct error *err)
 {
-	void *items =
-	    grown(im->vertices, im->vertex_count, 1, &im->vertex_room, sizeof *vertex, LIMIT_VERTICES, "vertices", err);
+	void *items = import_grown(im->vertices, im->vertex_count, 1, &im->vertex_room, sizeof *vertex, LIMIT_VERTICES,
+				   "vertices", err);
 	if (!items)
 		return err->code;
 	im->vertices = items;
@@ -75,8 +74,8 @@ enum status import_add_vertex(struct import *im, const struct import_vertex *ver
 enum status import_set_extra(struct import *im, const struct import_extra *extra, struct error *err)
 {
 	const struct import_extra none = {.color = {1, 1, 1, 1}};
-	void *items = grown(im->extras, im->extra_count, im->vertex_count - im->extra_count, &im->extra_room, sizeof *extra,
-			    LIMIT_VERTICES, "vertices", err);
+	void *items = import_grown(im->extras, im->extra_count, im->vertex_count - im->extra_count, &im->extra_room,
+				   sizeof *extra, LIMIT_VERTICES, "vertices", err);
 	if (!items)
 		return err->code;
 	im->extras = items;
@@ -89,8 +88,8 @@ enum status import_set_extra(struct import *im, const struct import_extra *extra
 
 enum status import_add_triangle(struct import *im, const struct triangle *triangle, struct error *err)
 {
-	void *items = grown(im->triangles, im->triangle_count, 1, &im->triangle_room, sizeof *triangle, LIMIT_TRIANGLES,
-			    "triangles", err);
+	void *items = import_grown(im->triangles, im->triangle_count, 1, &im->triangle_room, sizeof *triangle,
+				   LIMIT_TRIANGLES, "triangles", err);
 	if (!items)
 		return err->code;
 	im->triangles = items;
@@ -110,13 +109,13 @@ static void name_it(char out[LIMIT_NAME + 1], const char *name, const char *kind
 
 enum status import_add_material(struct import *im, const struct material *material, const char *name, struct error *err)
 {
-	void *items = grown(im->materials, im->material_count, 1, &im->material_room, sizeof *material, LIMIT_MATERIALS,
-			    "materials", err);
+	void *items = import_grown(im->materials, im->material_count, 1, &im->material_room, sizeof *material,
+				   LIMIT_MATERIALS, "materials", err);
 	if (!items)
 		return err->code;
 	im->materials = items;
-	items =
-	    grown(im->names, im->material_count, 1, &im->name_room, sizeof *im->names, LIMIT_MATERIALS, "materials", err);
+	items = import_grown(im->names, im->material_count, 1, &im->name_room, sizeof *im->names, LIMIT_MATERIALS,
+			     "materials", err);
 	if (!items)
 		return err->code;
 	im->names = items;
@@ -153,8 +152,8 @@ uint32_t import_tangent_map(const struct material *m)
 
 enum status import_add_light(struct import *im, const struct import_light *light, struct error *err)
 {
-	void *items =
-	    grown(im->lights, im->light_count, 1, &im->light_room, sizeof *light, LIMIT_PUNCTUAL_LIGHTS, "lights", err);
+	void *items = import_grown(im->lights, im->light_count, 1, &im->light_room, sizeof *light, LIMIT_PUNCTUAL_LIGHTS,
+				   "lights", err);
 	if (!items)
 		return err->code;
 	im->lights = items;
@@ -167,7 +166,7 @@ enum status import_add_light(struct import *im, const struct import_light *light
 enum status import_add_camera(struct import *im, const struct blob_camera *camera, struct error *err)
 {
 	void *items =
-	    grown(im->cameras, im->camera_count, 1, &im->camera_room, sizeof *camera, LIMIT_CAMERAS, "cameras", err);
+	    import_grown(im->cameras, im->camera_count, 1, &im->camera_room, sizeof *camera, LIMIT_CAMERAS, "cameras", err);
 	if (!items)
 		return err->code;
 	im->cameras = items;
@@ -180,7 +179,8 @@ enum status import_add_camera(struct import *im, const struct blob_camera *camer
 enum status import_add_node(struct import *im, const char *name, const struct transform *local,
 			    const struct transform_parts *parts, uint32_t parent, struct error *err)
 {
-	void *items = grown(im->nodes, im->node_count, 1, &im->node_room, sizeof *im->nodes, LIMIT_NODES, "nodes", err);
+	void *items =
+	    import_grown(im->nodes, im->node_count, 1, &im->node_room, sizeof *im->nodes, LIMIT_NODES, "nodes", err);
 	if (!items)
 		return err->code;
 	im->nodes = items;
@@ -198,8 +198,8 @@ enum status import_add_node(struct import *im, const char *name, const struct tr
 
 enum status import_add_animation(struct import *im, const char *name, struct error *err)
 {
-	void *items = grown(im->animations, im->animation_count, 1, &im->animation_room, sizeof *im->animations,
-			    LIMIT_ANIMATIONS, "animations", err);
+	void *items = import_grown(im->animations, im->animation_count, 1, &im->animation_room, sizeof *im->animations,
+				   LIMIT_ANIMATIONS, "animations", err);
 	if (!items)
 		return err->code;
 	im->animations = items;
@@ -216,13 +216,13 @@ enum status import_add_channel(struct import *im, const struct scene_channel *ch
 {
 	const size_t width = channel->path == CHANNEL_ROTATION ? 4 : 3, per_key = channel->curve == CURVE_CUBIC ? 3 : 1;
 	const size_t count = channel->keys * width * per_key; // below 2^36
-	void *items = grown(im->channels, im->channel_count, 1, &im->channel_room, sizeof *channel, LIMIT_CHANNELS,
-			    "channels of animations", err);
+	void *items = import_grown(im->channels, im->channel_count, 1, &im->channel_room, sizeof *channel, LIMIT_CHANNELS,
+				   "channels of animations", err);
 	if (!items)
 		return err->code;
 	im->channels = items;
-	items = grown(im->curves, im->curve_count, channel->keys + count, &im->curve_room, sizeof *im->curves,
-		      LIMIT_CURVE_FLOATS, "numbers in its animations", err);
+	items = import_grown(im->curves, im->curve_count, channel->keys + count, &im->curve_room, sizeof *im->curves,
+			     LIMIT_CURVE_FLOATS, "numbers in its animations", err);
 	if (!items)
 		return err->code;
 	im->curves = items;
@@ -235,131 +235,6 @@ enum status import_add_channel(struct import *im, const struct scene_channel *ch
 	a->channel_count++;
 	a->duration_s = fmax(a->duration_s, (double)times[channel->keys - 1]);
 	return STATUS_OK;
-}
-
-static struct import_image *image_find(const struct import *im, const char *key)
-{
-	for (size_t i = 0; i < im->image_count; i++)
-		if (strcmp(im->images[i].key, key) == 0)
-			return &im->images[i];
-	return NULL;
-}
-
-bool import_knows_image(const struct import *im, const char *key)
-{
-	return image_find(im, key) != NULL;
-}
-
-static enum status image_add(struct import *im, const char *key, const struct import_image *image, struct error *err)
-{
-	void *items = grown(im->images, im->image_count, 1, &im->image_room, sizeof *image, LIMIT_TEXTURES, "images", err);
-	if (!items)
-		return err->code;
-	im->images = items;
-	im->images[im->image_count] = *image;
-	im->images[im->image_count].key = strdup(key);
-	if (!im->images[im->image_count].key)
-		return error_set(err, STATUS_MEMORY, "no memory for an image's name");
-	im->image_count++;
-	return STATUS_OK;
-}
-
-enum status import_missing_image(struct import *im, const char *key, const char *why, struct error *err)
-{
-	const struct import_image none = {0};
-	im->info->missing_textures++;
-	import_warn(im, "texture '%.60s' is taken as white: %.150s", key, why);
-	return image_add(im, key, &none, err);
-}
-
-static enum status make_texel_room(struct import *im, size_t count, struct error *err)
-{
-	void *items =
-	    grown(im->texels, im->texel_count, count, &im->texel_room, sizeof *im->texels, LIMIT_TEXELS, "texels", err);
-	if (!items)
-		return err->code;
-	im->texels = items;
-	return STATUS_OK;
-}
-
-static enum status image_decode(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
-				struct error *err)
-{
-	struct import_image image = {.offset = (uint32_t)im->texel_count};
-	struct error why;
-	struct image_reader *reader = NULL;
-
-	if (image_open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why) != STATUS_OK)
-		return import_missing_image(im, key, why.text, err);
-	const size_t count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
-	if (make_texel_room(im, count, err) != STATUS_OK) {
-		image_close(reader);
-		return err->code;
-	}
-	enum status status = image_pixels(reader, im->texels + im->texel_count, &why);
-	image_close(reader);
-	if (status != STATUS_OK)
-		return import_missing_image(im, key, why.text, err);
-	im->texel_count += count;
-	return image_add(im, key, &image, err);
-}
-
-struct import_sampling import_plain_sampling(uint32_t flags)
-{
-	return (struct import_sampling){flags, {1, 0, 0}, {0, 1, 0}};
-}
-
-// The texture of an image and a sampling, new or one that is there already.
-static enum status texture_over(struct import *im, const struct import_image *image, const struct import_sampling *sampling,
-				uint32_t *texture, struct error *err)
-{
-	struct texture_info info = {image->offset, image->width, image->height, sampling->flags, {0}, {0}};
-	memcpy(info.row_u, sampling->row_u, sizeof info.row_u);
-	memcpy(info.row_v, sampling->row_v, sizeof info.row_v);
-	for (size_t i = 0; i < im->texture_count; i++) {
-		if (memcmp(&im->textures[i], &info, sizeof info) == 0) {
-			*texture = (uint32_t)i;
-			return STATUS_OK;
-		}
-	}
-	void *items =
-	    grown(im->textures, im->texture_count, 1, &im->texture_room, sizeof info, LIMIT_TEXTURES, "textures", err);
-	if (!items)
-		return err->code;
-	im->textures = items;
-	im->textures[im->texture_count] = info;
-	*texture = (uint32_t)im->texture_count++;
-	return STATUS_OK;
-}
-
-enum status import_texture(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
-			   const struct import_sampling *sampling, uint32_t *texture, struct error *err)
-{
-	*texture = NONE;
-	if (!image_find(im, key)) {
-		enum status status = image_decode(im, key, bytes, size, any_format, err);
-		if (status != STATUS_OK)
-			return status;
-	}
-	const struct import_image *image = image_find(im, key);
-	return image->width == 0 ? STATUS_OK : texture_over(im, image, sampling, texture, err);
-}
-
-enum status import_texture_of(struct import *im, const char *key, const uint32_t *texels, uint32_t width, uint32_t height,
-			      const struct import_sampling *sampling, uint32_t *texture, struct error *err)
-{
-	const size_t count = (size_t)width * height;
-	*texture = NONE;
-	if (!image_find(im, key)) {
-		const struct import_image image = {.offset = (uint32_t)im->texel_count, .width = width, .height = height};
-		if (make_texel_room(im, count, err) != STATUS_OK)
-			return err->code;
-		memcpy(im->texels + im->texel_count, texels, count * sizeof *texels);
-		im->texel_count += count;
-		if (image_add(im, key, &image, err) != STATUS_OK)
-			return err->code;
-	}
-	return texture_over(im, image_find(im, key), sampling, texture, err);
 }
 
 void import_warn(struct import *im, const char *format, ...)
