@@ -4,6 +4,16 @@
 // not compile if it repeats them wrongly. Numbers are for ever; new ones go to the end.
 //
 // Any thread may call the functions; what they return is static.
+//
+// Example:
+//	char list[64];
+//	technique_list(TECHNIQUE_RENDERS, "or", list, sizeof list);
+//	assert(strcmp(list, "pt, vct or direct") == 0);
+//	assert(technique_number("pt", 2) == 1 && strcmp(technique_name(1), "pt") == 0);
+//	assert(technique_number("nothing", 7) == -1 && strcmp(technique_name(TECHNIQUE_COUNT), "unknown") == 0);
+//	assert(technique_traits(0) == technique_traits(TECHNIQUE_OF_AUTO));
+//	for (unsigned i = 0; i < EFFECT_COUNT; i++)
+//		printf("%s runs where %s\n", effect_name(i), effect_words(i)->simulated);
 #ifndef CANDIL_PROTOCOL_NAMES_H
 #define CANDIL_PROTOCOL_NAMES_H
 

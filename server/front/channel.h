@@ -3,6 +3,54 @@
 // far.
 //
 // All calls are for the front's one thread (loop.h), and none of them waits.
+//
+// Example: a whole program: whatever the peer says comes back to it
+//	#include <assert.h>
+//	#include <string.h>
+//	#include <sys/socket.h>
+//	#include <unistd.h>
+//
+//	#include "server/front/channel.h"
+//
+//	static struct channel channel;
+//	static bool over;
+//
+//	static void on_ready(void *owner, uint32_t events)
+//	{
+//		char bytes[64];
+//		size_t count, written;
+//		(void)owner, (void)events;
+//		const enum channel_result result = channel.kind->read(&channel, bytes, sizeof bytes, &count, NULL);
+//		// A session keeps what `write` does not take, and wants EPOLLOUT until it is gone. So few bytes are taken.
+//		if (result == CHANNEL_DONE)
+//			assert(channel.kind->write(&channel, bytes, count, &written) == CHANNEL_DONE && written == count);
+//		over = result == CHANNEL_ENDED || result == CHANNEL_BROKEN;
+//	}
+//
+//	static void on_settle(void *owner)
+//	{
+//		(void)owner;
+//	}
+//
+//	int main(void)
+//	{
+//		struct loop *loop;
+//		struct error err;
+//		char back[6] = "";
+//		int pair[2];
+//		assert(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) == 0);
+//		assert(loop_create(&loop, &err) == STATUS_OK);
+//		assert(channel_unix_adopt(&channel, loop, pair[0], &err) == STATUS_OK);
+//		assert(channel.kind->peer_allowed(&channel)); // our own user
+//		assert(channel.kind->watch(&channel, on_ready, NULL, &err) == STATUS_OK);
+//		assert(write(pair[1], "hello", 5) == 5 && shutdown(pair[1], SHUT_WR) == 0);
+//		assert(loop_run(loop, on_settle, NULL, &over, &err) == STATUS_OK);
+//		assert(read(pair[1], back, 5) == 5 && strcmp(back, "hello") == 0);
+//		channel.kind->close(&channel);
+//		loop_destroy(loop);
+//		close(pair[1]);
+//		return 0;
+//	}
 #ifndef CANDIL_FRONT_CHANNEL_H
 #define CANDIL_FRONT_CHANNEL_H
 

@@ -5,6 +5,19 @@
 //
 // Nothing in it depends on where it is mapped. All coordinates are float metres relative to `origin` (double, world space),
 // so a scene far from the world's zero keeps the precision that it has about its own middle.
+//
+// Example: `blob` of `bytes` is mapped from a loader's memfd
+//	struct error err;
+//	assert(blob_check(blob, bytes, &err) == STATUS_OK);
+//	struct blob_view view;
+//	blob_view_init(&view, blob);
+//	const struct triangle *triangles = view.sections[BLOB_TRIANGLES];
+//	const struct vertex *vertices = view.sections[BLOB_VERTICES];
+//	for (uint32_t i = 0; i < view.counts[BLOB_TRIANGLES]; i++) {
+//		const float x = vertices[triangles[i].vertex[0]].position[0];
+//		assert(x >= view.bounds_min[0] && x <= view.bounds_max[0]);
+//		printf("triangle %u has a corner at x = %g m\n", i, blob->origin[0] + (double)x);
+//	}
 #ifndef CANDIL_SCENE_BLOB_H
 #define CANDIL_SCENE_BLOB_H
 

@@ -4,6 +4,65 @@
 // once, the others but the latest few, and these too where memory is short. Device's thread only.
 //
 //   shelf_of; look from `first` along `next`, else make a thing and shelf_put it; shelf_hold … shelf_release
+//
+// Example: a whole program: two jobs share one thing, which is made once
+//	#include <assert.h>
+//	#include <stdlib.h>
+//
+//	#include "server/worker/scenes/shelf.h"
+//
+//	struct thing {
+//		struct shelved shelved; // first: the shelf hands it back
+//		bool done;
+//	};
+//
+//	static bool thing_finished(const struct shelved *shelved)
+//	{
+//		return ((const struct thing *)shelved)->done;
+//	}
+//
+//	static uint64_t thing_bytes(const struct shelved *shelved)
+//	{
+//		(void)shelved;
+//		return 0; // it has no device memory
+//	}
+//
+//	static void thing_destroy(struct shelved *shelved, bool scene_goes)
+//	{
+//		(void)scene_goes;
+//		free(shelved);
+//	}
+//
+//	static const struct shelf_kind thing_kind = {2, thing_finished, thing_bytes, thing_destroy};
+//
+//	static struct thing *thing_acquire(struct resident_scene *scene)
+//	{
+//		struct shelf *shelf = shelf_of(scene, &thing_kind);
+//		if (!shelf)
+//			return NULL;
+//		struct thing *t = (struct thing *)shelf->first; // here any serves any job
+//		if (!t && (t = calloc(1, sizeof *t)))
+//			shelf_put(shelf, &t->shelved);
+//		if (t)
+//			shelf_hold(&t->shelved);
+//		return t;
+//	}
+//
+//	int main(void)
+//	{
+//		struct resident_scenes scenes = {NULL};
+//		struct error err;
+//		if (resident_add(&scenes, 1, -1, &err) != STATUS_OK)
+//			return 1;
+//		struct thing *one = thing_acquire(scenes.first), *two = thing_acquire(scenes.first);
+//		assert(one && one == two);
+//		one->done = true;
+//		shelf_release(&one->shelved);
+//		shelf_release(&two->shelved); // nobody holds it; it stays, for it is finished
+//		assert(thing_acquire(scenes.first) == one);
+//		resident_finish(&scenes);
+//		return 0;
+//	}
 #ifndef CANDIL_WORKER_TECHNIQUE_SHELF_H
 #define CANDIL_WORKER_TECHNIQUE_SHELF_H
 

@@ -8,12 +8,34 @@
 // resident scene outlives the job. To add one: its folder, a line in protocol/names.h and candil.proto, techniques.c, the
 // build's lists of files, README.
 //
-// Example:
-//	const struct technique *t = technique_find(candil_Technique_TECHNIQUE_AUTO);
-//	assert(t && t->number != candil_Technique_TECHNIQUE_AUTO);
-//	for (uint32_t i = 0; i < technique_count(); i++)
-//		printf("%s takes options: %s\n", technique_name(technique_at(i)->number),
-//		       technique_at(i)->options->rules ? "yes" : "no");
+// Example: what can be asked of every technique without a device
+//	for (uint32_t i = 0; i < technique_count(); i++) {
+//		const struct technique *t = technique_at(i);
+//		struct plan plan = {.technique = t->number};
+//		t->defaults(plan.settings);
+//		assert(technique_find(t->number) == t && t->depth(&plan) > 0);
+//	}
+//	assert(technique_find(candil_Technique_TECHNIQUE_AUTO)->number == (candil_Technique)TECHNIQUE_OF_AUTO);
+//
+// Example: a whole job over `scene`, which resident_acquire gave us
+//	candil_Render request = {.technique = candil_Technique_TECHNIQUE_PT, .width = 8, .height = 8, .samples = 2};
+//	struct plan plan;
+//	struct error err;
+//	assert(plan_make(&request, &scene->view, NULL, &plan, &err) == STATUS_OK);
+//
+//	const struct technique *t = technique_find(plan.technique);
+//	struct technique_job *job;
+//	assert(t->begin(devices, scene, &plan, &job, &err) == STATUS_OK);
+//	struct step_result result;
+//	do {
+//		result = STEP_RESULT_NOTHING;
+//		assert(t->step(job, 50000, &result, &err) == STATUS_OK);
+//	} while (!result.finished);
+//
+//	struct frame *frame;
+//	assert(t->read(job, &frame, &err) == STATUS_OK && frame->samples == 2);
+//	frame_destroy(frame);
+//	t->end(job);
 #ifndef CANDIL_WORKER_TECHNIQUE_H
 #define CANDIL_WORKER_TECHNIQUE_H
 

@@ -4,13 +4,16 @@
 // Ways: single, each lane walks for itself; packet, the lanes of a subgroup share one stack, which pays where a lane is a
 // part of a CPU's vector. Both find the same hits: a picture's bits do not depend on the way.
 //
-// Example:
-//	const struct trace trace = trace_choose(device, scene, TRACE_AUTO);
+// Example: a pipeline of a shader that traces through `scene`, from resident_acquire, on `device`
 //	struct constants constants = {0};
 //	const struct buffer *buffers[BIND_MOST] = {NULL};
+//	struct error err;
+//	assert(resident_upload(scene, device, TRACE_BINDINGS, &err) == STATUS_OK);
+//	const struct trace trace = trace_choose(device, scene, TRACE_AUTO);
 //	trace_set_constants(&trace, &constants);
 //	trace_fill_buffers(scene, buffers);
-//	assert(constants.count == 2 && buffers[BIND_NODE_TEXELS] == buffers[BIND_NODES]);
+//	assert(constants.count == 2 && buffers[BIND_NODES]->handle);
+//	assert(buffers[BIND_NODE_TEXELS] == buffers[BIND_NODES]);
 #ifndef CANDIL_WORKER_TRACE_TRACE_H
 #define CANDIL_WORKER_TRACE_TRACE_H
 

@@ -1,0 +1,133 @@
+"""Every example in the headers of our own seams compiles with the project's warnings and runs (support/examples.py)."""
+import os
+import shutil
+import sys
+import tempfile
+
+from examples import (BUILD, SKIPPED, SOURCE, Failed, Rule, Skipped, build, check_that_bad_examples_are_found, extract, link_like,
+                      read, run)
+
+LOADER = os.path.join(BUILD, "libexec", "candil", "candil-loader")
+DEVICE = dict(like="tests/gpu/test_hits.c", link=link_like("tests/test_hits", "test_hits.c"), arguments=(LOADER, "room.gltf"))
+FRONT = dict(like="tests/daemon/test_schedule.c", link=link_like("tests/test_schedule", "test_schedule.c"))
+
+PROLOGUE = """
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "protocol/names.h"
+#include "server/worker/devices.h"
+#include "server/worker/image/frame.h"
+#include "server/worker/plan/make.h"
+#include "server/worker/technique/technique.h"
+#include "server/worker/trace/trace.h"
+#include "tests/support/load_scene.h"
+"""
+
+MAIN = """
+int main(int argc, char **argv)
+{
+	if (argc < 2)
+		return 2;
+	examples[atoi(argv[1])]();
+	return 0;
+}
+"""
+
+# The blob is that of argv[3], loaded by argv[2].
+BLOB_MAIN = """
+int main(int argc, char **argv)
+{
+	struct loaded_scene scene;
+	struct error err;
+	if (argc != 4)
+		return 2;
+	if (load_scene(argv[2], argv[3], &scene, &err) != STATUS_OK) {
+		fprintf(stderr, "%s\\n", err.text);
+		return 1;
+	}
+	examples[atoi(argv[1])](scene.blob, scene.bytes);
+	loaded_scene_finish(&scene);
+	return 0;
+}
+"""
+
+# An example whose number is at least FIRST gets a device and the same scene, as serve.c gives them to a technique.
+DEVICE_MAIN = """
+static void need(enum status status, const struct error *err)
+{
+	if (status == STATUS_OK)
+		return;
+	fprintf(stderr, "%s\\n", err->text);
+	exit(status == STATUS_DEVICE ? 77 : 1);
+}
+
+int main(int argc, char **argv)
+{
+	struct devices devices = {NULL};
+	struct resident_scenes scenes = {NULL};
+	struct resident_scene *scene = NULL;
+	struct error err = {0};
+	if (argc != 4)
+		return 2;
+	if (atoi(argv[1]) >= FIRST) {
+		struct loaded_scene loaded;
+		need(device_create(&(struct device_options){0}, &devices.vk, &err), &err);
+		need(load_scene(argv[2], argv[3], &loaded, &err), &err);
+		scenes.device = devices.vk;
+		need(resident_add(&scenes, 1, dup(loaded.fd), &err), &err);
+		loaded_scene_finish(&loaded);
+		need(resident_acquire(&scenes, 1, NULL, &scene, &err), &err);
+	}
+	examples[atoi(argv[1])](&devices, scene);
+	if (scene)
+		resident_release(&scenes, scene);
+	resident_finish(&scenes);
+	devices_finish(&devices);
+	return 0;
+}
+"""
+
+ON_DEVICE = dict(**DEVICE, prologue=PROLOGUE, parameter="struct devices *devices, struct resident_scene *scene")
+RULES = [
+    Rule("protocol/names.h", **DEVICE, prologue=PROLOGUE, parameter="void", begin="", main=MAIN),
+    Rule("server/scene/blob.h", **DEVICE, prologue=PROLOGUE, parameter="const struct blob_header *blob, size_t bytes", begin="",
+         main=BLOB_MAIN),
+    Rule("server/worker/scenes/shelf.h", **DEVICE, prologue="", parameter="void", begin="", main=MAIN),
+    Rule("server/front/channel.h", **FRONT, prologue="", parameter="void", begin="", main=MAIN),
+    Rule("server/worker/technique/technique.h", **ON_DEVICE, begin="\t(void)devices, (void)scene;\n",
+         main=DEVICE_MAIN.replace("FIRST", "1")),
+    Rule("server/worker/trace/trace.h", **ON_DEVICE, begin="\tstruct device *device = devices->vk;\n",
+         main=DEVICE_MAIN.replace("FIRST", "0")),
+]
+
+
+def main():
+    failures, skipped = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(os.path.join(SOURCE, "deploy", "first.gltf"), os.path.join(folder, "room.gltf"))
+        check_that_bad_examples_are_found(RULES[0], "assert(!technique_name(0));", folder)
+        runs = [one for rule in RULES for one in build(rule, read(rule.header), folder)]
+        without = [rule.header for rule in RULES if not extract(read(rule.header))]
+        assert not without, without
+        for where, command in runs:
+            try:
+                run(where, command, folder)
+            except Failed as failure:
+                failures.append(str(failure))
+            except Skipped as skip:
+                skipped.append(str(skip))
+    assert not failures, "\n".join(failures)
+    print(f"{len(runs) - len(skipped)} examples ran")
+    if skipped:
+        print("no device for", *skipped)
+        sys.exit(SKIPPED)
+
+
+try:
+    main()
+except Failed as failure:
+    sys.exit(str(failure))
