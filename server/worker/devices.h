@@ -1,5 +1,5 @@
-// The two faces of the worker's GPU. Vulkan is open from the start; OpenGL opens with the first job whose technique needs
-// it, for it costs memory and time that a path tracer's user has no use for. Device's thread only.
+// The worker's GPU through its two APIs. Vulkan is open from the start. OpenGL is opened by the first job whose technique
+// needs it, because it costs memory and time that users of the path tracer do not need to spend. Device's thread only.
 #ifndef CANDIL_WORKER_DEVICES_H
 #define CANDIL_WORKER_DEVICES_H
 
@@ -8,15 +8,17 @@
 struct device; // vk/device.h
 struct gl_device; // gl/device.h
 
+// Both devices, owned here.
 struct devices {
 	struct device *vk; // NULL: there is none, and nothing renders
 	struct gl_device *gl; // NULL: not opened yet
 };
 
-// The OpenGL device, opened if it was not. STATUS_DEVICE if there is none.
+// The OpenGL device, opened if it was not: on the GPU of `vk`, which must be open, and within its memory budget. It stays
+// this struct's. STATUS_DEVICE if there is none; STATUS_MEMORY.
 enum status devices_gl(struct devices *devices, struct gl_device **gl, struct error *err);
 
-// Close both, with the programs and pipelines that they keep. Nothing else that is theirs may be left.
+// Close both, with the programs and pipelines that they keep. Everything else made on them must have been freed before.
 void devices_finish(struct devices *devices);
 
 #endif

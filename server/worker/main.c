@@ -1,4 +1,5 @@
-// candil-worker: one a device. Started by candild, which it serves at descriptor IPC_FD until that closes.
+// candil-worker: one process for each device. candild starts it, and it serves candild at descriptor IPC_FD until that
+// closes.
 #include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
@@ -69,7 +70,7 @@ int main(int argc, char **argv)
 	// A worker without its front has nobody to serve.
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	signal(SIGPIPE, SIG_IGN);
-	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the line
+	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the socket
 	if (device_create(&settings.device, &devices.vk, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "%s", err.text);
 	enum status s = serve(IPC_FD, &devices, &err);

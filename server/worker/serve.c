@@ -24,7 +24,7 @@ struct job {
 	uint32_t id;
 	struct plan plan;
 	struct resident_scene *scene;
-	struct resident_scene *environment; // NULL: none
+	struct resident_scene *environment; // the picture of the surroundings; NULL: none
 	const struct technique *technique;
 	struct technique_job *work;
 	uint64_t edit_us; // that its edits took; 0: none, or made before
@@ -60,8 +60,8 @@ static void job_destroy(struct server *s, struct job *job)
 	free(job);
 }
 
-// Unless the device was lost: then say nothing and end, for the front starts another worker, hands it the same scenes and
-// begins the jobs again; an answer would fail a job that can still be done.
+// Send an answer, unless the device was lost. Then say nothing and end: the front starts another worker, hands it the same
+// scenes and begins the jobs again. An answer would fail a job that can still be done.
 static enum status answer_front(const struct server *s, const void *answer, size_t bytes)
 {
 	if (s->devices->vk && (s->devices->vk->lost || (s->devices->gl && s->devices->gl->lost)))
@@ -91,7 +91,7 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 		job->technique->notes(job->scene, &job->plan, out);
 }
 
-// Of the budget, what is left if all makes room that no job needs.
+// Bytes of the budget that are free once everything that no job needs has made room.
 static uint64_t budget_left(const struct server *s)
 {
 	const struct device *d = s->devices->vk;
@@ -99,7 +99,7 @@ static uint64_t budget_left(const struct server *s)
 	return d->budget > needed ? d->budget - needed : 0;
 }
 
-// After STATUS_MEMORY: scenes that nobody renders now make room, the one unused for longest first. But not in vain.
+// After STATUS_MEMORY: evict scenes that no job uses, the one unused for longest first. Evict nothing if it would not help.
 static bool make_room(struct server *s)
 {
 	return s->devices->vk->wanted <= budget_left(s) && resident_evict(&s->scenes);
@@ -140,7 +140,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 		return r;
 	job->plan.environment.scene = job->environment;
 	job->technique = technique_find(job->plan.technique);
-	// What another job of this scene holds may be shared with it: then only the attempt will tell.
+	// This job may share what another job of the same scene holds. Then only an attempt tells whether it fits.
 	const struct resident_scene *base = job->scene->base ? job->scene->base : job->scene;
 	const uint64_t budget = base->jobs > 1 ? s->devices->vk->budget : budget_left(s);
 	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
@@ -164,7 +164,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 	} else {
 		job->id = m->head.job;
 		if (begin(s, m, job, &answer.error) == STATUS_OK) {
-			// An attempt before room was made may have left its reason.
+			// Clear the reason that an attempt before the eviction may have left.
 			answer.error = (struct error){.code = STATUS_OK};
 			fill_accepted(s, job, &answer.accepted);
 			job->next = s->jobs;
@@ -176,7 +176,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 	return answer_front(s, &answer, sizeof answer);
 }
 
-// What a job finds out to need only while it works, voxels above all, is made room for as at its beginning.
+// Some needs, of voxels above all, show only while a job works: room is made for them as at its beginning.
 static enum status step(struct server *s, struct job *job, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status r;

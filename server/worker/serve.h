@@ -1,4 +1,5 @@
-// The worker's loop: orders from the front in, answers out. Everything on the device happens here, on this one thread.
+// The worker's loop: it takes the front's orders and answers them. The thread that calls serve is the device's thread: all
+// work on the device happens on it.
 #ifndef CANDIL_WORKER_SERVE_H
 #define CANDIL_WORKER_SERVE_H
 
@@ -6,9 +7,10 @@
 
 struct devices;
 
-// Serve the front at `socket` until it closes. `devices->vk` NULL: there is no device, for the reason in `why`; every job is
-// then refused with it. STATUS_OK when the front has gone; STATUS_DEVICE when the device was lost, and the process should
-// end so that the front starts another.
+// Serve the front at `socket` (SOCK_SEQPACKET, messages of server/base/ipc.h) until it closes. `socket` and `devices` stay
+// the caller's. devices->vk NULL: there is no device, and every job is refused with the reason in `why`. Returns STATUS_OK
+// when the front has gone; STATUS_DEVICE when the device was lost: the process should then end, so that the front starts
+// another.
 enum status serve(int socket, struct devices *devices, const struct error *why);
 
 #endif

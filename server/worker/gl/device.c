@@ -1,5 +1,5 @@
-// One context for the whole worker. EGL comes without a display server: of the devices that EGL lists the one with the
-// UUID asked for, else Mesa's surfaceless platform, which software rendering has everywhere.
+// One context for the whole worker, by EGL without a display server: on that of EGL's devices that has the UUID asked for,
+// or else on Mesa's surfaceless platform, which exists wherever software rendering does.
 #include "server/worker/gl/device.h"
 
 #include <epoxy/egl.h>
@@ -24,7 +24,7 @@ static void on_message(GLenum source, GLenum type, GLuint id, GLenum severity, G
 	(void)source;
 	(void)id;
 	(void)length;
-	// The spec's signature has const; the pointer is the device that was handed over.
+	// The extension's signature makes it const; the pointer is the device that set_state handed over.
 	struct gl_device *d = (struct gl_device *)(uintptr_t)user;
 	if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR)
 		return;
@@ -95,7 +95,7 @@ static bool is_software(EGLDeviceEXT device)
 	return extensions && strstr(extensions, "EGL_MESA_device_software");
 }
 
-// The device whose UUID is asked for; failing that, the first of the kind asked for.
+// Open the device that has the UUID asked for, or else the first of the kind asked for.
 static bool open_listed(struct gl_device *d, const struct gl_device_options *o)
 {
 	if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") &&
@@ -145,7 +145,8 @@ static void look_around(struct gl_device *d)
 	d->image_side_max = (uint32_t)side;
 }
 
-// State that every pass expects and none changes back: depth grows towards the eye (reversed, infinite far plane), in 0…1.
+// State that every pass expects and no pass changes: depth is in 0…1 and grows towards the eye (reversed, with an infinite
+// far plane).
 static void set_state(struct gl_device *d)
 {
 	glCreateVertexArrays(1, &d->vertex_array);
@@ -199,7 +200,7 @@ enum status gl_check(struct gl_device *d, const char *what, struct error *err)
 {
 	enum status s = STATUS_OK;
 	GLenum code;
-	// A lost context answers with the same error for ever.
+	// A lost context answers with the same error for ever, so stop asking.
 	while (!d->lost && (code = glGetError()) != GL_NO_ERROR) {
 		if (code == GL_CONTEXT_LOST)
 			d->lost = true;

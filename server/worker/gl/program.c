@@ -77,7 +77,7 @@ static enum status build(struct gl_program *p, struct error *err)
 		s = gl_program_compile(stages[i].stage, p, stages[i].text, &shader, err);
 		if (s == STATUS_OK)
 			glAttachShader(p->name, shader);
-		// Lives on as long as it is attached.
+		// The shader lives on for as long as it is attached.
 		glDeleteShader(shader);
 	}
 	return s == STATUS_OK ? link_program(p, err) : s;
@@ -95,7 +95,7 @@ void gl_program_release(struct gl_program *p)
 		p->users--;
 }
 
-// Make room for one more.
+// Destroy the program unused for longest if there is no room for one more.
 static void gl_program_trim(struct gl_device *d)
 {
 	struct gl_program **oldest = NULL;

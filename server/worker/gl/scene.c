@@ -3,7 +3,7 @@
 #include <epoxy/gl.h>
 #include <stdlib.h>
 
-static const char kind; // its address names gl_scene among the derived
+static const char kind; // its address is gl_scene's kind of struct derived
 
 #define TEXEL_BYTES 16u
 
@@ -26,7 +26,7 @@ static uint64_t bytes_of(const struct derived *derived)
 	return bytes;
 }
 
-// A texel buffer over one of the scene's; made once.
+// Make a texel buffer over one of the scene's buffers, unless it is made.
 static enum status view_as_texels(struct gl_scene *s, uint32_t binding, unsigned *texture, struct error *err)
 {
 	const struct gl_buffer *buffer = &s->buffers[binding];

@@ -2,7 +2,7 @@
 
 #include <epoxy/gl.h>
 
-// Bytes of a texel, and how its zeros are handed over.
+// Bytes of a texel, and the format and type in which zeros are handed to the driver.
 static const struct texel {
 	GLenum format;
 	uint32_t bytes;

@@ -1,12 +1,13 @@
-// The seam between the worker and a way to make a picture. One const table each, in a folder of its own; techniques.c lists
-// them. A job goes through a table in this order, on the device's thread alone:
+// The seam between the worker and its techniques. A technique is one way to make a picture: a const table of functions, in a
+// folder of its own; techniques.c lists the tables. A job calls a table in this order, on the device's thread alone:
 //
 //   plan_make: defaults, (options), check, depth, cannot and simulates, settle      no device is touched
 //   serve:     bytes, begin, time_effects, notes, (step | read)*, end
 //
-// A technique owns its options with their defaults, what it cannot do, and what it makes in `begin` until `end`; the
-// resident scene outlives the job. To add one: its folder, a line in protocol/names.h and candil.proto, techniques.c, the
-// build's lists of files, README.
+// A technique owns its options with their defaults, the list of what it cannot do, and what `begin` makes, until `end`. The
+// resident scene outlives the job. Functions that return enum status fill `err` on failure; STATUS_DEVICE from any of them
+// that gets a job or `devices` means that the device failed. To add a technique: its folder, a line in protocol/names.h and
+// in candil.proto, techniques.c, the build's lists of files, README.
 //
 // Example: what can be asked of every technique without a device
 //	for (uint32_t i = 0; i < technique_count(); i++) {
@@ -52,87 +53,97 @@ struct plan; // worker/plan/plan.h
 struct frame; // worker/image/frame.h
 struct technique_job; // the technique's own, opaque to the loop
 
+// Bytes of `advise`'s sentence, its end included.
 #define TECHNIQUE_ADVICE_BYTES 96u
 
+// Where a job stands after a step.
 struct step_result {
 	uint32_t samples_done; // complete samples of every pixel
-	bool finished;
-	bool reached; // it ended at its target error
-	double estimated_relmse; // negative: unknown
+	bool finished; // no step is left to do
+	bool reached; // finished, because the error fell to plan->target_error
+	double estimated_relmse; // mean of error² / (value² + 0.01) over pixels and channels; negative: unknown
 	double fraction; // of all the job's work, 0…1
 };
 
-// Nothing is done, and the error is unknown.
+// A step that has done nothing, with an unknown error.
 #define STEP_RESULT_NOTHING ((struct step_result){.estimated_relmse = -1})
 
+// The table. A function that may be NULL says what NULL means.
 struct technique {
 	candil_Technique number; // protocol/names.h has its name
 
 	// ---- planning ----
 
-	// The options that it takes, ended by a table without rules; they fill in plan->settings.
+	// The options that it takes: option tables that fill in plan->settings, ended by one without rules.
 	const struct option_table *options;
 
-	// Fill in the settings of a request without options. `settings` is zeroed, PLAN_SETTINGS_BYTES long.
+	// Fill in the settings of a request without options. `settings` is plan->settings: PLAN_SETTINGS_BYTES, zeroed.
 	void (*defaults)(void *settings);
 
-	// Whether what all options say together can be. STATUS_BAD_ARGUMENT if not. NULL: always.
+	// Refuse options that contradict each other: STATUS_BAD_ARGUMENT. plan->settings holds all of them; of the rest of
+	// the plan only what is copied from the request is set. NULL: any combination is fine.
 	enum status (*check)(const struct plan *plan, struct error *err);
 
-	// Scattering events of a path at most, by the settings: 1 is light straight from its source.
+	// The most scattering events of a path from camera to light, by the settings. 1: direct light alone.
 	uint32_t (*depth)(const struct plan *plan);
 
-	// Why it cannot do an effect: a sentence without a full stop, static; "": as if the effect were switched off, and
-	// others can; NULL: it can. A function that is NULL: it can do all.
+	// Why it cannot simulate an effect: a static sentence without a full stop. "": it draws what is drawn where the
+	// effect is switched off, and the reply names the techniques that can. NULL: it can. If the function is NULL, it can
+	// all.
 	const char *(*cannot)(const struct plan *plan, candil_Effect effect);
 
-	// Why it simulates an effect that is called for, where names.h does not say it right. NULL, or returning NULL: it
-	// does.
+	// Why it simulates an effect, where the words of names.h do not fit: a static sentence without a full stop. NULL:
+	// the words of names.h. If the function is NULL, they fit every effect.
 	const char *(*simulates)(const struct plan *plan, candil_Effect effect);
 
-	// A last word on plan->effects. `allowed`: bits of the effects that the request does not switch off. NULL: none.
+	// Change plan->effects once all of them are decided. `allowed`: bits 1 << candil_Effect of those that the request
+	// does not switch off. NULL: nothing to change.
 	void (*settle)(struct plan *plan, uint32_t allowed);
 
 	// ---- a job ----
 
-	// Device memory, in bytes, that a job of this plan takes beside its scene: asked before it begins.
+	// An estimate of the device memory that a job of this plan takes beside its scene, in bytes. Asked before `begin`.
 	uint64_t (*bytes)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
 
-	// What to ask for instead of a job that takes more than `budget` bytes: the end of a sentence, of
-	// TECHNIQUE_ADVICE_BYTES at most. `advice` comes as "render smaller" and may stay so. NULL: it does.
+	// What to ask for in place of a job that takes more than `budget` bytes: the end of a sentence, in
+	// TECHNIQUE_ADVICE_BYTES. `advice` holds "render smaller" before the call, which may stay. NULL: it stays.
 	void (*advise)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
 		       uint64_t budget, char *advice);
 
-	// Make everything that the plan asks for, and nothing else. The first use of a set of effects compiles. On failure
-	// nothing is left; STATUS_MEMORY: it is called again if room can be made.
+	// Make everything that the plan asks for, and nothing else. *job is the caller's, who frees it with `end`. The first
+	// use of a set of effects compiles shaders, which may take seconds. On failure nothing is left. After STATUS_MEMORY
+	// the caller makes room, if it can, and calls again.
 	enum status (*begin)(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			     struct technique_job **job, struct error *err);
 
-	// Fill in the costs of the effects, if the settings ask for them: between begin and the first step. NULL: cannot.
+	// Measure what the effects cost and fill it into their `reports`, if the settings ask for it. Called between `begin`
+	// and the first step. NULL: it cannot measure.
 	enum status (*time_effects)(struct technique_job *job, candil_EffectReport *reports, uint32_t count,
 				    struct error *err);
 
-	// Add sentences to accepted->notes, on what of the scene and the plan may surprise: technique_note. NULL: nothing.
+	// Add to accepted->notes, by technique_note, what of the scene and the plan may surprise. NULL: nothing does.
 	void (*notes)(const struct resident_scene *scene, const struct plan *plan, candil_Accepted *accepted);
 
-	// Work for about budget_us of device time, at least one indivisible piece. Calls continue where the last one
-	// stopped. *result comes as STEP_RESULT_NOTHING; what is known is filled in. After STATUS_MEMORY too, if more of it
-	// has become free.
+	// Work for about budget_us of device time, at least one indivisible piece. Each call continues where the last one
+	// stopped. *result is STEP_RESULT_NOTHING before the call; what is known is filled in. After STATUS_MEMORY the
+	// caller may make room and call again.
 	enum status (*step)(struct technique_job *job, uint32_t budget_us, struct step_result *result, struct error *err);
 
-	// Copy what has been accumulated into `frame` (host memory, made by this call, freed by the caller with
-	// frame_destroy). The job can go on afterwards: a preview is a read before the end.
+	// Make a frame in host memory of the samples so far. *frame is the caller's, who frees it with frame_destroy. The
+	// job can go on afterwards: a preview is a read before the end.
 	enum status (*read)(struct technique_job *job, struct frame **frame, struct error *err);
 
-	// Free the job. NULL is allowed.
+	// Free the job, finished or not. NULL is allowed.
 	void (*end)(struct technique_job *job);
 };
 
-// The techniques of this worker, in the order in which sentences name them. `i` is below the count.
+// The number of techniques of this worker.
 uint32_t technique_count(void);
+
+// The technique at place `i`, which is below the count, in the order in which sentences name them.
 const struct technique *technique_at(uint32_t i);
 
-// The technique of a number, AUTO's what it stands for; NULL: this worker has none of that number.
+// The technique of a number; for AUTO, the one that it stands for. NULL: this worker has none of that number.
 const struct technique *technique_find(candil_Technique number);
 
 #endif

@@ -1,6 +1,6 @@
 #include "server/worker/trace/trace.h"
 
-// Whether the device can see all of the tree as texels.
+// Whether the device can bind all of the tree as texel buffers.
 static bool trace_fits(const struct device *d, const struct resident_scene *scene)
 {
 	const uint64_t most = (uint64_t)d->limits.maxTexelBufferElements * PIPELINE_TEXEL_BYTES;

@@ -1,8 +1,10 @@
-// The one door to rays: how a device walks a scene's tree, and what a Vulkan pipeline that traces rays has to bind and to be
-// told for it. Shaders go through shaders/trace/traverse.glsl and know nothing of the way. Device's thread only.
+// The one way to trace rays on Vulkan: which traversal of a scene's BVH a device uses, and which buffers and specialization
+// constants a pipeline that traces rays needs for it. Shaders trace through shaders/trace/traverse.glsl and do not know
+// which traversal runs. Device's thread only. Nothing here fails or allocates.
 //
-// Ways: single, each lane walks for itself; packet, the lanes of a subgroup share one stack, which pays where a lane is a
-// part of a CPU's vector. Both find the same hits: a picture's bits do not depend on the way.
+// There are two traversals. Single: each lane walks the tree by itself. Packet: the lanes of a subgroup walk it together
+// with one stack, which is faster where lanes are the elements of a CPU's vector. Both find the same hits, so a picture's
+// bits do not depend on the traversal.
 //
 // Example: a pipeline of a shader that traces through `scene`, from resident_acquire, on `device`
 //	struct constants constants = {0};
@@ -20,28 +22,30 @@
 #include "server/worker/scenes/resident.h"
 #include "server/worker/vk/pipeline.h"
 
+// What a request may wish for (pt.traversal). AUTO: packet on software devices, single on others.
 enum trace_way { TRACE_AUTO, TRACE_SINGLE, TRACE_PACKET };
 
-// Bindings (bits 1 << BIND_…) that a pass which traces needs of the resident scene, whatever the way and the API.
+// Bindings (bits 1 << BIND_…) of the resident scene that every pass which traces needs, on Vulkan and on OpenGL.
 #define TRACE_BINDINGS (1u << BIND_NODES | 1u << BIND_LEAF_TRIANGLES)
 
-// Of struct shader's `texels`.
+// Texel buffers of such a pass on Vulkan: goes into struct shader's `texels`.
 #define TRACE_TEXELS (1u << BIND_NODE_TEXELS | 1u << BIND_LEAF_TEXELS)
 
+// A traversal that was chosen. A value: copied freely.
 struct trace {
-	bool packet;
-	uint32_t lanes; // of a packet
+	bool packet; // false: single
+	uint32_t lanes; // of the device's subgroups
 };
 
-// The way for a device and a scene whose TRACE_BINDINGS are on it. A wish that the device or the size of the tree does not
-// allow is not granted.
+// Choose the traversal for a device and a scene whose TRACE_BINDINGS have been uploaded. A wish for packets is not granted
+// where the device has no subgroups of a fitting width or the tree is larger than its largest texel buffer.
 struct trace trace_choose(const struct device *device, const struct resident_scene *scene, enum trace_way wish);
 
-// The shader's variant: two constants.
+// Add the two specialization constants that make the shader this traversal: SPEC_PACKET and SPEC_WIDTH.
 void trace_set_constants(const struct trace *trace, struct constants *constants);
 
-// All that is the scene's, and the tree once more as texels: for binding_set_init, the rest is the caller's. `buffers` has
-// BIND_MOST places.
+// Fill in the scene's buffers for binding_set_init, by binding, the tree a second time as texel buffers. `buffers` has
+// BIND_MOST places; those of other bindings are left as they are. The buffers stay the scene's.
 void trace_fill_buffers(const struct resident_scene *scene, const struct buffer **buffers);
 
 #endif

@@ -9,7 +9,7 @@
 #include "server/base/log.h"
 #include "shaders/shared/bindings.h"
 
-// Of the pass that has most; its texel buffers do not count.
+// Storage buffers of the pass that has most. Its texel buffers do not count.
 #define STORAGE_BUFFERS_NEEDED (BIND_MOST - BIND_TEXELS_MOST)
 
 enum status device_error(VkResult result, const char *what, struct error *err)
@@ -122,7 +122,7 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 	VkPhysicalDeviceMemoryProperties memory;
 	memset(info, 0, sizeof *info);
 	info->index = index;
-	// A driver of Vulkan 1.0 knows no properties2; the plain call tells its version first.
+	// A Vulkan 1.0 driver has no vkGetPhysicalDeviceProperties2; the plain call tells the version first.
 	vkGetPhysicalDeviceProperties(physical, &p.properties);
 	if (p.properties.apiVersion >= VK_API_VERSION_1_2)
 		vkGetPhysicalDeviceProperties2(physical, &p);

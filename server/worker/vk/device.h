@@ -1,5 +1,5 @@
-// A Vulkan device and everything that lives as long as it does. Used by the device's thread alone, but for
-// `validation_errors`, which any thread may read.
+// A Vulkan device and everything that lives as long as it does. Device's thread only, but any thread may read
+// `validation_errors`.
 #ifndef CANDIL_WORKER_VK_DEVICE_H
 #define CANDIL_WORKER_VK_DEVICE_H
 
@@ -10,14 +10,14 @@
 
 #include "server/base/error.h"
 
-#define DEVICE_MAX 16u
+#define DEVICE_MAX 16u // devices that are listed at most
 #define DEVICE_NAME_BYTES 128u
 
 struct pipeline;
 
-// What vkEnumeratePhysicalDevices told of one device.
+// What the driver tells of one physical device.
 struct device_info {
-	uint32_t index;
+	uint32_t index; // among those listed
 	char name[DEVICE_NAME_BYTES]; // with the driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe Mesa 22.3.6 …"
 	char uuid[37];
 	uint8_t uuid_bytes[VK_UUID_SIZE];
@@ -32,12 +32,14 @@ struct device_info {
 	char why_not[LIMIT_TEXT + 1]; // what it lacks, when not usable
 };
 
+// Which device the user wants. Zeroed: the best, with the default budget.
 struct device_options {
 	const char *wanted; // NULL: the best; an index, a UUID or "cpu"
 	bool require_gpu; // refuse software devices
 	uint64_t memory_budget; // bytes; 0: half of the memory if software, else four fifths of the device's
 };
 
+// An open device: one queue, one command buffer, one budget.
 struct device {
 	VkInstance instance;
 	VkPhysicalDevice physical;
@@ -52,29 +54,32 @@ struct device {
 	VkFence fence;
 	VkDebugUtilsMessengerEXT messenger;
 	_Atomic uint64_t validation_errors;
-	uint64_t bytes; // allocated now
-	uint64_t budget;
-	uint64_t wanted; // of what was refused last for the budget's sake, here or on the OpenGL device
-	bool lost; // by the driver's word: only a new process can have it again
-	struct pipeline *pipelines; // those that are kept, by pipeline.c
-	uint64_t pipeline_turn;
+	uint64_t bytes; // allocated now, here and on the OpenGL device
+	uint64_t budget; // bytes that may be allocated
+	uint64_t wanted; // bytes of the last allocation that the budget refused, here or on the OpenGL device
+	bool lost; // the driver says so: only a new process can open it again
+	struct pipeline *pipelines; // kept by pipeline.c
+	uint64_t pipeline_turn; // counts pipeline_get
 };
 
-// List what is there. *count is at most DEVICE_MAX. STATUS_DEVICE if there is no Vulkan loader or driver at all.
+// List the physical devices, usable or not. *count is at most DEVICE_MAX. STATUS_DEVICE if there is no Vulkan loader or no
+// driver.
 enum status device_list(struct device_info infos[DEVICE_MAX], uint32_t *count, struct error *err);
 
-// The index in `infos` that `options` choose, with the reason in `why` (LIMIT_TEXT + 1 bytes); STATUS_DEVICE if none serves.
+// Choose a device: *chosen is its place in `infos`, `why` (LIMIT_TEXT + 1 bytes) the reason in words. STATUS_DEVICE if none
+// of them is what the options ask for and usable.
 enum status device_choose(const struct device_info *infos, uint32_t count, const struct device_options *options,
 			  uint32_t *chosen, char *why, struct error *err);
 
-// Open the chosen device. With CANDIL_VALIDATION=1 in the environment the Khronos validation layer watches every call; a
-// missing layer is then an error, not a silence.
+// Open the device that the options choose; *device is the caller's. With CANDIL_VALIDATION=1 in the environment the Khronos
+// validation layer checks every call, and opening fails where the layer is missing. STATUS_DEVICE, STATUS_MEMORY.
 enum status device_create(const struct device_options *options, struct device **device, struct error *err);
 
-// NULL is allowed. Its pipelines must be gone: devices_finish sees to that.
+// Close and free it. Its buffers and pipelines must be gone: devices_finish destroys the pipelines. NULL is allowed.
 void device_destroy(struct device *device);
 
-// Put a VkResult in words. VK_ERROR_OUT_OF_*_MEMORY is STATUS_MEMORY, all else STATUS_DEVICE.
+// Put a failed VkResult in words: `what` is the subject of the sentence ("making a fence"). Returns STATUS_MEMORY for
+// VK_ERROR_OUT_OF_*_MEMORY, STATUS_DEVICE for all others.
 enum status device_error(VkResult result, const char *what, struct error *err);
 
 #endif

@@ -90,7 +90,7 @@ static void pipeline_destroy(struct device *d, struct pipeline *p)
 	free(p);
 }
 
-// Make room for one more.
+// Destroy the pipeline unused for longest if there is no room for one more.
 static void pipeline_trim(struct device *d)
 {
 	struct pipeline **oldest = NULL;
