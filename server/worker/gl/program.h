@@ -11,7 +11,7 @@
 // or `vertex` and `fragment`, the latter NULL where only depth is drawn. A static constant of whoever runs it: its address
 // and the macros are the key of a program.
 struct gl_source {
-	const char *name; // for messages
+	const char *name; // a literal, for messages and as a stage's name
 	const char *compute;
 	const char *vertex;
 	const char *fragment;

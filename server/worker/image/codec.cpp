@@ -19,7 +19,7 @@ extern "C" {
 namespace
 {
 
-// Rows packed at a time: bounds the extra memory, and is a multiple of the 16 rows of a zip block.
+// Rows packed at a time. It bounds the extra memory, and is a multiple of the 16 rows of a zip block.
 constexpr uint32_t STRIP_ROWS = 64;
 
 struct channel {
@@ -50,7 +50,7 @@ std::vector<channel> channels_of(const frame &f, OIIO::TypeDesc colour)
 	return c;
 }
 
-// A finite value stays finite: what is beyond half's range becomes its largest value, not infinity.
+// A finite value stays finite: beyond half's range it becomes half's largest value, not infinity.
 uint16_t to_half(float value)
 {
 	const float largest = 65504.0f;
@@ -60,7 +60,7 @@ uint16_t to_half(float value)
 	return h.bits();
 }
 
-// Rows y0…y1-1 in the file's own layout: pixel by pixel, each channel in its own type.
+// Pack rows y0…y1-1 in the file's own layout: pixel by pixel, each channel in its own type.
 void pack(const frame &f, const std::vector<channel> &channels, uint32_t y0, uint32_t y1, std::vector<unsigned char> &out)
 {
 	size_t pixel_bytes = 0;
@@ -102,10 +102,10 @@ OIIO::ImageSpec exr_spec(const frame &f, const std::vector<channel> &channels)
 		spec.channelformats.push_back(c.type);
 	}
 	spec.attribute("compression", "zip");
-	// The primaries and white of Rec.709, which are EXR's own default, said aloud.
+	// The primaries and white point of Rec.709, which are EXR's default, are written all the same.
 	const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 	spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
-	// Left out, the library would put in the time of day, and the same frame would not give the same bytes.
+	// Without it the library would write the time of day, and the same frame would not give the same bytes.
 	spec.attribute("DateTime", "");
 	add_metadata(f, spec);
 	return spec;
@@ -155,7 +155,7 @@ bool write_file(OIIO::ImageOutput &out, const frame &f, codec_format format, cod
 				  }) &&
 		       out.close();
 	const auto channels = channels_of(f, format == CODEC_EXR_HALF ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
-	// UNKNOWN: the strip is in the file's own types already.
+	// UNKNOWN: the strip is already in the file's own types.
 	return out.open("frame.exr", exr_spec(f, channels)) &&
 	       write_rows(
 		   out, f, OIIO::TypeDesc::UNKNOWN,
@@ -183,7 +183,7 @@ status to_memfd(const std::vector<unsigned char> &file, int *fd, size_t *bytes, 
 
 status encode(const frame &f, codec_format format, codec_view view, double exposure_ev, int *fd, size_t *bytes, error *err)
 {
-	// Declared before the output, which writes to it until it is destroyed.
+	// Declared before the output, which writes to it until the output is destroyed.
 	OIIO::Filesystem::IOVecOutput memory;
 	{
 		auto out = OIIO::ImageOutput::create(format == CODEC_PNG ? "frame.png" : "frame.exr", &memory);

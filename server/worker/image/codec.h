@@ -1,4 +1,4 @@
-// Encoding of frames through OpenImageIO, behind C. The only header of the worker's that C++ implements.
+// Encoding of frames as files by OpenImageIO, with a C interface. The worker's only header that C++ implements.
 #ifndef CANDIL_WORKER_CODEC_H
 #define CANDIL_WORKER_CODEC_H
 
@@ -12,13 +12,19 @@
 extern "C" {
 #endif
 
-enum codec_format { CODEC_EXR_HALF, CODEC_EXR_FLOAT, CODEC_PNG }; // the numbers of candil_Format
-enum codec_view { CODEC_VIEW_NONE, CODEC_VIEW_REINHARD, CODEC_VIEW_FILMIC }; // of candil_View
+// File formats, with the numbers of candil_Format.
+enum codec_format { CODEC_EXR_HALF, CODEC_EXR_FLOAT, CODEC_PNG };
 
-// Encode `frame` into a new sealed memfd of *bytes. EXR: linear Rec.709 R G B (half or float), then Z, N.X N.Y N.Z,
-// albedo.R albedo.G albedo.B (float or half alike; Z always float) and id (UINT), metadata as candil/* attributes.
-// PNG: 8 bits, sRGB, after 2^exposure_ev and the view transform; both named in the file with the metadata.
-// STATUS_ENCODE if the library refuses. Thread-safe for different frames.
+// View transforms (view.h), with the numbers of candil_View.
+enum codec_view { CODEC_VIEW_NONE, CODEC_VIEW_REINHARD, CODEC_VIEW_FILMIC };
+
+// Encode a frame into a new sealed memfd. *fd is the caller's to close; *bytes is the file's size.
+//
+// EXR: linear Rec.709 R G B, half or float; then Z (always float), N.X N.Y N.Z, albedo.R albedo.G albedo.B (of the type of
+// R G B) and id (UINT); metadata as candil/* attributes. `view` and `exposure_ev` are ignored.
+// PNG: 8-bit sRGB after the exposure and the view transform, both named in the file with the metadata.
+//
+// STATUS_ENCODE if the library refuses; STATUS_MEMORY. Any thread, but a frame in one thread at a time.
 enum status codec_encode(const struct frame *frame, enum codec_format format, enum codec_view view, double exposure_ev,
 			 int *fd, size_t *bytes, struct error *err);
 

@@ -24,7 +24,7 @@ struct encoder {
 	char device[sizeof((candil_Done *)0)->device];
 	pthread_t thread;
 	pthread_mutex_t mutex;
-	pthread_cond_t changed; // something was put in or taken out, or it is time to stop
+	pthread_cond_t changed; // the ring has changed, or the thread is to stop
 	struct encoder_task ring[ENCODER_QUEUE_FRAMES];
 	uint32_t first, count;
 	bool stopping;
@@ -78,7 +78,7 @@ static void send_image(int socket, const struct ipc_image *image, int fd)
 			return;
 		if (errno != EAGAIN)
 			break;
-		// The worker's end may be non-blocking; this thread may wait, the device's may not.
+		// The socket may be non-blocking for the device's thread, which must not wait. This thread may.
 		struct pollfd p = {.fd = socket, .events = POLLOUT};
 		if (poll(&p, 1, -1) < 0 && errno != EINTR)
 			break;
@@ -89,7 +89,7 @@ static void send_image(int socket, const struct ipc_image *image, int fd)
 static void work(const struct encoder *e, const struct encoder_task *task)
 {
 	struct ipc_image image;
-	memset(&image, 0, sizeof image); // padding too: it travels
+	memset(&image, 0, sizeof image); // with the padding, which is sent too
 	image.head.op = IPC_IMAGE;
 	image.head.job = task->job;
 	int fd = -1;
@@ -103,7 +103,7 @@ static void work(const struct encoder *e, const struct encoder_task *task)
 		close(fd);
 }
 
-// The next task, waiting for one; false when it is time to stop and nothing is queued.
+// Wait for the next task. False: the thread is to stop, and nothing is queued.
 static bool encoder_take(struct encoder *e, struct encoder_task *task)
 {
 	pthread_mutex_lock(&e->mutex);
@@ -141,7 +141,7 @@ enum status encoder_create(int socket, const char *device, struct encoder **enco
 	pthread_mutex_init(&e->mutex, NULL);
 	pthread_cond_init(&e->changed, NULL);
 
-	// Signals are the main thread's business.
+	// Signals are for the main thread.
 	sigset_t all, before;
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);

@@ -1,5 +1,5 @@
-// The encoder's thread: takes finished frames off the device's thread, encodes them and sends each to the front as an
-// IPC_IMAGE message with the file in a sealed memfd. One a worker.
+// The encoder: a thread that takes finished frames from the device's thread, encodes them, and sends each to the front as an
+// IPC_IMAGE message with the file in a sealed memfd. A worker has one. All functions are for the device's thread.
 #ifndef CANDIL_WORKER_ENCODER_H
 #define CANDIL_WORKER_ENCODER_H
 
@@ -14,24 +14,26 @@
 
 struct encoder;
 
+// A frame and what is to be made of it.
 struct encoder_task {
 	uint32_t job; // goes into the message's head
-	bool final;
+	bool final; // the job's last frame, no preview
 	struct frame *frame; // the encoder's from encoder_submit on
 	enum codec_format format;
 	enum codec_view view; // of a PNG
 	double exposure_ev; // of a PNG
 };
 
-// Start the thread. `socket` (the line to the front) stays the caller's and must outlive the encoder; `device` is copied,
-// cut to fit. STATUS_MEMORY or STATUS_INTERNAL if it cannot start.
+// Start the thread. `socket`, the one to the front, stays the caller's and must outlive the encoder. `device`, the device's
+// name for the reply, is copied and cut to fit. *encoder is the caller's. STATUS_MEMORY; STATUS_INTERNAL if the
+// thread cannot start.
 enum status encoder_create(int socket, const char *device, struct encoder **encoder, struct error *err);
 
-// Queue a frame; waits while ENCODER_QUEUE_FRAMES are queued, so that memory stays bounded. Every submitted frame is
-// answered by exactly one IPC_IMAGE, in the order of submission: with the file, or with an error. From the device's thread.
+// Queue a frame. Blocks while ENCODER_QUEUE_FRAMES are queued, so that memory stays bounded. The encoder answers every frame
+// by exactly one IPC_IMAGE, in the order of submission: with the file, or with an error.
 void encoder_submit(struct encoder *encoder, const struct encoder_task *task);
 
-// Finish what is queued, stop the thread, free. NULL is allowed.
+// Encode and send what is queued, stop the thread, and free the encoder. NULL is allowed.
 void encoder_destroy(struct encoder *encoder);
 
 #endif

@@ -7,7 +7,7 @@
 #include "protocol/header.h"
 #include "server/base/checked.h"
 
-// A zeroed plane of `components` 4-byte values a pixel; NULL without memory.
+// Make a zeroed plane of `components` 4-byte values a pixel. NULL: out of memory.
 static void *plane(size_t pixels, size_t components)
 {
 	size_t values;

@@ -16,13 +16,13 @@ const char *view_name(enum codec_view view)
 	return "none";
 }
 
-// Also turns NaN into 0: both comparisons with it are false.
+// NaN becomes 0, too: both comparisons with it are false.
 static double clip(double x, double top)
 {
 	return x > 0 ? (x < top ? x : top) : 0;
 }
 
-// Hable's rational curve; its parameters by his names.
+// Hable's rational curve, with its parameters by his names.
 static double hable(double x)
 {
 	const double shoulder = 0.15, linear = 0.50, linear_angle = 0.10, toe = 0.20, toe_numerator = 0.02,
@@ -35,7 +35,7 @@ static double hable(double x)
 static double filmic(double x)
 {
 	const double bias = 2, white = 11.2;
-	// Past the white point the curve would clip anyway; stopping there keeps x² from overflowing.
+	// Past the white point the curve clips anyway. Stopping there keeps x² from overflowing.
 	return hable(clip(bias * x, white)) / hable(white);
 }
 

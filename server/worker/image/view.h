@@ -1,10 +1,11 @@
-// From scene-linear radiance to 8-bit sRGB: exposure, a view transform, clip, the sRGB curve. Pure functions, any thread.
+// From scene-linear radiance to 8-bit sRGB: exposure, a view transform, clipping, the sRGB curve. Pure functions, any
+// thread; none fails.
 //
 //   VIEW_NONE      clip at 1
 //   VIEW_REINHARD  the colour divided by 1 + its Rec.709 luminance (Reinhard et al., "Photographic tone reproduction for
-//                  digital images", 2002, the simple operator): hue is kept, a saturated light may still clip
+//                  digital images", 2002, the simple operator): keeps the hue; a saturated light may still clip
 //   VIEW_FILMIC    John Hable's curve ("Filmic tonemapping for real-time rendering", SIGGRAPH 2010 course notes), on each
-//                  channel by itself, exposure bias 2, linear white 11.2: soft shoulder and toe
+//                  channel by itself, with exposure bias 2 and linear white 11.2: a soft shoulder and toe
 //
 // A negative value counts as 0, NaN as 0, +infinity as the largest float.
 #ifndef CANDIL_WORKER_VIEW_H
@@ -14,17 +15,20 @@
 
 #include "server/worker/image/codec.h"
 
-// "none", "reinhard", "filmic".
+// The name of a view transform: "none", "reinhard", "filmic". Static.
 const char *view_name(enum codec_view view);
 
-// The display-linear colour, each 0…1, of `rgb` · 2^exposure_ev.
+// Apply exposure and view transform to a radiance: `out` is the display-linear colour, 0…1 in each channel, of
+// `rgb` · 2^exposure_ev.
 void view_apply(enum codec_view view, double exposure_ev, const float rgb[3], double out[3]);
 
-// The sRGB curve (IEC 61966-2-1) on x in 0…1 (clipped), and its inverse.
+// The sRGB curve (IEC 61966-2-1) of x, clipped to 0…1.
 double view_srgb_encode(double x);
+
+// Its inverse.
 double view_srgb_decode(double v);
 
-// view_apply, encoded and rounded to the nearest of 256 codes.
+// As view_apply, then encoded by the sRGB curve and rounded to the nearest of 256 codes.
 void view_srgb8(enum codec_view view, double exposure_ev, const float rgb[3], uint8_t out[3]);
 
 #endif

@@ -6,7 +6,7 @@
 #include "server/base/angle.h"
 #include "server/base/vec3.h"
 
-// Image plane from a view direction and any vector that is not along it.
+// Make the image plane from the view direction and any vector `up` that is not along it.
 static enum status aim(struct plan *p, const double up[3], double half_height, struct error *err)
 {
 	struct plan_camera *c = &p->camera;
@@ -17,7 +17,7 @@ static enum status aim(struct plan *p, const double up[3], double half_height, s
 	if (!vec3_normalize(right))
 		return error_set(err, STATUS_BAD_ARGUMENT, "the camera's up direction is along its view: choose another");
 	vec3_cross(right, c->forward, straight_up);
-	// A panorama's image has no plane: the frame is enough.
+	// A panorama has no image plane: unit vectors are enough.
 	const double half_width = c->panorama ? 1 : half_height * p->width / p->height;
 	for (int i = 0; i < 3; i++) {
 		c->right[i] = right[i] * half_width;
@@ -26,7 +26,8 @@ static enum status aim(struct plan *p, const double up[3], double half_height, s
 	return STATUS_OK;
 }
 
-// What the request says of the lens, over what the camera has. `half_height` is the camera's own image plane's.
+// Put the request's lens in the place of the camera's own. `half_height` is that of the camera's image plane; returns the
+// one to use.
 static double lens_half_height(const candil_Lens *lens, struct plan_camera *c, double half_height)
 {
 	c->lens_radius = lens->radius;

@@ -1,5 +1,4 @@
-// Where a plan's rays come from: the camera of a request, one of the scene's or its own numbers, through its lens. Host
-// only.
+// A plan's camera: one of the scene's or the request's own numbers, seen through the request's lens. Host only, any thread.
 #ifndef CANDIL_WORKER_PLAN_CAMERA_H
 #define CANDIL_WORKER_PLAN_CAMERA_H
 
@@ -7,8 +6,8 @@
 #include "server/scene/blob.h"
 #include "server/worker/plan/plan.h"
 
-// Fill in plan->camera from a checked request; the plan's width and height are set. STATUS_BAD_ARGUMENT for a camera that
-// the scene does not have, or that cannot be.
+// Fill in plan->camera from a request that has passed the front's check. plan->width and height are set before.
+// STATUS_BAD_ARGUMENT for a camera that the scene does not have, or that has no direction or field of view.
 enum status plan_camera(const candil_Render *request, const struct blob_view *scene, struct plan *plan, struct error *err);
 
 #endif

@@ -8,7 +8,7 @@
 
 #define LIGHT_FACTS (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS)
 
-// An effect that these facts of a scene call for, any of them. 0: the functions below decide.
+// For each effect the facts of a scene any of which calls for it. 0: the functions below decide.
 static const uint32_t calling_facts[EFFECT_COUNT] = {
     [candil_Effect_EFFECT_TEXTURES] = FACT_TEXTURES,
     [candil_Effect_EFFECT_EMITTERS] = FACT_EMITTERS,
@@ -31,7 +31,7 @@ static bool allowed(candil_Effect effect, const candil_Render *r)
 	return !(r->effects_off >> effect & 1u);
 }
 
-// Whether some light is there, and not switched off.
+// Whether there is some light that is not switched off.
 static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	static const candil_Effect lights[] = {candil_Effect_EFFECT_EMITTERS, candil_Effect_EFFECT_LIGHTS,
@@ -42,7 +42,7 @@ static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 	return false;
 }
 
-// Whether something shines that light paths are worth beginning at, and is not switched off.
+// Whether there is a lamp that light paths are worth beginning at, and that is not switched off.
 static bool starts_light_paths(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	const bool emitters = facts & FACT_EMITTERS && allowed(candil_Effect_EFFECT_EMITTERS, r);
@@ -67,7 +67,7 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	return false;
 }
 
-// Whether the surroundings shine, and their light may scatter twice.
+// Whether there is an environment or background that is not black, and its light may scatter twice.
 static bool sky_shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	return p->depth > 1 && called_for(candil_Effect_EFFECT_ENVIRONMENT, r, p, facts) &&
@@ -87,7 +87,7 @@ static bool can_by_default(const struct technique *technique, candil_Effect effe
 	return !cannot(technique, &p, effect);
 }
 
-// The techniques that can, as they are without options: "only pt and vct can: clear surfaces are opaque".
+// Name the techniques that can, with their default options: "only pt and vct can: clear surfaces are opaque".
 static void tell_who_can(candil_Effect effect, const char *instead, char *out, size_t capacity)
 {
 	char names[64] = "";
@@ -113,7 +113,7 @@ static void explain(candil_EffectReport *report, candil_EffectState state, const
 	snprintf(report->why, sizeof report->why, "%s", why);
 }
 
-// What becomes of an effect, and the reason to tell.
+// Decide what becomes of an effect, and the reason to report.
 static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t facts, const struct technique *technique,
 		   const struct plan *p)
 {

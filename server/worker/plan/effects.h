@@ -1,13 +1,13 @@
-// What becomes of every effect: simulated, left out, switched off, forced on, or beyond the technique; and the sentence that
-// tells why. Host only.
+// What becomes of every effect (simulated, left out, switched off, forced on, or beyond the technique), and the sentence
+// that tells why. Host only, any thread.
 #ifndef CANDIL_WORKER_PLAN_EFFECTS_H
 #define CANDIL_WORKER_PLAN_EFFECTS_H
 
 #include "server/worker/plan/plan.h"
 #include "server/worker/technique/technique.h"
 
-// Fill in plan->effects and plan->reports; the rest of the plan is made, its depth and surroundings above all. `facts`:
-// FACT_… of the scene.
+// Fill in plan->effects and plan->reports. The rest of the plan is set before, above all its depth and environment. `facts`:
+// FACT_… bits of the scene. Does not fail.
 void plan_effects(const candil_Render *request, uint32_t facts, const struct technique *technique, struct plan *plan);
 
 #endif

@@ -31,7 +31,7 @@ static enum status plan_environment(const candil_Render *r, const struct blob_he
 
 // ---- options ------------------------------------------------------------------------------------------------------------
 
-// "pt", "direct or vct": who takes an option.
+// The techniques that take an option, as a list in a sentence: "pt", "direct or vct".
 static void list_takers(const char *option, char *out, size_t capacity)
 {
 	out[0] = '\0';
@@ -43,7 +43,8 @@ static void list_takers(const char *option, char *out, size_t capacity)
 	}
 }
 
-// With the names of those that begin as it does, for all together would not fit the sentence.
+// Refuse an option that no technique has. The sentence names the options of the technique that it begins with; the names of
+// all would not fit.
 static enum status no_such_option(const char *name, struct error *err)
 {
 	const char *dot = strchr(name, '.');

@@ -7,7 +7,7 @@
 #include "server/scene/bvh_refit.h"
 #include "server/worker/scenes/edit.h"
 
-// A refitted tree that costs so much more than the one it was is worth a note.
+// From this ratio of the refitted tree's cost to the base's on, a note says so.
 #define COST_WORTH_A_NOTE 2.0
 
 struct geometry {
@@ -18,7 +18,7 @@ struct geometry {
 	uint8_t *done; // a bit a vertex: several triangles share one
 };
 
-// From where the base has a node to where it stands now, over a vertex relative to the origin.
+// The transform from a node's place in the base to its place now, for vertices relative to the origin.
 struct passage {
 	struct transform map;
 	struct transform_normals normals;
@@ -87,7 +87,7 @@ static enum status move_triangles(struct geometry *g, const struct scene_move *m
 				return error_set(err, STATUS_BAD_ARGUMENT,
 						 "node '%s' cannot be moved there: it would reach beyond %g m", node->name,
 						 LIMIT_COORDINATE);
-		// A mirror turns a triangle's front to its back: it is wound the other way to keep it.
+		// A mirror turns a triangle's front to its back. Winding it the other way keeps the front.
 		if (p.normals.determinant < 0) {
 			const uint32_t second = t->vertex[1];
 			t->vertex[1] = t->vertex[2];

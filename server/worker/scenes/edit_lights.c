@@ -33,7 +33,7 @@ static void set_position(const struct blob_view *view, const double position[3],
 		light->position[c] = (float)(position[c] - view->blob->origin[c]);
 }
 
-// Lights of nodes that moved. One whose node has shrunk to nothing goes out.
+// Move the lights of moved nodes. A light whose node has shrunk to nothing becomes dark.
 static void move_lights(const struct edited *e, const struct transform *world, struct punctual_light *lights)
 {
 	const struct scene_node *nodes = e->view.sections[BLOB_SCENE_NODES];

@@ -29,7 +29,7 @@ static void change(const struct blob_view *view, const candil_MaterialEdit *edit
 		m->coat = (float)edit->coat;
 	if (edit->has_coat_roughness)
 		m->coat_roughness = (float)edit->coat_roughness;
-	// What is unlit shows its base colour and casts no light (KHR_materials_unlit).
+	// An unlit surface shows its base colour and casts no light (KHR_materials_unlit).
 	if (edit->has_emission && !(m->flags & MATERIAL_UNLIT)) {
 		set_colour(true, &edit->emission, m->emission);
 		m->power_density = lights_power_density(m, view->sections[BLOB_TEXTURES], view->sections[BLOB_TEXELS]);

@@ -6,7 +6,7 @@
 void *edit_own(struct edited *e, enum blob_section section, uint32_t more)
 {
 	const size_t stride = blob_stride(section), count = e->view.counts[section];
-	void *copy = malloc((count + more + 1) * stride); // both within the limits of a blob
+	void *copy = malloc((count + more + 1) * stride); // no overflow: counts are within the limits of a blob
 	if (!copy)
 		return NULL;
 	memcpy(copy, e->view.sections[section], count * stride);

@@ -5,7 +5,7 @@
 #include "server/worker/scenes/edit.h"
 #include "server/worker/scenes/edit_names.h"
 
-// What an edit or an animation said of each node.
+// The parts of each node's transform that edits and animations set.
 struct pose {
 	struct transform_parts *parts;
 	uint8_t *moved; // bits 1 << enum channel_path
@@ -30,7 +30,7 @@ static void move_node(const candil_NodeEdit *edit, struct transform_parts *parts
 	}
 }
 
-static enum status strike(const struct blob_view *view, const candil_Edits *edits, struct pose *pose, struct error *err)
+static enum status set_parts(const struct blob_view *view, const candil_Edits *edits, struct pose *pose, struct error *err)
 {
 	const struct name_list nodes = names_of(view, BLOB_SCENE_NODES, "node");
 	const struct name_list animations = names_of(view, BLOB_ANIMATIONS, "animation");
@@ -49,7 +49,7 @@ static enum status strike(const struct blob_view *view, const candil_Edits *edit
 	return STATUS_OK;
 }
 
-// A node that is merely pushed keeps the rest of its matrix, which its parts need not give exactly.
+// A node that is only translated keeps the rest of its matrix, which its parts may not reproduce exactly.
 static struct transform local_of(const struct scene_node *node, const struct transform_parts *parts, uint8_t moved)
 {
 	struct transform local = node->local;
@@ -95,7 +95,7 @@ enum status edit_pose(struct edited *e, const candil_Edits *edits, struct transf
 	}
 	for (size_t i = 0; i < count; i++)
 		pose.parts[i] = nodes[i].parts;
-	status = strike(&e->view, edits, &pose, err);
+	status = set_parts(&e->view, edits, &pose, err);
 	if (status == STATUS_OK)
 		status = pose_place(e, &pose, world, err);
 out:

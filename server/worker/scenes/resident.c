@@ -27,7 +27,7 @@ static const enum blob_section section_of[BIND_SCENE_COUNT] = {
     [BIND_UV1] = BLOB_UV1,
     [BIND_COLORS] = BLOB_COLORS,
     [BIND_TANGENTS] = BLOB_TANGENTS,
-    // Tables of our own, of no scene.
+    // Tables of the worker's own: no section.
     [BIND_SRGB_TABLE] = BLOB_SECTIONS,
     [BIND_GGX_TABLE] = BLOB_SECTIONS,
 };
@@ -86,7 +86,7 @@ static struct resident_scene *first_variant(const struct resident_scenes *scenes
 	return s;
 }
 
-// A scene without jobs has no variant with any.
+// Destroy a scene and its variants. It has no jobs, so neither have they.
 static void scene_destroy(struct resident_scenes *scenes, struct resident_scene *scene)
 {
 	struct resident_scene *variant;
@@ -184,7 +184,7 @@ static enum status map_blob(struct resident_scene *s, struct error *err)
 
 // ---- variants -----------------------------------------------------------------------------------------------------------
 
-// As bytes, by which equal edits are known. *bytes NULL and *count 0: they change nothing.
+// Encode edits, so that equal ones are found by their bytes. *bytes NULL and *count 0: they change nothing.
 static enum status encode(const candil_Edits *edits, uint8_t **bytes, size_t *count, struct error *err)
 {
 	*bytes = NULL;
@@ -211,7 +211,7 @@ static struct resident_scene *find_variant(const struct resident_scenes *scenes,
 	return NULL;
 }
 
-// Takes `bytes`.
+// Make a variant. Takes `bytes`, on failure too.
 static enum status add_variant(struct resident_scenes *scenes, struct resident_scene *base, const candil_Edits *edits,
 			       uint8_t *bytes, size_t count, struct resident_scene **out, struct error *err)
 {
@@ -260,7 +260,7 @@ static enum status acquire_variant(struct resident_scenes *scenes, struct reside
 	return STATUS_OK;
 }
 
-// Let the least recently used variants go that are idle beyond the limit.
+// Destroy the least recently used of the idle variants that are beyond LIMIT_VARIANTS.
 static void trim_variants(struct resident_scenes *scenes)
 {
 	for (;;) {
@@ -308,7 +308,7 @@ void resident_release(struct resident_scenes *scenes, struct resident_scene *sce
 		trim_variants(scenes);
 }
 
-// sRGB's curve for the 256 bytes, IEC 61966-2-1.
+// The linear value of each of sRGB's 256 codes: IEC 61966-2-1.
 static const float *srgb_table(void)
 {
 	static float table[256];
@@ -349,7 +349,7 @@ void resident_derive(struct resident_scene *s, struct derived *derived)
 
 // ---- on the device ------------------------------------------------------------------------------------------------------
 
-// Our own tables are of no scene: all variants use their base's.
+// The worker's own tables are no sections: all variants use their base's buffers of them.
 bool resident_shares(const struct resident_scene *s, uint32_t binding)
 {
 	const enum blob_section section = section_of[binding];

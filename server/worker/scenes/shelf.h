@@ -1,7 +1,8 @@
-// Things that a technique makes of a scene, in slices, and keeps for the jobs that come after: voxels, volumes, shadow maps.
-// Each kind has one shelf with a scene as it was loaded, for it and all its variants; which thing on it serves a job is its
-// maker's to say. A thing stays while somebody holds it, finished or not. Of those that nobody holds the unfinished go at
-// once, the others but the latest few, and these too where memory is short. Device's thread only.
+// Shelves: what a technique makes from a scene, in slices, and keeps for later jobs, such as voxels, volumes and shadow
+// maps. A scene as loaded has one shelf for each kind of thing, which all its variants share. The kind's maker decides which
+// thing on the shelf serves a job. A thing stays while somebody holds it, finished or not. Of things that nobody holds,
+// unfinished ones are destroyed at once, and finished ones beyond the latest few, or all of them where memory is short.
+// Device's thread only.
 //
 //   shelf_of; look from `first` along `next`, else make a thing and shelf_put it; shelf_hold … shelf_release
 //
@@ -70,24 +71,26 @@
 
 struct shelf;
 
-// First member of what is kept. Zero it, or copy it from one that is on no shelf; shelf_put does the rest.
+// The first member of a thing. shelf_put fills it in.
 struct shelved {
-	struct shelved *next; // the shelf's newest is first
-	struct shelf *shelf;
-	uint32_t users; // jobs, and things on other shelves, that hold it
-	uint64_t used; // when it was last held, in turns of the shelf
+	struct shelved *next; // the one put before it
+	struct shelf *shelf; // that it is on
+	uint32_t users; // holds of it, by jobs and by things on other shelves
+	uint64_t used; // shelf->turn when it was last held
 };
 
-// What a maker tells of its things. One constant each: its address tells the shelves of a scene apart.
+// A kind of thing: what its maker tells the shelf. One static constant each, whose address identifies the shelf.
 struct shelf_kind {
-	uint32_t kept; // finished things that nobody holds, at most, of one scene and its variants
-	bool (*finished)(const struct shelved *thing);
-	uint64_t (*bytes)(const struct shelved *thing); // device memory that goes with it, of one that nobody holds
-	// Free it. scene_goes: with all else that was made of the scene, in any order, so that what it holds there may be
-	// gone.
+	uint32_t kept; // the most finished things that are kept while nobody holds them, for a scene and its variants
+	bool (*finished)(const struct shelved *thing); // its making is over
+	uint64_t (*bytes)(
+	    const struct shelved *thing); // device memory that destroying a thing which nobody holds would free
+	// Free a thing. scene_goes: everything made from the scene is being destroyed, in any order, so that things of
+	// other shelves which this one holds may be gone already.
 	void (*destroy)(struct shelved *thing, bool scene_goes);
 };
 
+// A shelf, owned by its scene.
 struct shelf {
 	struct derived derived;
 	const struct shelf_kind *kind;
@@ -95,18 +98,19 @@ struct shelf {
 	uint64_t turn;
 };
 
-// The shelf of a scene, or of a variant's base; made if it is not there. NULL: out of memory.
+// The shelf for a kind with a scene, or with the base of a variant; made if it is not there. NULL: out of memory.
 struct shelf *shelf_of(struct resident_scene *scene, const struct shelf_kind *kind);
 
-// Put a new thing on it, which it owns from now on. Nobody holds it yet.
+// Put a new thing on the shelf, which owns it from now on. Nobody holds it yet.
 void shelf_put(struct shelf *shelf, struct shelved *thing);
 
+// Hold a thing on a shelf: it stays until it is released as often as it was held.
 void shelf_hold(struct shelved *thing);
 
-// Once for each shelf_hold. The thing may be gone afterwards.
+// Let go of a thing, once for each shelf_hold. The thing may be gone afterwards.
 void shelf_release(struct shelved *thing);
 
-// Destroy the least recently held of those that nobody holds, if there are more than `kept`. False: there are not.
+// If more than `kept` things are held by nobody, destroy the least recently held of them. False: there are not so many.
 bool shelf_drop_idle(struct shelf *shelf, uint32_t kept);
 
 #endif

@@ -5,7 +5,7 @@
 #include "shaders/shared/bindings.h"
 #include "shaders/shared/scene_params.h"
 
-// Even samples belong to half A, odd ones to half B.
+// Count the samples of each half: even ones belong to half A, odd ones to half B.
 static void count_halves(uint32_t first, uint32_t samples, double counts[2])
 {
 	const uint32_t even = first % 2 == 0 ? (samples + 1) / 2 : samples / 2;
@@ -25,7 +25,7 @@ static double sum_of(const float *pair)
 	return (double)pair[0] + (double)pair[1];
 }
 
-// What light paths brought to a channel of a pixel in a half, W/(m² sr).
+// Radiance that light paths brought to a channel of a pixel in a half, W/(m² sr).
 static double film_of(const struct resolver *r, const uint32_t *film, int half, int channel)
 {
 	const uint32_t *part = film + 2 * (3 * half + channel);

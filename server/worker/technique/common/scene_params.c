@@ -64,7 +64,7 @@ static void fill_shares(const struct plan *p, const struct blob_view *scene, boo
 	out->sky_scale = (float)p->environment.scale;
 }
 
-// An axis of the image, as long as the lens's radius.
+// Scale an axis of the image to the length of the lens's radius.
 static void fill_lens(const struct plan_camera *c, const double axis[3], float out[3])
 {
 	const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
@@ -72,7 +72,8 @@ static void fill_lens(const struct plan_camera *c, const double axis[3], float o
 		out[i] = length > 0 ? (float)(axis[i] / length * c->lens_radius) : 0;
 }
 
-// For how many samples of each half a pixel has room in a sequence that it shares: the least power of two.
+// Bits of the number of samples that each half of a pixel gets in a sequence that pixels share: it is a power of two, the
+// least that is enough.
 static uint32_t run_bits(uint32_t samples)
 {
 	uint32_t bits = 0;

@@ -10,9 +10,9 @@
 static const float pi = (float)PI;
 #define CELLS ((uint32_t)SKY_CONES_WIDTH * SKY_CONES_HEIGHT)
 
-static const char kind; // its address names sky_map among the derived
+static const char kind; // its address is sky_map's kind of struct derived
 
-// The picture in few cells, as directions with weights.
+// A cell of a coarse version of the picture: a direction with its solid angle and mean radiance.
 struct cell {
 	float direction[3];
 	float solid; // sr
@@ -48,7 +48,7 @@ static uint32_t at_most(float value, uint32_t most)
 	return value <= 0 ? 0 : value >= (float)most ? most : (uint32_t)value;
 }
 
-// A coarse picture: bilinear in the middle of each cell.
+// For a picture coarser than the cells: look it up bilinearly in the middle of each cell.
 static void look_up(const struct environment_texel *t, uint32_t w, uint32_t h, uint32_t x, uint32_t y, float out[3])
 {
 	const float u = ((float)x + 0.5f) / SKY_CONES_WIDTH * (float)w - 0.5f;
@@ -65,7 +65,7 @@ static void look_up(const struct environment_texel *t, uint32_t w, uint32_t h, u
 	}
 }
 
-// A fine one: each cell has the mean of the texels whose middles are in it, by solid angle, so that no small sun is lost.
+// For a finer one: each cell is the mean, by solid angle, of the texels whose middles are in it. So no small sun is lost.
 static void add_up(const struct environment_texel *t, uint32_t w, uint32_t h, struct cell *cells)
 {
 	double(*sums)[4] = calloc(CELLS, sizeof *sums);
@@ -103,7 +103,7 @@ static void fill_cells(const struct resident_scene *picture, struct cell *cells)
 		add_up(t, w, h, cells);
 }
 
-// The mean over the cone about `middle`. Its edge is as soft as a cell is wide, so that cells do not show.
+// The mean radiance over the cone about `middle`. The cone's edge is as soft as a cell is wide, so that cells do not show.
 static void see(const struct cell *cells, const float middle[3], float half, float out[4])
 {
 	const float soft = 0.5f * pi / SKY_CONES_HEIGHT;
