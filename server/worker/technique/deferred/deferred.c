@@ -1,5 +1,6 @@
-// The cursor: sample by sample, band by band, pass by pass, unit by unit, as many units at once as should fit the rest of
-// the slice by the speed measured so far. Where a slice ends changes no bit: no unit knows about another of its pass.
+// The cursor goes sample by sample, band by band, pass by pass, unit by unit. It takes as many units at once as should fit
+// the rest of the slice by the speed measured so far. Where a slice ends changes no bit, because the units of a pass are
+// independent of each other.
 #include "server/worker/technique/deferred/deferred.h"
 
 #include <stdlib.h>
@@ -11,8 +12,8 @@
 #include "server/worker/technique/deferred/deferred_job.h"
 
 #define FIRST_TILES 64u
-#define FIRST_COST 1e6 // of triangles: DEFERRED_TRIANGLE_COST
-#define LEAST_COST 1e5 // less at once would measure the wait for the device alone
+#define FIRST_COST 1e6 // of the first piece of triangles, pixels
+#define LEAST_COST 1e5 // of any piece of triangles, pixels: less would measure little but the wait for the device
 
 static bool finished(const struct deferred *d)
 {
@@ -37,9 +38,9 @@ static void advance(struct deferred *d, uint32_t units)
 	d->aov_done = true;
 }
 
-// Units that should take `us`, at least one if there is one: a scene without triangles has none to draw, and whatever
-// buffers another scene's job left bound must not be read in its stead. *cost: what they come to. Tiles cost one each,
-// triangles by what they cover: one may be a point or all of the picture.
+// How many units should take `us`: at least one if there is one. A scene without triangles has none to draw, and what
+// another scene's job left bound must not be drawn in its stead. *cost is their cost together: 1 for a tile; for a triangle
+// deferred_drawable's, because it may cover a point or all of the picture.
 static uint32_t affordable(const struct deferred *d, const struct deferred_work *w, double us, double *cost)
 {
 	const uint32_t left = deferred_units(d, w) - d->unit;
@@ -110,7 +111,7 @@ enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_re
 		if (d->plan.deadline && begun_at == 0 && d->sample == 1)
 			break;
 		spent = clock_us() - start;
-		// What is left would not do another unit.
+		// What is left of the budget is less than another unit takes.
 		if (spent >= budget_us || (!finished(d) && (double)(budget_us - spent) < deferred_current(d)->unit_us))
 			break;
 	}
@@ -141,7 +142,7 @@ static enum status deferred_read_band(struct deferred *d, uint32_t index, struct
 	if (s == STATUS_OK)
 		resolve_sums(r, host, b->own.first_row, b->own.rows, f);
 	if (s == STATUS_OK && b->aov.bytes > 0) {
-		// Smaller than the sums, which are no longer needed.
+		// AOVs need less room than the sums did, which are read by now.
 		s = read_pixels(&b->aov, d->device, before, pixels, AOV_WORDS * sizeof(uint32_t), host, err);
 		if (s == STATUS_OK)
 			resolve_aovs(host, b->own.first_row, b->own.rows, f);
@@ -150,7 +151,8 @@ static enum status deferred_read_band(struct deferred *d, uint32_t index, struct
 	return s;
 }
 
-// Tiles whose sums have one sample more than d->sample: whole bands, and of the cursor's what the last pass has done.
+// The number of tiles whose sums have one sample more than d->sample: those of whole bands, and those of the cursor's band
+// that the sum pass has done.
 static uint32_t tiles_ahead(const struct deferred *d)
 {
 	if (finished(d) || !d->aov_done)

@@ -4,9 +4,9 @@
 
 #include "server/base/vec3.h"
 
-// The picture's plane as the raster has it (shaders/deferred/visibility.vert.glsl), rows relative to the band's first.
+// The image plane as the rasteriser sees it (shaders/deferred/visibility.vert.glsl), rows counted from the band's first.
 struct screen {
-	double eye[3], forward[3], right[3], up[3]; // right and up: to −1…1
+	double eye[3], forward[3], right[3], up[3]; // right and up: scaled so that the image is −1…1
 	bool orthographic;
 	double width, height, first_row, rows; // pixels
 };
@@ -29,7 +29,7 @@ static struct screen screen_of(const struct plan *plan, const struct blob_view *
 	return s;
 }
 
-// Pixels of the box around a triangle, within the band.
+// Pixels of the box around a triangle that are within the band.
 static double pixels_of(const struct screen *s, const struct vertex *vertices, const struct triangle *t)
 {
 	double low[2] = {s->width, s->rows}, high[2] = {0, 0};

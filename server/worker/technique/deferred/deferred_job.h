@@ -1,5 +1,5 @@
-// Inside deferred.h: its job. deferred_setup.c makes and frees it, deferred_pass.c runs a piece of one pass, deferred.c the
-// cursor over all of them.
+// Internal to deferred.h: its job. deferred_setup.c makes and frees it, deferred_pass.c runs a piece of one pass, deferred.c
+// moves the cursor over all of them. Device's thread only.
 #ifndef CANDIL_WORKER_TECHNIQUE_DEFERRED_JOB_H
 #define CANDIL_WORKER_TECHNIQUE_DEFERRED_JOB_H
 
@@ -7,33 +7,35 @@
 #include "server/worker/technique/deferred/deferred.h"
 #include "shaders/shared/scene_params.h"
 
-// Rows of tiles, or of pixels.
+// A range of rows, in pixels and in tiles.
 struct deferred_rows {
 	uint32_t first_row, rows; // pixels; first_row is a multiple of TILE_SIDE
-	uint32_t first_tile, tiles;
+	uint32_t first_tile, tiles; // of the image, row by row
 };
 
-// Rows whose sums fit one storage block. Most pictures are one band. Passes look at pixels near by: they work on a row of
-// tiles more on either side, as far as the picture goes, of which no sum is taken.
+// A band: rows whose sums fit one storage block. Most pictures are one band. Passes read neighbouring pixels, so they work
+// on one more row of tiles on either side, as far as the picture goes; the sums of those rows are not used.
 struct deferred_band {
-	struct deferred_rows own, outer;
+	struct deferred_rows own, outer; // outer: with the rows on either side
 	struct gl_buffer sums; // of the outer rows
-	struct gl_buffer aov; // likewise, only if asked for
+	struct gl_buffer aov; // of the outer rows, only if asked for
 };
 
+// What a pass does: draw triangles, shade, add to the sums, make AOVs.
 enum deferred_kind { DEFERRED_DRAW, DEFERRED_SHADE, DEFERRED_SUM, DEFERRED_AOV };
 
-// A pass over a band, in units that a slice can end between.
+// A pass over a band, in units; a slice may end after any unit.
 struct deferred_work {
 	enum deferred_kind kind;
 	const char *stage;
 	struct gl_program *program; // held
 	const struct deferred_pass *pass; // DEFERRED_SHADE
-	double unit_us; // measured, of a tile, or of a triangle's cost (deferred_cover.h); 0: not yet
+	double unit_us; // measured time of a tile, or of a pixel of a triangle's cost (deferred_cover.h); 0: not yet
 };
 
 #define DEFERRED_WORKS (DEFERRED_PASSES_MAX + 3)
 
+// The job.
 struct deferred {
 	struct gl_device *device;
 	struct resident_scene *scene;
@@ -50,31 +52,31 @@ struct deferred {
 	struct deferred_band *bands;
 	uint32_t band_count;
 
-	// works[0]: draw; the technique's; sum. aov_works: draw, AOV.
+	// The passes of a sample: draw, the technique's, sum. Those of the AOVs: works[0], aov_work.
 	struct deferred_work works[DEFERRED_WORKS];
 	uint32_t work_count;
 	struct deferred_work aov_work;
 
-	// The cursor: next is unit `unit` of work `work` on band `band`, of the AOVs if they are not done, else of `sample`.
+	// The cursor. Next is unit `unit` of pass `work` on band `band`: of the AOVs if they are not done, else of `sample`.
 	bool aov_done;
 	uint32_t sample, band, work, unit;
 
-	struct pass_counters seen;
+	struct pass_counters seen; // the counters when they were last read
 	uint64_t rays, non_finite;
 	struct gl_timer timer;
 	uint64_t upload_us;
 };
 
-// Triangles, or tiles of the cursor's band.
+// How many units a pass has: triangles for DEFERRED_DRAW, else tiles of the cursor's band.
 uint32_t deferred_units(const struct deferred *deferred, const struct deferred_work *work);
 
-// The cursor's work.
+// The pass at the cursor.
 struct deferred_work *deferred_current(struct deferred *deferred);
 
-// Record `count` units of the cursor's work, from the cursor's unit on.
+// Issue `count` units of the pass at the cursor, from the cursor's unit on. Does not wait.
 void deferred_record(struct deferred *deferred, uint32_t count);
 
-// Compile: a piece of nothing. The program is then marked as warm.
+// Make the driver compile a pass by running it over nothing, and mark its program as warm. Blocks. Fails as gl_check does.
 enum status deferred_warm_up(struct deferred *deferred, struct deferred_work *work, struct error *err);
 
 #endif

@@ -1,4 +1,4 @@
-// One piece of one pass. Nothing bound before is relied upon: between two slices other jobs use the device.
+// One piece of one pass. It binds all that it needs, because other jobs use the device between two slices.
 #include <epoxy/gl.h>
 
 #include "server/worker/technique/deferred/deferred_job.h"
@@ -37,7 +37,8 @@ static uint32_t hash(uint32_t x)
 	return x ^ x >> 16;
 }
 
-// Second dimension of Sobol' 1967: its direction numbers are Pascal's triangle modulo 2, each the one before times 1 + x.
+// The second dimension of Sobol's sequence (1967). Its direction numbers are Pascal's triangle modulo 2: each is the one
+// before times 1 + x.
 static uint32_t sobol1(uint32_t i)
 {
 	uint32_t r = 0;
@@ -47,8 +48,8 @@ static uint32_t sobol1(uint32_t i)
 	return r;
 }
 
-// Where in the pixel a sample's rays go: the middle if it is the only one, else a (0, 2)-sequence, in each half of the
-// samples shifted (by XOR, digit for digit) on its own.
+// Where in the pixel a sample's rays go: through the middle if it is the only sample, else by a (0, 2)-sequence that is
+// scrambled (digit by digit, by XOR) for each half of the samples on its own.
 static void jitter(const struct deferred *d, uint32_t half, uint32_t index, float out[2])
 {
 	const struct plan *p = &d->plan;
@@ -62,7 +63,7 @@ static void jitter(const struct deferred *d, uint32_t half, uint32_t index, floa
 	out[1] = (float)(y >> 8) * 0x1p-24f;
 }
 
-// `first_tile` is the image's.
+// `first_tile` counts the image's tiles.
 static void set_uniforms(const struct deferred *d, uint32_t first_tile, uint32_t tiles)
 {
 	const struct deferred_rows *r = &d->bands[d->band].outer;
@@ -81,7 +82,7 @@ static void bind_common(const struct deferred *d, const struct gl_program *progr
 	gl_buffer_bind(&d->job, BIND_JOB);
 }
 
-// Depth grows towards the eye; of equal depths the first drawn stays.
+// Depth grows towards the eye. Of equal depths the triangle drawn first stays.
 static void deferred_set_raster(const struct deferred *d)
 {
 	const struct deferred_band *b = &d->bands[d->band];
@@ -99,7 +100,7 @@ static void deferred_set_raster(const struct deferred *d)
 	glBindVertexArray(d->device->vertex_array);
 }
 
-// A sum clears what it takes: of the outer rows something may be left.
+// The sum pass clears the radiance that it takes. Of the outer rows, which it does not take, some may be left.
 static void clear_radiance(const struct deferred *d)
 {
 	if (d->band_count == 1)

@@ -1,4 +1,4 @@
-// What a deferred job needs on the device: made here, and freed here.
+// Makes and frees what a deferred job needs on the device.
 #include <epoxy/gl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +28,7 @@ static uint32_t tile_rows(const struct plan *plan)
 	return (plan->height + TILE_SIDE - 1) / TILE_SIDE;
 }
 
-// Tile rows that a band works on; fewer than the image's: with one on either side that is the next band's.
+// Rows of tiles that a band works on. If they are fewer than the image's, one on either side belongs to the next band.
 static uint32_t band_tile_rows(const struct gl_device *device, const struct plan *plan, uint32_t rows)
 {
 	uint64_t most = BAND_BYTES_MAX;
@@ -218,7 +218,7 @@ enum status deferred_create(struct devices *devices, struct resident_scene *scen
 	d->pass_count = pass_count;
 	memcpy(d->passes, passes, pass_count * sizeof *passes);
 	gl_timer_init(&d->timer);
-	gl_timer_add(&d->timer, "compile", 0); // the first that is told, whichever program it is for
+	gl_timer_add(&d->timer, "compile", 0); // so that it is the first stage that is told
 	s = make_all(d, bindings, err);
 	if (s != STATUS_OK) {
 		deferred_destroy(d);

@@ -12,7 +12,8 @@
 static const struct gl_source light_source = {.name = "light", .compute = source_light_comp};
 static const struct gl_source soften_source = {.name = "soften", .compute = source_soften_comp};
 
-// Whether what the emissive triangles send can be summed in closed form: few, and none with a texture in its emission.
+// Whether unshadowed light of the emissive triangles can be summed in closed form: they are few, and no emission has a
+// texture.
 static bool lamps_are_plain(const struct plan *plan, const struct resident_scene *scene)
 {
 	const struct emitter *emitters = scene_section(scene, BLOB_EMITTERS);
@@ -28,7 +29,7 @@ static bool lamps_are_plain(const struct plan *plan, const struct resident_scene
 	return true;
 }
 
-// Whether lamps light the scene, by points that neighbouring pixels share.
+// Whether emissive triangles light the scene by points that neighbouring pixels share.
 static bool is_soft(const struct plan *plan, const struct resident_scene *scene, const struct lighting_wish *wish)
 {
 	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 && wish->lamps &&

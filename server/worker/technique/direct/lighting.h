@@ -1,6 +1,6 @@
-// The light that comes straight from its sources, and all that the camera sees besides it, as passes of a deferred renderer
-// on OpenGL: emitted light, background, unlit surfaces, point, spot and directional lights, emissive triangles. The
-// technique `direct` is these passes alone; others add their own light to them. Device's thread only.
+// Direct lighting as passes of a deferred renderer (deferred.h) on OpenGL: point, spot and directional lights, emissive
+// triangles, and what is seen without being lit, that is emission, background and unlit surfaces. The technique `direct` is
+// these passes alone; other techniques add their own light to them. Device's thread only.
 //
 //   lighting_init, lighting_step until lighting_ready, the passes, lighting_finish
 #ifndef CANDIL_WORKER_DIRECT_LIGHTING_H
@@ -12,43 +12,49 @@
 
 #define LIGHTING_PASSES_MAX 2u
 
-// Pictures of fewer samples share the lamps' points between neighbouring pixels; more samples have points enough of their
-// own, and shadows keep their edges.
+// In pictures of fewer samples neighbouring pixels share their points on emissive triangles. With more samples each pixel
+// has enough points of its own, and shadows keep their edges.
 #define DIRECT_SOFT_BELOW 16u
 
-// What a technique asks of it, beside what is in the plan.
+// What a technique asks for, beside what is in the plan.
 struct lighting_wish {
-	uint32_t points; // on emissive triangles, for a pixel's sample; > 0
+	uint32_t points; // on emissive triangles, for a sample of a pixel; > 0
 	bool shadows; // false: every light reaches all that faces it
-	uint32_t map_side; // texels of a shadow map's side; 0: all shadows by rays
-	bool lamps; // emissive triangles light others; false: the technique does that by itself
+	uint32_t map_side; // texels of a shadow map's side; 0: all shadows are by rays
+	bool lamps; // emissive triangles light other surfaces; false: the technique does that itself
 	uint32_t rows; // of pixels that are worked on at once; 0: as many as the device binds
 };
 
+// The lighting of one job.
 struct lighting {
 	struct gl_device *device;
-	struct shadow_maps *maps; // NULL: every shadow by rays
-	const struct sky_map *sky; // NULL: what is around is no picture
-	uint64_t compile_us; // of what draws them, for deferred_add_setup
-	struct gl_texture scale, arrived, expected, facets; // of a band; only if lamps' points are shared, facets if any are
+	struct shadow_maps *maps; // held; NULL: every shadow is by rays
+	const struct sky_map *sky; // NULL: there is no environment
+	uint64_t compile_us; // host time that compiling the maps' programs took, for deferred_add_setup
+	struct gl_texture scale, arrived, expected, facets; // of a band; only where pixels share points on lamps
 	struct deferred_pass passes[LIGHTING_PASSES_MAX];
 	uint32_t pass_count;
 };
 
-// Device memory, in bytes, without its scene.
+// Device memory of a job's lighting, in bytes, without its scene.
 uint64_t lighting_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
 			const struct lighting_wish *wish);
 
-// It must not move while its passes are in use. On failure nothing is left.
+// Make the passes, their textures, and shadow maps if the wish asks for them. *lighting must not move while its passes are
+// in use. On failure nothing is left: STATUS_MEMORY, STATUS_DEVICE, STATUS_INTERNAL.
 enum status lighting_init(struct lighting *lighting, struct devices *devices, struct resident_scene *scene,
 			  const struct plan *plan, const struct lighting_wish *wish, struct error *err);
-void lighting_finish(struct lighting *lighting); // a zeroed one is fine
 
-// What must be done before the first pass: the shadow maps. As struct technique's step, for about budget_us.
+// Free it and let go of its shadow maps. A zeroed one is fine.
+void lighting_finish(struct lighting *lighting);
+
+// Work for about budget_us on what must be done before the first pass, the shadow maps. Fails as shadow_maps_step.
 enum status lighting_step(struct lighting *lighting, struct gl_timer *timer, uint32_t budget_us, struct error *err);
+
+// Whether that is done.
 bool lighting_ready(const struct lighting *lighting);
 
-// The options of shaders/direct/lighting.glsl as macros, for any program that includes it.
+// Add the options of shaders/direct/lighting.glsl as macros, for any program that includes it.
 void lighting_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene,
 		     const struct lighting_wish *wish);
 

@@ -13,7 +13,7 @@
 #include "shaders/shared/deferred.h"
 
 #define FIRST_TRIANGLES 512u // one may cover all of a map
-#define GROWTH 4u // from piece to piece
+#define GROWTH 4u // a piece has at most so many times the triangles of the piece before
 
 static const struct gl_source whole_source = {.name = "shadow", .vertex = source_shadow_vert};
 static const struct gl_source cut_source = {
@@ -21,7 +21,7 @@ static const struct gl_source cut_source = {
 
 // ---- what is kept -------------------------------------------------------------------------------------------------------
 
-// What only drawing needs.
+// Free what only drawing needs.
 static void finish_drawing(struct shadow_maps *m)
 {
 	for (unsigned i = 0; i < 2; i++) {
@@ -164,7 +164,7 @@ static bool has_holes(const struct shadow_maps *m, uint32_t triangle)
 	       materials[triangles[triangle].material].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
 }
 
-// Triangles that have holes, or none that has: whole ones are drawn several times as fast.
+// Draw a run of triangles that all have holes (`cut`), or all have none: whole ones are drawn several times as fast.
 static void draw_run(const struct shadow_maps *m, uint32_t first, uint32_t end, bool cut)
 {
 	glUseProgram(m->programs[cut]->name);
@@ -174,7 +174,7 @@ static void draw_run(const struct shadow_maps *m, uint32_t first, uint32_t end, 
 	glDrawArrays(GL_TRIANGLES, (GLint)(3 * first), (GLsizei)(3 * (end - first)));
 }
 
-// `count` triangles into the next map, from the next triangle on.
+// Draw `count` triangles into the current map, from the next triangle on.
 static enum status draw(const struct shadow_maps *m, uint32_t count, struct error *err)
 {
 	const uint32_t end = m->triangle + count;
@@ -197,7 +197,7 @@ static enum status draw(const struct shadow_maps *m, uint32_t count, struct erro
 			next++;
 		draw_run(m, at, next, cut);
 	}
-	// As everyone else expects them.
+	// Back to the state that all other passes expect.
 	glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
 	glBindFramebuffer(GL_FRAMEBUFFER, 0);
 	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
@@ -223,7 +223,7 @@ static enum status make_programs(struct shadow_maps *m, const struct plan *plan,
 	}
 	if (warm || scene_count(m->scene, BLOB_TRIANGLES) == 0)
 		return STATUS_OK;
-	// Compile: the first triangle, whatever it is, by both. It is drawn again when its turn comes.
+	// Make the driver compile: draw the first triangle, whatever it is, by both programs. It is drawn again at its turn.
 	enum status s = draw(m, 1, err);
 	if (s == STATUS_OK && m->programs[1]) {
 		glBindFramebuffer(GL_FRAMEBUFFER, m->framebuffer);
@@ -259,7 +259,7 @@ static enum status shadow_maps_create(struct resident_scene *scene, struct gl_de
 	return s;
 }
 
-// Those on the shelf. What is being drawn reads its scene, and is for that scene's jobs alone.
+// Find the maps on the shelf. Maps that are being drawn read their scene, so they serve jobs of that scene alone.
 static struct shadow_maps *shadow_maps_find(const struct shelf *s, const struct shadow_key *key,
 					    const struct resident_scene *scene)
 {
@@ -314,7 +314,7 @@ static enum status draw_piece(struct shadow_maps *m, struct gl_timer *timer, dou
 	const uint32_t count = affordable(m, us);
 	const uint64_t start = clock_us();
 	gl_timer_begin(timer, "shadow-maps");
-	// Software drivers take the stamp when they fill pixels, which is after all corners are through.
+	// Without it, software drivers take the time stamp only when they fill pixels, after all vertices are transformed.
 	glFlush();
 	enum status s = draw(m, count, err);
 	gl_timer_end(timer);

@@ -20,7 +20,7 @@ static void shadow_views_make_unit(double v[3])
 		memcpy(v, (const double[3]){0, 0, 1}, 3 * sizeof *v);
 }
 
-// A frame that looks along z, which is made a unit.
+// Make a frame of axes that looks along `z`, which is normalised.
 static void look(struct frame3 *f, const double z[3])
 {
 	memcpy(f->z, z, sizeof f->z);
@@ -47,7 +47,7 @@ static void middle(const struct blob_view *scene, double out[3])
 		out[i] = 0.5 * ((double)scene->bounds_min[i] + (double)scene->bounds_max[i]);
 }
 
-// A corner of the scene's bounds in a frame.
+// Express a corner of the scene's bounds in a frame.
 static void corner_in(const struct frame3 *f, const struct blob_view *scene, unsigned corner, double out[3])
 {
 	double d[3];
@@ -96,7 +96,7 @@ static void put_directional(struct shadow_map *m, const struct punctual_light *l
 	shadow_views_put(m, &f, half, 0, 2 * deep, side);
 }
 
-// The tangents of what is seen of the scene from f->eye. False: too wide for one map.
+// The tangents of the half angles under which f->eye sees the scene's bounds. False: they are too wide for one map.
 static bool shadow_views_fits(struct frame3 *f, const struct blob_view *scene, double half[2])
 {
 	double to[3];
@@ -127,7 +127,7 @@ static void put_faces(struct shadow_map *m, struct frame3 *f, double near, uint3
 	}
 }
 
-// Returns how many.
+// Put the views of a point light or a wide spot; returns how many.
 static uint32_t put_point(struct shadow_map *m, const struct punctual_light *light, const struct blob_view *scene,
 			  uint32_t side)
 {
@@ -153,7 +153,7 @@ static uint32_t put_point(struct shadow_map *m, const struct punctual_light *lig
 	return 1;
 }
 
-// The strongest light of those that have no map yet; NONE: all have.
+// The strongest light that has no map yet. NONE: all have one.
 static uint32_t strongest(const struct blob_view *scene, const uint32_t *first)
 {
 	const struct punctual_light *lights = scene->sections[BLOB_LIGHTS];
