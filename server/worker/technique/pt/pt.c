@@ -1,8 +1,8 @@
-// The path tracer at work: a cursor over (batch of samples, tile), in slices.
+// Runs the path tracer's job: a cursor over batches of samples and their tiles, in slices.
 //
-// A slice is one or more submissions, each as many tiles of one batch as should fit the rest of the budget by the speed
-// measured so far. Where a slice or a batch ends changes no bit: a pixel's samples are added in the order of their index,
-// and a tile's paths do not know about other tiles.
+// A slice is one or more submissions. Each takes as many tiles of one batch as should fit the rest of the budget by the
+// speed measured so far. Where a slice or a batch ends changes no bit, because a pixel's samples are added in the order of
+// their index, and the paths of a tile are independent of other tiles.
 #include "server/worker/technique/pt/pt.h"
 
 #include <math.h>
@@ -23,7 +23,7 @@
 
 #define DISPATCHES_PER_SUBMIT 256u
 #define FIRST_TILES 16u
-#define AOV_TILES 16u // one ray a pixel where a path has many: the same time does about so many times the tiles
+#define AOV_TILES 16u // AOVs take one ray a pixel and a path many, so about so many times the tiles take the same time
 
 static void pt_bind(const struct technique_job *j, const struct pipeline *pipeline, const struct binding_set *set)
 {
@@ -37,11 +37,11 @@ static void dispatch(const struct technique_job *j, const struct pipeline *pipel
 	VkCommandBuffer c = j->device->commands;
 	vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof *push, push);
 	vkCmdDispatch(c, push->tile_count, 1, 1);
-	// The next dispatch may add to the same pixels, or go on with the same paths.
+	// The next dispatch may add to the same pixels, or continue the same paths.
 	command_barrier(j->device);
 }
 
-// Tiles from `tile` on that one dispatch can take: within its band, and at most `count`.
+// How many of the `count` tiles from `tile` on one dispatch can take: those within the band, up to a limit.
 static uint32_t run_of_tiles(const struct pt_band *band, uint32_t tile, uint64_t count)
 {
 	const uint32_t left = band->first_tile + band->tiles - tile;
@@ -49,7 +49,8 @@ static uint32_t run_of_tiles(const struct pt_band *band, uint32_t tile, uint64_t
 	return count < most ? (uint32_t)count : most;
 }
 
-// Record about `count` tiles' single samples from the cursor on, of one batch, and move it. Returns how many were recorded.
+// Record about `count` single samples of tiles from the cursor on, of one batch, and move the cursor. Returns how many were
+// recorded.
 static uint64_t record_paths(struct technique_job *j, uint64_t count)
 {
 	uint64_t recorded = 0;
@@ -75,7 +76,7 @@ static uint64_t record_paths(struct technique_job *j, uint64_t count)
 	return recorded;
 }
 
-// After the last tile of a batch: its samples are complete.
+// If the last tile of the batch has been done, count its samples as complete.
 static void end_batch(struct technique_job *j)
 {
 	if (j->tile < j->tiles)
@@ -96,7 +97,7 @@ static void record_aov(struct technique_job *j, uint64_t count)
 	j->aov_tile += push.tile_count;
 }
 
-// The driver ended a loop early, and what has been summed lacks something: begin again with shorter dispatches.
+// The driver ended a loop early, so the sums lack something: begin again with shorter dispatches.
 static enum status on_cut(struct technique_job *j, struct error *err)
 {
 	if (j->batch > 1 && !pt_settings(&j->plan)->batch) {
@@ -130,7 +131,7 @@ static enum status pt_take_counters(struct technique_job *j, struct error *err)
 	return now.cut ? on_cut(j, err) : STATUS_OK;
 }
 
-// Run what is recorded, and add the time that it took.
+// Run what is recorded, and add the time that it took to *us.
 static enum status pt_finish(struct technique_job *j, uint64_t *us, struct error *err)
 {
 	struct device *d = j->device;
@@ -143,8 +144,8 @@ static enum status pt_finish(struct technique_job *j, uint64_t *us, struct error
 	return s;
 }
 
-// The light paths of the tiles whose camera's paths have just run, those before the cursor: a submission of their own, so
-// that they have a time of their own.
+// Run the light paths of the tiles from `first_tile` to the cursor, whose camera paths have just run. They are a submission
+// of their own, so that their time is known.
 static enum status submit_lights(struct technique_job *j, uint32_t first_tile, uint64_t *us, struct error *err)
 {
 	const uint64_t before = *us;
@@ -170,7 +171,7 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	enum status s = command_begin(d, err);
 	if (s != STATUS_OK)
 		return s;
-	// The greatest count is of one submission; the others grow.
+	// loop_rounds is the maximum of one submission; all other counters grow.
 	vkCmdFillBuffer(d->commands, j->counters.handle, offsetof(struct pass_counters, loop_rounds), sizeof(uint), 0);
 	command_barrier(d);
 	const uint32_t first_tile = j->tile;
@@ -200,7 +201,7 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	return s;
 }
 
-// Whether to end at the target error: asked where a batch ends at one of the sample counts that are fixed for it.
+// Whether the target error is reached. Asked only where a batch ends at one of the fixed checkpoints.
 static enum status look_at_target(struct technique_job *j, bool *reached, struct error *err)
 {
 	*reached = false;
@@ -211,14 +212,14 @@ static enum status look_at_target(struct technique_job *j, bool *reached, struct
 	return s;
 }
 
-// For whoever watches: as often as the picture gets half as good again.
+// Measure the error for the progress report, each time the number of samples has grown by half.
 static enum status look_at_error(struct technique_job *j, struct error *err)
 {
 	const bool due = j->sample >= 2 && j->sample >= j->error_sample + (j->error_sample + 1) / 2;
 	return due && j->sample > j->error_sample ? pt_error_measure(j, err) : STATUS_OK;
 }
 
-// Of the work: by samples, or by the target error if that is nearer, for the error falls as one over them.
+// The share of the work that is done: by samples, or by the target error if that is nearer. relMSE falls as 1 / samples.
 static double fraction_of(const struct technique_job *j, bool reached)
 {
 	const double samples = ((double)j->sample + (double)j->batch * j->tile / j->tiles) / j->plan.samples;
@@ -241,7 +242,7 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 		if (reached || (j->plan.deadline && j->sample == 1 && j->tile == 0))
 			break;
 		spent = clock_us() - start;
-		// What is left would not do another tile.
+		// What is left of the budget is less than another tile takes.
 		if (spent >= budget_us || (double)(budget_us - spent) < j->tile_us * j->batch)
 			break;
 	}
@@ -273,7 +274,7 @@ static enum status pt_read_band(struct technique_job *j, const struct pt_band *b
 		resolve_sums(resolver, host, b->first_row, b->rows, f);
 	free(film);
 	if (s == STATUS_OK && b->aov.bytes > 0) {
-		// Smaller than the sums, which are no longer needed.
+		// AOVs need less room than the sums did, which are read by now.
 		s = buffer_read(&b->aov, j->device, 0, b->aov.bytes, host, err);
 		if (s == STATUS_OK)
 			resolve_aovs(host, b->first_row, b->rows, f);
@@ -282,7 +283,7 @@ static enum status pt_read_band(struct technique_job *j, const struct pt_band *b
 	return s;
 }
 
-// The bias that clamping brings, in the mean luminance of the picture.
+// Report the bias that clamping causes in the mean luminance of the picture.
 static void account_clamp(const struct technique_job *j, struct frame *f)
 {
 	const uint64_t pixels = (uint64_t)f->width * f->height;

@@ -1,9 +1,10 @@
-// Path tracing in a Vulkan compute shader: the reference for everything else.
+// The technique `pt`: path tracing in Vulkan compute shaders, the reference for all other techniques.
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_H
 #define CANDIL_WORKER_TECHNIQUE_PT_H
 
 #include "server/worker/technique/technique.h"
 
+// Its table.
 extern const struct technique technique_pt;
 
 #endif

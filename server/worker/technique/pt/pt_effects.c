@@ -12,19 +12,21 @@
 
 #define PROBE_TILES 64u // 4,096 pixels
 #define PROBE_TURNS 3
-#define PROBE_US (LIMIT_STEP_SECONDS * 1000000ull / 2) // no effect is begun after that: the front would think that we hang
+#define PROBE_US \
+	(LIMIT_STEP_SECONDS * 1000000ull / 2) // no effect is begun after this, lest the front take the worker to hang
 
-// Effects one way, ready to be timed.
+// A set of effects with its pipelines, ready to be timed.
 struct contestant {
 	struct pipeline *pipeline;
 	struct binding_set bindings;
 	struct pipeline *light; // with EFFECT_CAUSTICS
 	struct binding_set light_bindings;
-	double best_us; // of a tile's sample: by the wall clock
-	double best_work; // and in what the device spent: its time, or if it is software the processors'
+	double best_us; // least time of a sample of a tile, by the wall clock
+	double best_work; // least work of it: the same time, or on a software device processor time
 };
 
-// A machine that others use as well makes the wall clock's time no measure of work.
+// A clock of the work done. On a software device it counts processor time, because the wall clock also counts what other
+// processes do.
 static double work_us(const struct technique_job *j)
 {
 	struct timespec t;
@@ -56,7 +58,7 @@ static void pt_effects_finish(struct technique_job *j, struct contestant *c)
 	binding_set_finish(&c->light_bindings, j->device);
 }
 
-// One batch of the tiles in the middle of the first band, as a job does it.
+// Trace one batch of the tiles in the middle of the first band, as a job does it.
 static enum status trace(struct technique_job *j, struct contestant *c, struct error *err)
 {
 	const struct pt_band *band = &j->bands[0];
@@ -93,7 +95,7 @@ static enum status trace(struct technique_job *j, struct contestant *c, struct e
 	return s;
 }
 
-// The first of the turns is not counted: it meets cold caches.
+// The first turn is not counted, because it meets cold caches.
 static enum status race(struct technique_job *j, struct contestant *a, struct contestant *b, struct error *err)
 {
 	enum status s = STATUS_OK;
@@ -125,7 +127,7 @@ static enum status time_one(struct technique_job *j, struct contestant *as_plann
 	return s;
 }
 
-// What light paths need is there in a job that has them alone.
+// Caustics can be timed only in a job that has them: in others there is nothing of what light paths need.
 static bool can_time(const struct technique_job *j, candil_Effect effect)
 {
 	return effect != candil_Effect_EFFECT_CAUSTICS || j->light;
@@ -138,7 +140,7 @@ enum status pt_time_effects(struct technique_job *j, candil_EffectReport *report
 	const uint64_t start = clock_us();
 	struct contestant as_planned = {0};
 	enum status s = prepare(j, j->plan.effects, &as_planned, err);
-	// Those that run come first, lest time run out.
+	// Effects that are simulated come first, in case time runs out.
 	for (int pass = 0; pass < (pt_settings(&j->plan)->effect_times == EFFECT_TIMES_ALL ? 2 : 1); pass++)
 		for (uint32_t i = 0; s == STATUS_OK && i < count && clock_us() - start < PROBE_US; i++)
 			if (plan_has(&j->plan, reports[i].effect) == (pass == 0) && can_time(j, reports[i].effect))

@@ -19,7 +19,7 @@ static const struct shader error_shader = {.name = "error",
 uint32_t pt_error_checkpoint(uint32_t samples)
 {
 	uint32_t at = PT_ERROR_FIRST;
-	// 2^k and 3·2^(k-1) in turns.
+	// The checkpoints are 2^k and 3·2^(k-1) in turns.
 	while (at <= samples)
 		at += (at & (at - 1)) == 0 ? at / 2 : at / 3;
 	return at;
@@ -35,7 +35,7 @@ static enum status bind_band(struct technique_job *j, struct pt_band *band, stru
 	return binding_set_init(&band->error_bindings, j->device, j->error, buffers, &j->counters_host, err);
 }
 
-// The tiles' parts of a picture in which those before the cursor may have more samples.
+// Record the error of each tile of a band. The tiles before the cursor may have more samples than the others.
 static void record(const struct technique_job *j, const struct pt_band *band)
 {
 	VkCommandBuffer c = j->device->commands;
@@ -85,7 +85,7 @@ enum status pt_error_init(struct technique_job *j, struct error *err)
 	j->estimated_relmse = -1;
 	if (s != STATUS_OK || j->error->warm)
 		return s;
-	// What it writes of a picture without samples is not read.
+	// A run to make the driver compile: what it writes, of a picture without samples, is not read.
 	s = pt_error_run(j, err);
 	j->error->warm = s == STATUS_OK;
 	j->compile_us += clock_us() - start;

@@ -9,8 +9,8 @@
 #include "server/worker/vk/command.h"
 #include "shaders/light_comp.h"
 
-// A film's unit, of the mean radiance that all power spread over the scene would make. 2⁶⁴ of them are room for a million
-// samples that are each a million times as bright.
+// A film's unit as a share of the power per area that the lamps would give, spread over the scene. 2⁶⁴ units have room for a
+// million samples of a million times that brightness each.
 #define FILM_FINE 0x1p-24
 
 static const struct shader light_shader = {.name = "light",
@@ -66,7 +66,7 @@ enum status pt_light_init(struct technique_job *j, struct scene_params *params, 
 	params->sky_paths = scene_share(sky, lamps);
 	enum status s = make_casters(j, params, err);
 	if (params->caster_count == 0)
-		params->sky_paths = 0; // there is nothing to aim at
+		params->sky_paths = 0; // there is no polished surface to aim at
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
 		const uint64_t pixels = (uint64_t)j->bands[i].rows * j->plan.width;
 		s = buffer_init(&j->bands[i].film, j->device, pixels * sizeof(struct film_pixel), BUFFER_DEVICE, err);
@@ -134,7 +134,7 @@ void pt_light_record(const struct technique_job *j, const struct pipeline *pipel
 	}
 }
 
-// Numbers below n whose last bit is `half`.
+// How many numbers below n have the last bit `half`.
 static double of_half(uint64_t n, uint32_t half)
 {
 	return (double)((n + 1 - half) / 2);

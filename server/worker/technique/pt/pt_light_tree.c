@@ -7,7 +7,7 @@
 #include "server/worker/technique/pt/pt_options.h"
 #include "server/worker/vk/pipeline.h"
 
-// From so many emissive triangles on the tree is worth its steps, and from so many lights: tests/bench/RESULTS.md.
+// From so many emissive triangles or lights on the tree is worth its time: tests/bench/RESULTS.md.
 #define TREE_FROM_EMITTERS 32u
 #define TREE_FROM_LIGHTS 2u
 
@@ -17,7 +17,7 @@ struct tree {
 	struct pt_light_tree buffers;
 };
 
-// One for each choice of what is in it; the address of its own is a tree's name among the derived.
+// A kind of struct derived for each choice of what is in the tree.
 static const char kinds[4];
 
 static struct light_tree_lamps lamps_of(const struct resident_scene *scene, const struct plan *plan)
@@ -44,7 +44,7 @@ bool pt_light_tree_wanted(const struct devices *devices, const struct resident_s
 		return false;
 	if (count == 0 || count > LIGHT_TREE_LAMPS_MAX)
 		return false;
-	// Shaders read its nodes as texels.
+	// Shaders read its nodes from a texel buffer.
 	if (pt_light_tree_bytes(scene, plan) / PIPELINE_TEXEL_BYTES > devices->vk->limits.maxTexelBufferElements)
 		return false;
 	return pt_settings(plan)->light_tree == LIGHT_TREE_ON || lamps.emitter_count >= TREE_FROM_EMITTERS ||
@@ -75,7 +75,7 @@ static uint64_t light_tree_idle_bytes(const struct derived *derived)
 static enum status make(struct tree *t, const struct light_tree_lamps *lamps, struct error *err)
 {
 	const uint32_t count = lamps->emitter_count + lamps->light_count;
-	// One trail at least, for a buffer is not empty.
+	// At least one trail, because no buffer is empty.
 	const uint64_t trail_count = lamps->emitter_count > 0 ? lamps->emitter_count : 1;
 	const uint64_t node_bytes = (uint64_t)light_tree_nodes(count) * sizeof(struct light_node);
 	struct light_node *nodes = malloc(node_bytes);

@@ -1,5 +1,5 @@
-// What every pass of the path tracer is made of: its variant of a shader, its bindings, its first run. The ground on which
-// pt_setup.c, pt_light.c and pt_effects.c stand.
+// What every pass of the path tracer is made of: a variant of its shader, its bindings and its first run. Used by
+// pt_setup.c, pt_light.c and pt_effects.c.
 #include "protocol/names.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/pt/pt_job.h"

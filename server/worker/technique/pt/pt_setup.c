@@ -1,4 +1,4 @@
-// What a path tracing job needs on the device: made here, and freed here.
+// Makes and frees what a path tracing job needs on the device.
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,17 +14,18 @@
 #include "shaders/aov_comp.h"
 #include "shaders/path_comp.h"
 
-// Scattering events in one dispatch. Software drivers end an invocation's loops after some 65,000 rounds all told; sixteen
-// events of two rays leave a ray 2,000 rounds.
+// Scattering events in one dispatch. Software drivers end an invocation's loops after some 65,000 rounds in all, so sixteen
+// events of two rays leave each ray 2,000 rounds.
 #define SEGMENT_SOFTWARE 16u
 
-// Samples that a lane takes one after the other: with more of them fewer lanes wait for the longest path beside them, but
-// the longer until the next whole picture.
+// Samples in a batch, which a lane takes one after the other. The more there are, the less lanes wait for the longest path
+// beside theirs, but the longer it is until the next whole picture.
 #define BATCH_MOST 16u
 #define BATCH_FIRST 2u
-#define BATCH_QUICK_US 200000.0 // of a whole picture: may be larger than all before it
+#define BATCH_QUICK_US \
+	200000.0 // a batch that takes the whole picture less than this may have more samples than all before it
 
-// Loop rounds of an invocation that a batch is meant to stay below, where a driver ends loops after 65,535.
+// Loop rounds of an invocation that a batch aims to stay below, where a driver ends loops after 65,535.
 #define ROUNDS_SAFE 24000u
 
 static const struct shader path_shader = {.name = "path",
@@ -69,8 +70,8 @@ static uint32_t least(uint32_t a, uint32_t b)
 	return a < b ? a : b;
 }
 
-// As many samples as make lanes busy; but not so many that a preview waits for several times what it took so far, and not so
-// many that the driver would end loops, judged by the batch before.
+// As many samples as keep lanes busy, but not so many that a preview waits for several times the time so far, nor so many
+// that the driver would end loops, judging by the batch before.
 void pt_job_next_batch(struct technique_job *j)
 {
 	const uint32_t grown = j->sample > BATCH_FIRST ? j->sample : BATCH_FIRST;
@@ -208,7 +209,7 @@ static enum status make_path_pass(struct technique_job *j, uint32_t segment, str
 	const uint64_t start = clock_us();
 	enum status s = STATUS_OK;
 	j->segment = segment;
-	j->segments = (j->plan.depth + segment) / segment; // of depth + 1 events, rounded up
+	j->segments = (j->plan.depth + segment) / segment; // (depth + 1) / segment, rounded up
 	if (j->segments > 1 && !j->paths.handle)
 		s = buffer_init(&j->paths, j->device, paths_bytes(&j->plan), BUFFER_DEVICE, err);
 	if (s == STATUS_OK)

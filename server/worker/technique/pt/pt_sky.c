@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-static const char kind; // its address names pt_sky among the derived
+static const char kind; // its address is pt_sky's kind of struct derived
 
 static void pt_sky_destroy(struct derived *derived)
 {

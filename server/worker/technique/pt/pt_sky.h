@@ -1,9 +1,11 @@
-// A picture of the surroundings in Vulkan memory: with the scene that it is, for all jobs that use it.
+// The environment in Vulkan memory: buffers kept with the picture's resident scene, for all jobs that use it. Device's
+// thread only.
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_SKY_H
 #define CANDIL_WORKER_TECHNIQUE_PT_SKY_H
 
 #include "server/worker/scenes/resident.h"
 
+// The buffers of one picture, which its resident scene owns.
 struct pt_sky {
 	struct derived derived;
 	struct device *device;
@@ -11,7 +13,8 @@ struct pt_sky {
 	struct buffer rows; // struct environment_row
 };
 
-// The picture's buffers, made now unless they are there. They stay while a job holds the scene. STATUS_MEMORY.
+// The buffers of a picture, made unless they are there. They stay while a job holds the picture's scene. STATUS_MEMORY,
+// STATUS_DEVICE.
 enum status pt_sky_get(struct resident_scene *picture, struct device *device, const struct pt_sky **sky, struct error *err);
 
 #endif

@@ -1,4 +1,4 @@
-// Each pass in pieces that fit a slice; how much that is comes of the speed of the piece before.
+// Each pass is done in pieces that fit a slice. The size of a piece comes from the speed of the pieces before.
 #include "server/worker/technique/voxel/voxel_build.h"
 
 #include <epoxy/gl.h>
@@ -15,10 +15,10 @@
 #include "shaders/gl/voxel_prefix_comp.h"
 #include "shaders/gl/voxel_sum_comp.h"
 
-#define FIRST_ITEMS 4096u // of a build, before its speed is known
+#define FIRST_ITEMS 4096u // items of a piece before the speed is known
 #define LEAST_ITEMS 256u
 #define FIRST_WORDS 65536u
-#define RETRY_BITS 6u // less, where sums were full
+#define RETRY_BITS 6u // by so many bits sums are made coarser where they overflowed
 
 static const struct gl_source sources[VOXEL_PROGRAMS] = {
     [VOXEL_PROGRAM_MARK] = {.name = "voxel_mark", .compute = source_voxel_mark_comp},
@@ -56,7 +56,7 @@ static double emission_max(const struct blob_view *scene)
 	return (double)most;
 }
 
-// The words, and what the passes need beside them.
+// Make the words, and the buffers that the passes need beside them.
 static enum status voxel_build_make_buffers(struct voxels *v, const struct plan *plan, struct error *err)
 {
 	struct voxel_build *b = v->build;
@@ -73,7 +73,7 @@ static enum status voxel_build_make_buffers(struct voxels *v, const struct plan 
 	return r;
 }
 
-// The next chunk of items, on the host.
+// Make the next chunk of items on the host.
 static void fill_chunk(struct voxel_build *b)
 {
 	const bool first = b->stream.done == 0 && b->stream.row == 0 && b->stream.tile == 0;
@@ -150,7 +150,7 @@ static void voxel_build_run(uint32_t invocations, uint32_t group)
 	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-// One more program, run over nothing: that is when drivers compile.
+// Make one more program and run it over nothing, which is when drivers compile.
 static enum status compile_piece(struct voxels *v, struct error *err)
 {
 	struct voxel_build *b = v->build;
@@ -182,7 +182,7 @@ static enum status compile_piece(struct voxels *v, struct error *err)
 	return r;
 }
 
-// How much of `left` to do now, by the speed measured so far.
+// How much of `left` to do in this piece, by the speed measured so far.
 static uint32_t portion(double speed, uint32_t budget_us, uint32_t first, uint32_t least, uint32_t left)
 {
 	const double n = speed > 0 ? speed * budget_us : first;
@@ -190,7 +190,7 @@ static uint32_t portion(double speed, uint32_t budget_us, uint32_t first, uint32
 	return want < left ? want : left;
 }
 
-// Items of the chunk through the program, as many as the budget bears.
+// Run the program over items of the chunk, as many as should fit the budget.
 static enum status items_piece(struct voxels *v, const struct gl_program *program, uint32_t budget_us, struct error *err)
 {
 	struct voxel_build *b = v->build;
@@ -211,7 +211,7 @@ static enum status items_piece(struct voxels *v, const struct gl_program *progra
 	return r;
 }
 
-// Begin the stream again, for the next pass over it.
+// Begin the stream of items again, for the next pass over it.
 static void rewind_items(struct voxel_build *b)
 {
 	b->chunk_at = 0;
@@ -238,7 +238,7 @@ static enum status stream_piece(struct voxels *v, const struct gl_program *progr
 	return STATUS_OK;
 }
 
-// Room for the entries, cleared. What is certain is refused before anything is taken.
+// Make cleared room for the entries. What certainly does not fit is refused before anything is allocated.
 static enum status make_parts(struct voxels *v, struct error *err)
 {
 	const uint64_t entries = v->grid.entries, each = 16 * entries;
@@ -251,13 +251,13 @@ static enum status make_parts(struct voxels *v, struct error *err)
 	for (unsigned i = 0; r == STATUS_OK && i < VOXEL_PARTS; i++)
 		r = gl_buffer_init(&v->parts[i], v->device, BIND_VOXEL_PLACE + i == BIND_VOXEL_EMISSION ? most : each, NULL,
 				   err);
-	// All or none: it is tried again when others have made room.
+	// Keep all or none: the call is repeated once others have made room.
 	for (unsigned i = 0; r != STATUS_OK && i < VOXEL_PARTS; i++)
 		gl_buffer_finish(&v->parts[i], v->device);
 	return r;
 }
 
-// From counts of blocks to entries before them, and room for all.
+// Turn the blocks' counts of entries into the numbers of entries before each block, and make room for all.
 static enum status sum_blocks(struct voxels *v, uint32_t *blocks, uint32_t count, struct error *err)
 {
 	uint64_t total = 0;
@@ -303,7 +303,7 @@ out:
 	return r;
 }
 
-// What stays in place and what moved do not go together into sums of its units: voxelise everything.
+// The triangles in place and those that moved do not fit together into sums of those units: voxelise everything.
 static enum status give_up_fixed(struct voxels *v, struct error *err)
 {
 	struct voxel_build *b = v->build;
@@ -334,7 +334,7 @@ static enum status give_up_fixed(struct voxels *v, struct error *err)
 	return STATUS_OK;
 }
 
-// Whether sums were full; then they are made again, coarser.
+// Check whether sums have overflowed; if so, make them again with coarser units.
 static enum status check_piece(struct voxels *v, struct error *err)
 {
 	struct voxel_build *b = v->build;
@@ -365,7 +365,7 @@ static enum status check_piece(struct voxels *v, struct error *err)
 	return STATUS_OK;
 }
 
-// Words through the program that is in use; past the last one comes the phase `next`.
+// Run the program in use over words. After the last word comes the phase `next`.
 static enum status words_piece(struct voxels *v, const struct gl_program *p, uint32_t budget_us, enum voxel_phase next,
 			       struct error *err)
 {
@@ -412,7 +412,7 @@ static enum status merge_piece(struct voxels *v, uint32_t budget_us, struct erro
 	return words_piece(v, b->programs[VOXEL_PROGRAM_MERGE], budget_us, VOXEL_SUM, err);
 }
 
-// The build of what stays in place goes on; once it is done its bits are where ours begin.
+// Go on with the build of what stays in place. Once it is done, ours begins with a copy of its bits.
 static enum status fixed_piece(struct voxels *v, uint32_t budget_us, struct error *err)
 {
 	struct voxel_build *b = v->build;

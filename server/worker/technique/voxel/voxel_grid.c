@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-// A side below which two places of the scene are the same float anyway.
+// The least side of a voxel: below it, two places of the scene may be the same float.
 static double least_extent(const struct blob_view *scene)
 {
 	double far = 1e-20;

@@ -1,4 +1,4 @@
-// Where the voxels of a scene lie, and what they take before they are made. No device is needed.
+// Where the voxels of a scene lie, and how much memory they will take. Host only, any thread; nothing fails.
 #ifndef CANDIL_WORKER_TECHNIQUE_VOXEL_GRID_H
 #define CANDIL_WORKER_TECHNIQUE_VOXEL_GRID_H
 
@@ -7,25 +7,27 @@
 #include "server/scene/blob.h"
 #include "shaders/shared/voxel.h"
 
+// What a request chooses about a grid. The voxels of a scene are the same with `cube` and without.
 struct voxel_options {
-	uint32_t resolution; // a power of two, VOXEL_RESOLUTION_MIN … VOXEL_RESOLUTION_MAX: cells along the longest axis
-	bool cube; // as many along the others; else each its own power of two, as few as hold the scene: the same voxels
+	uint32_t resolution; // cells along the longest axis: a power of two, VOXEL_RESOLUTION_MIN … VOXEL_RESOLUTION_MAX
+	bool cube; // as many cells along the other axes; else along each the least power of two that holds the scene
 };
 
-// The grid over a scene's bounds; entries is 0. A scene of one point or none gets some grid, too.
+// Make the grid over a scene's bounds, with `entries` 0. A scene of one point or none gets a grid, too.
 void voxel_grid_make(const struct blob_view *scene, const struct voxel_options *options, struct voxel_grid *grid);
 
-// Words of 32 bits of a grid, without the last one.
+// The number of 32-bit words of a grid, without the last one.
 uint32_t voxel_grid_words(const struct voxel_grid *grid);
 
-// Device memory of a grid with so many entries, when it is done: words and entries.
+// Device memory of the finished voxels of a grid with so many entries, in bytes: words and entries.
 uint64_t voxel_grid_bytes(const struct voxel_grid *grid, uint64_t entries);
 
-// About how many entries there will be: a plane of area A passes through at most √3 A / side² voxels and 1.5 A / side² on
-// average over its directions, and borders add some.
+// An estimate of the number of entries. A plane of area A passes through at most √3 A / side² voxels, and through 1.5 A /
+// side² on average over its directions; borders add some.
 uint64_t voxel_entries_guess(const struct blob_view *scene, const struct voxel_grid *grid);
 
-// The largest resolution whose voxels fit `bytes` by that guess; `entries` (> 0) at `options` is known, or 0. 0: none fits.
+// The largest resolution whose voxels fit `bytes` by that estimate; 0: none does. `entries`: their number with `options`, if
+// it is known, else 0.
 uint32_t voxel_resolution_that_fits(const struct blob_view *scene, const struct voxel_options *options, uint64_t entries,
 				    uint64_t bytes);
 

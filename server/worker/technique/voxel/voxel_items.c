@@ -2,15 +2,15 @@
 
 #include <math.h>
 
-// The device rounds otherwise than we do: tiles reach out by so much, in voxels.
+// Tiles are larger than need be by this margin, in voxels, because the device rounds differently.
 #define SLACK 1e-3
 
-// A triangle over the grid, in voxels: axes turned so that columns run along the third.
+// A triangle over the grid, in voxels, with its axes permuted so that columns run along the third.
 struct columns {
 	double v[3][3]; // corners
 	uint32_t axis;
 	bool needle;
-	int32_t first[2], last[2]; // columns of its box
+	int32_t first[2], last[2]; // columns of its bounding box
 };
 
 void voxel_items_init(struct voxel_items *items, const struct blob_view *scene, const struct voxel_ranges *ranges,
@@ -23,7 +23,8 @@ void voxel_items_init(struct voxel_items *items, const struct blob_view *scene, 
 				      .triangle = ranges->count > 0 ? ranges->list[0].first : 0};
 }
 
-// The axis that the triangle faces most. A needle has no face: then the one that it runs along least.
+// The axis that is most along the triangle's normal. A degenerate triangle has no normal: then the axis along which it
+// extends least.
 static uint32_t choose_axis(double g[3][3], bool *needle)
 {
 	double e1[3], e2[3], l1 = 0, l2 = 0, l3 = 0;
@@ -70,7 +71,7 @@ static void columns_of(const struct voxel_items *it, uint32_t id, struct columns
 	}
 }
 
-// Columns along the first axis that the triangle passes through in rows [row, row + VOXEL_TILE) along the second.
+// The columns along the first axis that the triangle passes through in rows [row, row + VOXEL_TILE) along the second.
 static void span_of(const struct columns *k, int32_t row, int32_t *first, int32_t *last)
 {
 	const double from = row - SLACK, to = row + VOXEL_TILE + SLACK;
@@ -122,7 +123,7 @@ static void next_triangle(struct voxel_items *it)
 		it->triangle = it->ranges->list[it->range].first;
 }
 
-// Go on with the triangle under the cursor; past its last tile the cursor moves to the next triangle.
+// Hand out tiles of the triangle at the cursor. Past its last tile the cursor moves to the next triangle.
 static uint32_t next_of_triangle(struct voxel_items *it, struct voxel_item *out, uint32_t capacity)
 {
 	struct columns k;

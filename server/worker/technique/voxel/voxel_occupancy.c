@@ -18,7 +18,7 @@ uint64_t voxel_occupancy_cells(const struct voxel_grid *grid, uint32_t level)
 	return (uint64_t)side_of(grid, 0, level) * side_of(grid, 1, level) * side_of(grid, 2, level);
 }
 
-// The cell of a level that a cell of the level below is in.
+// The cell of a level that contains a cell of the level below.
 static uint64_t parent(const struct voxel_grid *grid, uint32_t level, uint64_t cell)
 {
 	const uint64_t wide = side_of(grid, 0, level - 1), high = side_of(grid, 1, level - 1);
@@ -26,7 +26,7 @@ static uint64_t parent(const struct voxel_grid *grid, uint32_t level, uint64_t c
 	return x + side_of(grid, 0, level) * (y + side_of(grid, 1, level) * z);
 }
 
-// Count the voxels, and mark the cells of the first level that have some.
+// Count the occupied voxels, and mark the cells of the first level that contain one.
 static uint64_t count_voxels(const struct voxel_grid *grid, const uint32_t (*words)[2], uint8_t *above)
 {
 	const uint32_t count = voxel_grid_words(grid);
@@ -46,7 +46,7 @@ static uint64_t count_voxels(const struct voxel_grid *grid, const uint32_t (*wor
 enum status voxel_occupancy(const struct voxel_grid *grid, const uint32_t (*words)[2], uint32_t top,
 			    uint64_t cells[VOXEL_OCCUPANCY_LEVELS], struct error *err)
 {
-	// Each level's marks lie behind those of the level below, eight of which make one.
+	// Each level's marks lie behind those of the level below, of which eight make one.
 	const uint64_t room = 2 * voxel_occupancy_cells(grid, 1) + VOXEL_OCCUPANCY_LEVELS;
 	uint8_t *marks = calloc(1, room), *level_marks = marks;
 	memset(cells, 0, VOXEL_OCCUPANCY_LEVELS * sizeof *cells);

@@ -9,7 +9,7 @@ static int by_first(const void *a, const void *b)
 	return x < y ? -1 : x > y;
 }
 
-// The moves' triangles, sorted and merged; `list` has room for them. Returns how many ranges are left.
+// Write the moves' triangles to `list`, sorted and merged; it has room for them. Returns the number of ranges.
 static uint32_t moved_ranges(const struct resident_scene *scene, struct voxel_range *list)
 {
 	const struct edited *e = &scene->edited;
@@ -28,7 +28,7 @@ static uint32_t moved_ranges(const struct resident_scene *scene, struct voxel_ra
 	return count;
 }
 
-// What lies between `count` ranges, and before and behind them, up to `end`, in their place: one more at most.
+// Replace `count` ranges by those between them, before them, and behind them up to `end`: one more at most.
 static uint32_t between(struct voxel_range *list, uint32_t count, uint32_t end)
 {
 	uint32_t n = 0, at = 0;

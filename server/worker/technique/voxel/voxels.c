@@ -45,7 +45,7 @@ static uint32_t effects_that_color(const struct plan *plan)
 				1u << candil_Effect_EFFECT_GLASS);
 }
 
-// The grid over a scene, and over its base too: a thing that moves about within the base's bounds leaves the rest in place.
+// Make the grid over a scene and its base together: it stays the same while things move within the base's bounds.
 static struct voxel_grid grid_over(const struct resident_scene *scene, const struct voxel_options *options)
 {
 	struct voxel_grid grid;
@@ -64,8 +64,7 @@ static bool same_grid(const struct voxel_grid *a, const struct voxel_grid *b)
 	       !memcmp(a->sides, b->sides, sizeof a->sides);
 }
 
-// Those on the shelf like `like`. What is being made is shared by the jobs of one variant alone: it reads that one's
-// buffers.
+// Find voxels like `like` on the shelf. Those being made read the buffers of one variant, and serve its jobs alone.
 static struct voxels *voxels_find(const struct shelf *s, const struct voxels *like, const struct resident_scene *scene)
 {
 	for (struct shelved *at = s->first; at; at = at->next) {
@@ -82,7 +81,7 @@ static struct voxels *voxels_find(const struct shelf *s, const struct voxels *li
 static enum status acquire_like(struct shelf *shelf, const struct voxels *like, struct resident_scene *scene,
 				const struct plan *plan, struct voxels **out, struct error *err);
 
-// The sums of what an edited scene left in place, if there are enough of it that it is worth while; else none.
+// Hold the sums of the triangles that an edit leaves in place, if they are enough to be worth it; else none.
 static enum status acquire_fixed(const struct voxels *whole, struct resident_scene *scene, const struct plan *plan,
 				 struct voxels **out, struct error *err)
 {
@@ -133,7 +132,7 @@ static enum status acquire_like(struct shelf *shelf, const struct voxels *like, 
 	enum status r = STATUS_OK;
 	if (!v) {
 		r = voxels_create(like, scene, plan, true, &v, err);
-		// Where memory is short the merging is what can be done without, then what is kept for later.
+		// Where memory is short, first do without merging, then drop what is kept for later jobs.
 		while (r == STATUS_MEMORY && (r = voxels_create(like, scene, plan, false, &v, err)) == STATUS_MEMORY &&
 		       shelf_drop_idle(shelf, 0))
 			;
@@ -165,7 +164,7 @@ void voxels_release(struct voxels *v)
 		shelf_release(&v->shelved);
 }
 
-// Compiling is told as such, by the host's clock; all else by the device's.
+// Compiling counts as its own stage, by the host's clock; all else by the device's.
 static enum status piece(struct voxels *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	const bool compiles = v->build->phase == VOXEL_COMPILE;
