@@ -13,7 +13,7 @@
 //	for (uint32_t i = 0; i < technique_count(); i++) {
 //		const struct technique *t = technique_at(i);
 //		struct plan plan = {.technique = t->number};
-//		t->defaults(plan.settings);
+//		t->defaults(&plan.settings);
 //		assert(technique_find(t->number) == t && t->depth(&plan) > 0);
 //	}
 //	assert(technique_find(candil_Technique_TECHNIQUE_AUTO)->number == (candil_Technique)TECHNIQUE_OF_AUTO);
