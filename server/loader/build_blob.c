@@ -15,7 +15,7 @@
 #include "server/scene/facts.h"
 #include "server/scene/lights.h"
 
-// Everything that goes into a blob, section by section, before it is laid out.
+// All sections of a blob, before they are laid out.
 struct parts {
 	struct geometry geometry;
 	struct bvh bvh;
@@ -55,7 +55,7 @@ static enum status make_leaves(struct parts *p, struct error *err)
 	return STATUS_OK;
 }
 
-// The lights of the blob, and where the import's went.
+// Make the blob's lights. place[i] becomes the new index of the import's light i.
 static enum status make_punctual(const struct import *im, struct parts *p, uint32_t *place, struct error *err)
 {
 	const struct geometry *g = &p->geometry;
@@ -239,7 +239,7 @@ static void describe(candil_SceneInfo *info, const struct blob_header *h)
 	info->bvh_depth = h->bvh_depth;
 	info->environment_width = h->environment_width;
 	info->environment_height = h->environment_height;
-	const uint32_t room = sizeof info->facts / sizeof info->facts[0]; // no scene has all: a picture has that fact alone
+	const uint32_t room = sizeof info->facts / sizeof info->facts[0]; // less than all: no scene has all facts
 	for (uint32_t bit = 0; bit < 32; bit++)
 		if (h->facts & 1u << bit && info->facts_count < room)
 			snprintf(info->facts[info->facts_count++], sizeof info->facts[0], "%s",
@@ -320,7 +320,7 @@ enum status build_blob(struct import *im, int *fd, struct error *err)
 	struct blob_header header;
 
 	*fd = -1;
-	memset(&header, 0, sizeof header); // padding too: it is hashed
+	memset(&header, 0, sizeof header); // padding too, because the header is hashed
 	enum status status = make_parts(im, &parts, err);
 	if (status == STATUS_OK) {
 		list_sources(im, &parts, sources);

@@ -7,15 +7,15 @@
 
 #include "server/scene/bvh_refit.h"
 
-// A node of the tree before it is flat: a leaf if count > 0.
+// A node of the tree before flattening. It is a leaf if count > 0.
 struct tree {
-	struct bvh_node node; // the children's boxes; numbers come when it is flattened
+	struct bvh_node node; // boxes of the children; flattening fills in their numbers
 	struct tree *child[2];
 	uint32_t count;
 	uint32_t ids[BVH_LEAF_TRIANGLES];
 };
 
-// A child that is not there is a point at infinity: every ray misses it.
+// A missing child is a point at infinity, which every ray misses.
 static const struct bvh_node no_children = {
     .min0 = {INFINITY, INFINITY, INFINITY},
     .max0 = {INFINITY, INFINITY, INFINITY},
@@ -89,7 +89,7 @@ static void fill_leaf(struct tree *t, const struct RTCBuildPrimitive *primitives
 	*t = (struct tree){.count = (uint32_t)count};
 	for (size_t i = 0; i < count; i++) {
 		size_t at = i;
-		// In order of their ids: the builder's own order is none to rely on.
+		// Triangles are sorted by id, because the builder's order is not guaranteed.
 		for (; at > 0 && t->ids[at - 1] > primitives[i].primID; at--)
 			t->ids[at] = t->ids[at - 1];
 		t->ids[at] = primitives[i].primID;
@@ -164,7 +164,7 @@ static void box_of(const struct RTCBuildPrimitive *primitives, size_t count, flo
 		grow_box(min, max, &primitives[i]);
 }
 
-// Recursion as deep as log2(count).
+// The recursion is log2(count) deep.
 static struct tree *build_balanced(struct RTCBuildPrimitive *primitives, size_t count, struct tree **next)
 {
 	static int (*const compare[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
@@ -190,7 +190,7 @@ static struct tree *build_balanced(struct RTCBuildPrimitive *primitives, size_t 
 
 // ---- flattening ---------------------------------------------------------------------------------------------------------
 
-// False if the tree is deeper than allowed or not over each triangle once.
+// Count the nodes, the depth and the triangles. False if the tree is too deep or does not hold each triangle once.
 static bool measure(const struct tree *t, uint32_t level, uint32_t *nodes, uint32_t *depth, uint32_t *leaves)
 {
 	if (!t)
@@ -245,7 +245,7 @@ static enum status allocate(struct bvh *out, uint32_t nodes, uint32_t count, str
 	return error_set(err, STATUS_MEMORY, "no memory for a BVH over %u triangles", count);
 }
 
-// STATUS_UNSUPPORTED: the tree is too deep.
+// STATUS_UNSUPPORTED if the tree is too deep.
 static enum status flatten(const struct tree *root, uint32_t count, struct bvh *out, struct error *err)
 {
 	uint32_t nodes = 0, depth = 0, leaves = 0;
@@ -259,7 +259,7 @@ static enum status flatten(const struct tree *root, uint32_t count, struct bvh *
 	return STATUS_OK;
 }
 
-// A scene of one leaf: a single node, its triangles shared out between both children where there are two.
+// A scene of a single leaf: one node, whose children share the triangles if there are at least two.
 static enum status build_tiny(const struct RTCBuildPrimitive *primitives, uint32_t count, struct bvh *out, struct error *err)
 {
 	if (allocate(out, 1, count, err) != STATUS_OK)
@@ -283,7 +283,7 @@ static enum status build_tiny(const struct RTCBuildPrimitive *primitives, uint32
 static enum status flatten_balanced(struct RTCBuildPrimitive *primitives, uint32_t count, struct bvh *out, struct error *err)
 {
 	struct tree *trees =
-	    malloc((size_t)count * sizeof *trees); // leaves hold two triangles or more: fewer nodes than triangles
+	    malloc((size_t)count * sizeof *trees); // leaves hold at least two triangles: fewer nodes than triangles
 	if (!trees)
 		return error_set(err, STATUS_MEMORY, "no memory for a BVH over %u triangles", count);
 	struct tree *next = trees;
@@ -294,7 +294,7 @@ static enum status flatten_balanced(struct RTCBuildPrimitive *primitives, uint32
 
 static enum status flatten_embree(struct RTCBuildPrimitive *primitives, uint32_t count, struct bvh *out, struct error *err)
 {
-	// One thread: the order in which several finish would show in the tree.
+	// One thread, because with several the order in which they finish would affect the tree.
 	RTCDevice device = rtcNewDevice("threads=1,verbose=0");
 	RTCBVH bvh = device ? rtcNewBVH(device) : NULL;
 	const struct tree *root = bvh ? build_by_embree(bvh, primitives, count) : NULL;

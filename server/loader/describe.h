@@ -1,4 +1,4 @@
-// A SceneInfo as JSON, for people and tests.
+// A SceneInfo as JSON, for people and tests. One thread.
 #ifndef CANDIL_LOADER_DESCRIBE_H
 #define CANDIL_LOADER_DESCRIBE_H
 
@@ -6,7 +6,7 @@
 
 #include "candil.pb.h"
 
-// Write it to standard output. False if that fails.
+// Write it to standard output. False if writing fails.
 bool describe_print(const candil_SceneInfo *info);
 
 #endif

@@ -15,7 +15,8 @@ struct mended {
 	size_t no_number, negative, infinite, bright;
 };
 
-// Half floats cut a sun that was brighter than they hold to an infinity: the brightest that there is comes nearest to it.
+// The largest finite value stands in for infinities. A half float turns a sun that is too bright into an infinity, and this
+// value is nearest to it.
 static float brightest(const float *values, size_t count)
 {
 	float most = 0;
@@ -40,7 +41,7 @@ static float mend(float value, float most, struct mended *mended)
 		value = most;
 	}
 	mended->bright += (double)value > LIMIT_RADIANCE;
-	return (double)value > LIMIT_RADIANCE ? (float)LIMIT_RADIANCE : value + 0.0f; // no negative zero
+	return (double)value > LIMIT_RADIANCE ? (float)LIMIT_RADIANCE : value + 0.0f; // adding zero avoids a negative zero
 }
 
 static void mend_all(struct import *im, float *values, size_t count)
@@ -62,14 +63,16 @@ static void mend_all(struct import *im, float *values, size_t count)
 
 // ---- the table --------------------------------------------------------------------------------------------------------
 
-// Of a texel in that row, sr: its width in longitude times the difference of its edges' heights on the unit sphere.
+// Solid angle of a texel in that row, sr: its width in longitude times the difference in height of its edges on the unit
+// sphere.
 static double solid_angle(const struct import *im, uint32_t row)
 {
 	const double step = PI / im->environment_height;
 	return 2 * PI / im->environment_width * 2 * sin((row + 0.5) * step) * sin(0.5 * step);
 }
 
-// The mean over a texel of what is bilinear: along each axis its own value counts six eighths, its neighbours' one each.
+// Mean over a texel of the bilinear interpolation. Along each axis, its own value has weight 6/8 and its two neighbours 1/8
+// each.
 static double mean_luminance(const struct import *im, const float *lum, uint32_t x, uint32_t y)
 {
 	const uint32_t w = im->environment_width, h = im->environment_height;
@@ -83,7 +86,7 @@ static double mean_luminance(const struct import *im, const float *lum, uint32_t
 	return sum;
 }
 
-// Returns whether there is any light.
+// Fill in the weights. Returns whether there is any light.
 static bool weigh(const struct import *im, const float *lum, double *weights)
 {
 	bool light = false;
@@ -95,7 +98,7 @@ static bool weigh(const struct import *im, const float *lum, double *weights)
 			light |= *weight > 0;
 		}
 	}
-	// A black one is drawn from evenly, if ever: its table has to be one.
+	// A black map is sampled uniformly, if at all: the table must be valid.
 	for (uint32_t y = 0; y < im->environment_height && !light; y++)
 		for (uint32_t x = 0; x < im->environment_width; x++)
 			weights[(size_t)y * im->environment_width + x] = solid_angle(im, y);
@@ -117,7 +120,7 @@ static void fill(struct import *im, const float *rgb, const struct alias_row *ro
 	}
 }
 
-// As in struct blob_header, of the table that `fill` has made.
+// `environment_contrast` of struct blob_header, for the table that `fill` has made.
 static double contrast(const struct import *im)
 {
 	double sum = 0;

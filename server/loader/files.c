@@ -18,7 +18,7 @@ static int open_as(int dir, const char *name, int flags)
 	return (int)syscall(SYS_openat2, dir, name, &how, sizeof how);
 }
 
-// O_NONBLOCK: a FIFO in the folder must not hold the loader up before it is seen not to be a file.
+// O_NONBLOCK: opening a FIFO in the folder must not block the loader before it is recognised as no regular file.
 static int open_beneath(int dir, const char *name)
 {
 	return open_as(dir, name, O_RDONLY | O_NONBLOCK | O_NOCTTY);

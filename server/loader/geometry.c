@@ -10,7 +10,8 @@
 
 #define ORIGIN_EXTENTS 16.0
 
-// Twice a triangle's area, in m², below which a float can no longer hold its normal's square.
+// The least length of a triangle's cross product, twice its area in m². Below it, the square of the normal's length
+// underflows in a float.
 #define SMALLEST_CROSS 1e-18
 
 static bool sound(const double p[3])
@@ -21,15 +22,15 @@ static bool sound(const double p[3])
 	return true;
 }
 
-// Where a node's triangles end, as triangles are dropped: called before triangle `i` of the old count, `kept` being those
-// before it that stayed, and once more at the end.
+// Update the ends of the nodes' triangles while triangles are dropped. Called before each triangle `i` of the old
+// numbering, and once at the end; `kept` is the number of triangles kept so far.
 static void end_nodes(struct import *im, size_t *node, size_t i, size_t kept)
 {
 	while (*node < im->node_count && im->nodes[*node].triangle_end <= i)
 		im->nodes[(*node)++].triangle_end = kept;
 }
 
-// Drop what is not finite, in place, and find the bounds of the rest.
+// Drop triangles that are not finite, in place, and find the bounds of the rest.
 static void drop_non_finite(struct import *im, double min[3], double max[3])
 {
 	size_t kept = 0, node = 0;
@@ -63,7 +64,7 @@ static void choose_origin(const double min[3], const double max[3], double origi
 	memset(origin, 0, 3 * sizeof *origin);
 	if (!(extent > 0) || !(reach > ORIGIN_EXTENTS * extent))
 		return;
-	// Coarser where the middle would otherwise not fit a float's 24 bits.
+	// The grid is coarser where the middle would not fit a float's 24 bits otherwise.
 	double grid = exp2(floor(log2(extent)));
 	while (reach / grid > 8388608.0)
 		grid *= 2;
@@ -93,8 +94,8 @@ static bool has_area(const struct vertex *vertices, const struct triangle *t)
 	return fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2]))) >= SMALLEST_CROSS;
 }
 
-// A tangent as the file gives it, made unit. A flat surface's would belong to a normal that nobody knows: the
-// specification has such ignored.
+// The file's tangent, normalised. Without a normal, a surface is flat and its tangent is ignored, as the specification
+// requires.
 static struct vertex_tangent round_tangent(const struct import_vertex *v, const struct import_extra *extra)
 {
 	struct vertex_tangent out = {{0}};
@@ -124,7 +125,7 @@ static void round_extra(const struct import *im, size_t vertex, struct geometry 
 		g->tangents[to] = round_tangent(&im->vertices[vertex], extra);
 }
 
-// Round the vertices that some triangle uses, numbered in the order of the file. `place` maps old numbers to new.
+// Convert the vertices that some triangle uses; the order of the file is kept. `place` maps old indices to new ones.
 static void round_vertices(struct import *im, struct geometry *g, uint32_t *place)
 {
 	memset(place, 0xFF, im->vertex_count * sizeof *place);
@@ -191,7 +192,7 @@ static bool wants_tangents(const struct import *im)
 	return false;
 }
 
-// False without memory.
+// Allocate the arrays. False if there is no memory.
 static bool allocate(const struct import *im, struct geometry *g)
 {
 	const size_t count = im->vertex_count + 1;

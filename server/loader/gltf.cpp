@@ -15,7 +15,7 @@ extern "C" {
 namespace
 {
 
-// What tinygltf's callbacks reach: the opener, and how many buffers in files are still to come. Images are left alone here;
+// What tinygltf's callbacks need: access to files, and the buffers that are still to be read. Images are not read here;
 // those that a material uses are read later.
 struct side_files {
 	struct files *files;
@@ -50,7 +50,7 @@ bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::stri
 	const uint64_t length = side->externals.lengths[side->next++];
 	const bool long_enough = bytes.size >= length;
 	if (long_enough)
-		out->assign(bytes.data, bytes.data + length); // a file may be longer than the buffer in it
+		out->assign(bytes.data, bytes.data + length); // a file may be longer than its buffer
 	else
 		error_set(&side->failure, STATUS_SCENE_INVALID,
 			  "buffer '%.80s' has %zu bytes, the glTF file says %llu; export again", name.c_str(), bytes.size,
@@ -64,8 +64,8 @@ bool write_nothing(std::string *, const std::string &, const std::vector<unsigne
 	return false;
 }
 
-// Keep an embedded image as it is. One in a buffer view is fetched later, after the view was checked: here the pointer may
-// be out of range.
+// Keep an embedded image as it is. An image in a buffer view is fetched later, after the view has been checked: here the
+// pointer may be out of range.
 bool keep_image(tinygltf::Image *image, const int, std::string *, std::string *, int, int, const unsigned char *bytes,
 		int size, void *)
 {
@@ -102,7 +102,7 @@ enum status parse(gltf_reader *reader, const struct file_bytes *bytes, struct er
 	return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: %s; export it again", reason);
 }
 
-// What the file says of a node's place, whole and in parts.
+// The transform of a node, as a whole and in parts.
 transform local_transform(const tinygltf::Node &node, transform_parts *parts)
 {
 	*parts = transform_no_parts;
@@ -130,8 +130,8 @@ transform local_transform(const tinygltf::Node &node, transform_parts *parts)
 struct visit {
 	int node;
 	unsigned depth;
-	uint32_t parent; // the import's node, or NONE
-	transform world; // the parent's
+	uint32_t parent; // index in the import, or NONE
+	transform world; // the parent's transform
 };
 
 enum status add_node(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err)
@@ -152,8 +152,8 @@ enum status add_node(gltf_reader *reader, const tinygltf::Node &node, const tran
 	return status;
 }
 
-// Push nodes so that the first is visited first. A node has one parent in glTF: one that is met twice is a cycle or would
-// be expanded over and over, so it is refused.
+// Push nodes so that the first is visited first. In glTF a node has one parent. A node that is reached twice is part of a
+// cycle or would be expanded over and over, so it is refused.
 enum status push_nodes(const gltf_reader *reader, const std::vector<int> &nodes, uint32_t parent, const transform &world,
 		       unsigned depth, std::vector<bool> *seen, std::vector<visit> *stack, struct error *err)
 {
@@ -173,8 +173,8 @@ enum status push_nodes(const gltf_reader *reader, const std::vector<int> &nodes,
 	return STATUS_OK;
 }
 
-// A node and all that is on it. A transform that is not finite places nothing: such a node, and so all beneath it, is left
-// out, and *world is then not finite.
+// Add a node and everything on it. A node whose transform is not finite is left out together with its descendants; *world
+// is then not finite.
 enum status enter_node(gltf_reader *reader, const visit &v, transform *world, struct error *err)
 {
 	const tinygltf::Node &node = reader->model.nodes[(size_t)v.node];
@@ -239,7 +239,8 @@ void list_ignored(gltf_reader *reader)
 		import_ignore(reader->import, "scenes other than the default one");
 }
 
-// An accessor without a buffer view is all zeros, but for a sparse part: a few bytes of text that stand for gigabytes.
+// An accessor without a buffer view is all zeros except for its sparse part. So a few bytes of text can stand for
+// gigabytes.
 enum status check_zero_elements(const tinygltf::Model &model, struct error *err)
 {
 	size_t total = 0;

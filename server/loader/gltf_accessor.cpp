@@ -6,7 +6,7 @@
 namespace
 {
 
-// Bytes of an accessor's elements, all of them inside their buffer.
+// The bytes of an accessor's elements, all of them inside their buffer.
 struct span {
 	const unsigned char *data;
 	size_t stride;
@@ -127,7 +127,7 @@ enum status gltf_read_accessor(const tinygltf::Model &model, int number, int typ
 	    find_span(model, number, a.bufferView, a.byteOffset, width * bytes, a.count, true, &from, err) != STATUS_OK)
 		return err->code;
 	out->count = a.count;
-	out->values.assign(a.count * width, 0.0); // what a sparse accessor without a buffer view starts from
+	out->values.assign(a.count * width, 0.0); // the initial values of a sparse accessor without a buffer view
 	for (size_t i = 0; i < a.count && from.data; i++)
 		for (size_t c = 0; c < width; c++)
 			out->values[i * width + c] =

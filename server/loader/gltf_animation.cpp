@@ -6,7 +6,7 @@
 namespace
 {
 
-// The path of a channel, or -1.
+// The enum channel_path of a glTF path, or -1.
 int path_of(const std::string &path)
 {
 	return path == "translation" ? CHANNEL_TRANSLATION
@@ -23,7 +23,7 @@ int curve_of(const std::string &interpolation)
 						: -1;
 }
 
-// Into floats, which all must be finite.
+// Convert to floats. False unless all are finite.
 bool to_floats(const gltf_elements &from, std::vector<float> *out)
 {
 	for (const double value : from.values) {
@@ -86,7 +86,7 @@ enum status add_channel(gltf_reader *reader, const tinygltf::Animation &animatio
 				 "the glTF file is invalid: animation '%.60s' has an unknown interpolation",
 				 animation.name.c_str());
 	const uint32_t node = from.target_node < 0 ? NONE : reader->nodes[(size_t)from.target_node];
-	if (node == NONE) // outside of the scene
+	if (node == NONE) // the node is outside of the scene
 		return STATUS_OK;
 	struct scene_channel channel = {node, (uint32_t)path, (uint32_t)curve, 0, 0};
 	return add_curve(reader, sampler, &channel, animation.name.c_str(), err);

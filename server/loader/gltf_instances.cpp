@@ -14,7 +14,7 @@ namespace
 struct instances {
 	gltf_elements translations, rotations, scales;
 	size_t count = 0;
-	bool known = false; // the count is
+	bool known = false; // whether the count is known
 };
 
 enum status read_part(const gltf_reader *reader, const tinygltf::Node &node, const char *name, int type, gltf_elements *out,
@@ -36,7 +36,8 @@ enum status read_part(const gltf_reader *reader, const tinygltf::Node &node, con
 	return STATUS_OK;
 }
 
-// How often an instance makes the loader read something: a file of some bytes may ask for it a million times.
+// Limit the number of elements that all instances make the loader read: a file of a few bytes may ask for millions of
+// instances.
 enum status check_work(const gltf_reader *reader, const tinygltf::Node &node, size_t count, struct error *err)
 {
 	const std::vector<tinygltf::Accessor> &accessors = reader->model.accessors;

@@ -48,7 +48,7 @@ enum kind { KIND_INDEX, KIND_INDICES, KIND_NUMBER, KIND_NUMBERS, KIND_STRING, KI
 struct property {
 	const char *name;
 	enum kind kind;
-	size_t length; // of KIND_NUMBERS; 0: any
+	size_t length; // required length of KIND_NUMBERS; 0: any
 };
 
 struct section {
@@ -107,7 +107,8 @@ static const struct property pbr_properties[] = {{"baseColorFactor", KIND_NUMBER
 						 {"baseColorTexture", KIND_OBJECT, 0},
 						 {"metallicRoughnessTexture", KIND_OBJECT, 0}};
 
-// Of the extensions that are read, what a reader may rely on. Absent ones are no objects, which has no properties.
+// The properties of known extensions that readers rely on. An absent extension is not an object and so has no properties to
+// check.
 struct extension {
 	const char *name;
 	struct property properties[4];
@@ -344,12 +345,12 @@ static enum status list_externals(const json_t *root, const struct gltf_text *te
 	{
 		const char *uri = json_string_value(json_object_get(item, "uri"));
 		if (uri && !*uri)
-			uri = NULL; // tinygltf takes an empty one for none
+			uri = NULL; // tinygltf treats an empty URI as none
 		const json_int_t length = json_integer_value(json_object_get(item, "byteLength"));
 		if (length < 1)
 			return error_set(err, STATUS_SCENE_INVALID,
 					 "the glTF file is invalid: buffers[%zu] has no byteLength", i);
-		// Only the first buffer may be the BIN chunk; others without a URI would each copy it.
+		// Only the first buffer may be the BIN chunk. Each other buffer without a URI would copy it.
 		if (!uri && (!text->binary || i > 0 || (uint64_t)length > text->bin_bytes))
 			return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: buffers[%zu] has no bytes",
 					 i);

@@ -1,5 +1,5 @@
-// What a glTF file must get right before a parser that trusts it may see it: the GLB container, the JSON, the types and
-// ranges of the properties that we read, and the extensions it cannot do without.
+// Checks that a glTF file must pass before a parser sees it that trusts its input: the GLB container, the JSON, the types
+// and ranges of the properties that are read, and the required extensions. One thread.
 #ifndef CANDIL_LOADER_GLTF_JSON_H
 #define CANDIL_LOADER_GLTF_JSON_H
 
@@ -15,25 +15,26 @@ extern "C" {
 #endif
 
 struct gltf_text {
-	bool binary; // a GLB container around it
-	const char *json; // within the file
+	bool binary; // the JSON is in a GLB container
+	const char *json; // within the file's bytes
 	size_t json_bytes;
-	uint64_t bin_bytes; // GLB: of the BIN chunk, 0 without one
+	uint64_t bin_bytes; // GLB: size of the BIN chunk, 0 without one
 };
 
-// The names of the extensions that are read, NULL behind the last.
+// The names of the extensions that are read; NULL ends the list.
 extern const char *const gltf_extensions_read[];
 
 // Find the JSON in the file's bytes. STATUS_SCENE_INVALID if the container is broken.
 enum status gltf_find_json(const struct file_bytes *bytes, struct gltf_text *text, struct error *err);
 
-// The byteLength of each buffer with a URI that is not a data URI, in the file's order: a reader takes as many bytes of it.
+// The byteLength of each buffer with a URI that is not a data URI, in the file's order. A reader takes this many bytes of
+// its file.
 struct gltf_externals {
-	uint64_t *lengths; // free() it
+	uint64_t *lengths; // the caller frees it
 	size_t count;
 };
 
-// Check the JSON. STATUS_SCENE_INVALID or STATUS_SCENE_UNSUPPORTED.
+// Check the JSON. *externals is filled in on success. STATUS_SCENE_INVALID, STATUS_SCENE_UNSUPPORTED, STATUS_MEMORY.
 enum status gltf_check_json(const struct gltf_text *text, struct gltf_externals *externals, struct error *err);
 
 #ifdef __cplusplus

@@ -5,7 +5,7 @@
 namespace
 {
 
-// What the draft is called in Khronos's name, and in its first one.
+// The names of the draft extension: Khronos's, and its first one.
 const char *const diffuse_names[] = {"KHR_materials_diffuse_roughness", "EXT_materials_diffuse_roughness"};
 
 bool fill_diffuse(gltf_reader *reader, const tinygltf::Material &m, struct material *out)
@@ -34,7 +34,7 @@ bool fill_coat(gltf_reader *reader, const tinygltf::Material &m, struct material
 	return fit;
 }
 
-// Two maps share the tangents of a vertex, so they must be looked up alike.
+// Two maps share the tangents of a vertex, so both must use the same texture coordinates and transform.
 bool same_place(const struct texture_info *a, const struct texture_info *b)
 {
 	bool same = (a->flags & TEXTURE_UV1) == (b->flags & TEXTURE_UV1);

@@ -26,7 +26,7 @@ bool set_lens(struct blob_camera *out, const tinygltf::Camera &camera)
 	return out->half_height > 0 && std::isfinite(out->half_height) && std::isfinite(out->aspect);
 }
 
-// The index of a node's light; -1 without one, -2 for nonsense.
+// The index of a node's light; -1 if it has none, -2 if the reference is invalid.
 int light_index(const tinygltf::Node &node, size_t lights)
 {
 	const auto found = node.extensions.find("KHR_lights_punctual");

@@ -11,7 +11,7 @@ extern "C" {
 namespace
 {
 
-// Of a dielectric whose file gives neither KHR_materials_ior nor KHR_materials_specular: an index of 1.5.
+// Index of refraction of a dielectric whose file gives neither KHR_materials_ior nor KHR_materials_specular.
 const double standard_ior = 1.5;
 
 template <typename info> gltf_slot slot_of(const info &texture)
@@ -34,7 +34,7 @@ void list_ignored(struct import *import, const tinygltf::Material &m)
 	}
 }
 
-// Base colour, emission, metal and roughness. False if something had to be clamped.
+// Set base colour, emission, metalness and roughness. False if a value had to be clamped.
 bool fill_factors(const tinygltf::Material &m, struct material *out)
 {
 	const tinygltf::PbrMetallicRoughness &pbr = m.pbrMetallicRoughness;
@@ -52,8 +52,8 @@ bool fill_factors(const tinygltf::Material &m, struct material *out)
 	return fit;
 }
 
-// KHR_materials_specular over KHR_materials_ior: the dielectric reflects min(F0 · colour, 1) · factor at normal incidence
-// and `factor` at grazing. An index of 0 stands for F0 = 1, which is what the formula gives.
+// KHR_materials_specular on top of KHR_materials_ior: the dielectric part reflects min(F0 · colour, 1) · factor at normal
+// incidence and `factor` at grazing incidence. An index of 0 stands for F0 = 1, which is also what the formula gives.
 bool fill_specular(const tinygltf::Material &m, struct material *out)
 {
 	const tinygltf::Value *index = gltf_extension_of(m, "KHR_materials_ior");
@@ -65,14 +65,14 @@ bool fill_specular(const tinygltf::Material &m, struct material *out)
 		const double colour = specular ? gltf_number_in(*specular, "specularColorFactor", c, 1) : 1;
 		float reflectance;
 		fit &= import_fit(&reflectance, f0, 1.0) && colour >= 0;
-		import_fit(&reflectance, f0 * colour, 1.0); // above 1 the extension itself clamps
+		import_fit(&reflectance, f0 * colour, 1.0); // the extension itself clamps above 1
 		out->specular[c] = reflectance * out->specular_weight;
 	}
 	return fit;
 }
 
-// KHR_materials_volume: the inside takes away what is not the attenuation colour over the attenuation distance. What its
-// thickness is, the triangles say; only whether it has one is asked.
+// KHR_materials_volume: at the attenuation distance, the attenuation colour is left of white light. The thickness only says
+// whether there is an interior; the triangles determine its size.
 bool fill_volume(const tinygltf::Value &volume, struct material *out)
 {
 	const double distance = gltf_number(volume, "attenuationDistance", INFINITY);
@@ -87,7 +87,7 @@ bool fill_volume(const tinygltf::Value &volume, struct material *out)
 	return fit;
 }
 
-// KHR_materials_transmission, its index that of KHR_materials_ior. An index of 0 says that everything is reflected.
+// KHR_materials_transmission, with the index of KHR_materials_ior. An index of 0 means total reflection.
 bool fill_transmission(struct import *import, const tinygltf::Material &m, struct material *out)
 {
 	const tinygltf::Value *transmission = gltf_extension_of(m, "KHR_materials_transmission");
@@ -109,7 +109,7 @@ bool fill_transmission(struct import *import, const tinygltf::Material &m, struc
 	return fit;
 }
 
-// Our own: which body is there where several overlap.
+// Our own property: the body of the highest priority exists where several overlap.
 bool fill_priority(struct import *import, const tinygltf::Material &m, struct material *out)
 {
 	const double given = gltf_number(m.extras, "candil_priority", 0);
@@ -154,7 +154,7 @@ enum status find_normal_texture(gltf_reader *reader, const tinygltf::Material &m
 	return gltf_find_texture(reader, slot_of(m.normalTexture), 0, &out->normal_texture, err);
 }
 
-// Of a mask the shader compares the alpha of texture and vertex alone, so the factor's goes into the cutoff.
+// For a mask, the shader compares only the alpha of texture and vertex, so the cutoff is divided by the factor's alpha.
 bool fill_alpha(const tinygltf::Material &m, struct material *out)
 {
 	const std::vector<double> &base = m.pbrMetallicRoughness.baseColorFactor;
@@ -171,7 +171,7 @@ bool fill_alpha(const tinygltf::Material &m, struct material *out)
 	return true;
 }
 
-// A lit surface's other textures. Those that a black factor hides are not even decoded.
+// Find the other textures of a lit surface. Textures that a black factor hides are not decoded.
 enum status find_textures(gltf_reader *reader, const tinygltf::Material &m, struct material *out, struct error *err)
 {
 	const bool emits = out->emission[0] > 0 || out->emission[1] > 0 || out->emission[2] > 0;
@@ -202,7 +202,7 @@ enum status add_material(gltf_reader *reader, const tinygltf::Material &m, struc
 			    m.name.c_str());
 	list_ignored(reader->import, m);
 	if (gltf_extension_of(m, "KHR_materials_unlit")) {
-		// What is left of it: base colour and alpha. It is no emitter either.
+		// An unlit material keeps only its base colour and alpha. It is not an emitter.
 		struct material unlit = import_plain_material(1.0f);
 		for (int c = 0; c < 3; c++)
 			unlit.albedo[c] = out.albedo[c];
@@ -234,7 +234,7 @@ enum status gltf_add_materials(gltf_reader *reader, struct error *err)
 enum status gltf_default_material(gltf_reader *reader, uint32_t *material, struct error *err)
 {
 	if (reader->default_material == NONE) {
-		// glTF 2.0, 3.9: all properties at their defaults, which is a white and rough metal.
+		// glTF 2.0, 3.9: all properties have their defaults, which is a white and rough metal.
 		struct material standard = import_plain_material(1.0f);
 		const tinygltf::Material nothing;
 		const uint32_t index = (uint32_t)reader->import->material_count;

@@ -27,7 +27,7 @@ void note_bounds(gltf_reader *reader, const gltf_elements &positions)
 	import_note_source(reader->import, min, max);
 }
 
-// The attributes of a primitive's vertices but for their positions. Those that nothing asks for stay empty.
+// The attributes of a primitive's vertices except the positions. Those that nothing uses stay empty.
 struct attributes {
 	gltf_elements normals, uvs, uvs1, colors, tangents;
 	size_t color_width = 0;
@@ -75,7 +75,7 @@ enum status read_attributes(const gltf_reader *reader, const tinygltf::Primitive
 	return STATUS_OK;
 }
 
-// False if a colour had to be clamped.
+// Fill in a vertex's extra. False if a colour had to be clamped.
 bool fill_extra(const attributes &from, size_t i, const transform &world, const transform_normals &map,
 		struct import_extra *out)
 {
@@ -122,7 +122,7 @@ enum status add_vertices(gltf_reader *reader, const tinygltf::Primitive &primiti
 	return STATUS_OK;
 }
 
-// The three corners of triangle `i` of a list, strip or fan, as places in the index list.
+// The three corners of triangle `i` of a list, strip or fan, as positions in the index list.
 void corners(int mode, size_t i, size_t out[3])
 {
 	if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {

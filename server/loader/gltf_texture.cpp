@@ -1,4 +1,4 @@
-// Textures of a material: the image, the sampler, and how it is looked up.
+// Textures of a material: the image, the sampler and the transform of coordinates.
 #include "server/loader/gltf_parts.h"
 
 #include <cmath>
@@ -44,7 +44,7 @@ std::string percent_decoded(const std::string &uri)
 	return out;
 }
 
-// Encoded bytes that lie within the file itself; null if they do not.
+// The encoded bytes of an image that is embedded in the file; null if it is not.
 const unsigned char *embedded_bytes(const tinygltf::Model &model, const tinygltf::Image &image, size_t *size)
 {
 	*size = image.image.size();
@@ -90,9 +90,9 @@ enum status image_texture(gltf_reader *reader, int number, const struct import_s
 	return status;
 }
 
-// offset · rotation · scale, as KHR_texture_transform has it. Its rotation turns coordinates counter-clockwise as seen in
-// the picture, where v points down: with 90 degrees u runs up. (The extension's text, its worked example and the viewers
-// agree in that; the GLSL in it, read by columns, would turn the other way.)
+// KHR_texture_transform: offset · rotation · scale. The rotation turns coordinates counter-clockwise as seen in the
+// picture, where v points down: with 90 degrees, u runs up. (The extension's text, its worked example and the viewers agree
+// in that; the GLSL in it, read by columns, would turn the other way.)
 bool read_transform(const tinygltf::Value &t, struct import_sampling *out)
 {
 	const double offset[2] = {gltf_number_in(t, "offset", 0, 0), gltf_number_in(t, "offset", 1, 0)};

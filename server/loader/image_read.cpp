@@ -15,7 +15,7 @@ extern "C" {
 #include <strings.h>
 #include <vector>
 
-// OpenImageIO's PNG reader leaves by longjmp where a file is cut short, past its own destructors.
+// OpenImageIO's PNG reader leaves by longjmp if a file is truncated, and thereby skips its own destructors.
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
 typedef __lsan::ScopedDisabler ignore_leaks;
@@ -41,7 +41,7 @@ bool ends_with(const std::string &text, const char *ending)
 	return text.size() >= length && strcasecmp(text.c_str() + text.size() - length, ending) == 0;
 }
 
-// The name that makes OpenImageIO choose its reader; null for what is not read here.
+// A file name that makes OpenImageIO choose the right reader; null for formats that are not read here.
 const char *format_of(const uint8_t *bytes, size_t size, const char *name, bool any_format)
 {
 	if (starts_with(bytes, size, "\x89PNG\r\n\x1a\n", 8))
@@ -57,7 +57,7 @@ const char *format_of(const uint8_t *bytes, size_t size, const char *name, bool 
 	return ends_with(name, ".tga") ? "image.tga" : nullptr;
 }
 
-// Likewise, for pictures of the surroundings.
+// As format_of, for environment maps.
 const char *surroundings_of(const uint8_t *bytes, size_t size)
 {
 	if (starts_with(bytes, size, "\x76\x2f\x31\x01", 4))
@@ -85,7 +85,7 @@ static enum status open_input(image_reader *reader, const char *format, uint32_t
 	OIIO::ImageSpec config;
 	config.attribute("oiio:UnassociatedAlpha", 1);
 	OIIO::Filesystem::IOProxy *proxy = &reader->memory;
-	config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy); // a config without it would hide the proxy
+	config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy); // without it, `config` would hide the proxy
 	reader->input = OIIO::ImageInput::open(format, &config, &reader->memory);
 	if (!reader->input) {
 		std::string why = OIIO::geterror();
@@ -102,7 +102,7 @@ static enum status open_input(image_reader *reader, const char *format, uint32_t
 	return STATUS_OK;
 }
 
-// `format` null: the bytes are of none of the `kinds` that are read.
+// `format` is null if the bytes are in none of the formats that `kinds` lists.
 static enum status open_as(const uint8_t *bytes, size_t size, const char *format, const char *kinds,
 			   struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
 {
@@ -150,7 +150,7 @@ extern "C" enum status image_open_surroundings(const uint8_t *bytes, size_t size
 			 "its pixels fill another window than the picture's: crop or extend it to all directions");
 }
 
-// One row of `channels` bytes a pixel to texels.
+// Convert a row with `channels` bytes a pixel to texels.
 static void pack_row(const uint8_t *row, int width, int channels, uint32_t *texels)
 {
 	for (int x = 0; x < width; x++) {
@@ -184,7 +184,7 @@ extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texel
 	}
 }
 
-// sRGB's curve, IEC 61966-2-1.
+// The sRGB transfer function, IEC 61966-2-1.
 static float linear(float v)
 {
 	return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
@@ -201,7 +201,7 @@ extern "C" enum status image_radiance(struct image_reader *reader, float *rgb, s
 			std::string why = reader->input->geterror();
 			return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", why.c_str());
 		}
-		// From the last: a grey value is not overwritten before it is spread.
+		// From the last value on, so that no grey value is overwritten before it is copied.
 		for (size_t i = count; i-- > 0 && channels == 1;)
 			rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = rgb[i];
 		if (!spec.format.is_floating_point())

@@ -1,5 +1,6 @@
-// Encoded images to RGBA8 texels or to linear floats, through OpenImageIO. The size is known, and checked, before a pixel is
-// read. One thread.
+// Decodes images to RGBA8 texels or to linear floats, through OpenImageIO. The size is known, and checked, before a pixel
+// is read. Failures of decoding are STATUS_SCENE_INVALID, unknown formats STATUS_SCENE_UNSUPPORTED, sizes beyond a limit
+// STATUS_SCENE_LIMIT. One thread.
 #ifndef CANDIL_LOADER_IMAGE_READ_H
 #define CANDIL_LOADER_IMAGE_READ_H
 
@@ -15,24 +16,26 @@ extern "C" {
 
 struct image_reader;
 
-// Recognise an image by its first bytes (png, jpeg; with `any_format` also bmp, tiff, and tga by `name`'s ending) and read
-// its size, 1 … LIMIT_TEXTURE_SIDE each way. `bytes` must outlive the reader. Any failure: *reader is NULL and err says why.
+// Recognise an image by its first bytes (png, jpeg; with `any_format` also bmp, tiff, and tga by the ending of `name`) and
+// read its size, 1 … LIMIT_TEXTURE_SIDE a side. `bytes` must outlive the reader, which the caller closes. On failure
+// *reader is NULL.
 enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool any_format, struct image_reader **reader,
 		       uint32_t *width, uint32_t *height, struct error *err);
 
-// width · height texels, rows from the top, red in the low byte. 16-bit and float channels become 8 bits, grey becomes RGB,
-// a missing alpha 255; colours are not multiplied by alpha.
+// Decode to width · height texels of the caller's, rows from the top, red in the low byte. 16-bit and float channels are
+// converted to 8 bits, grey to RGB, and a missing alpha to 255. Colours are not multiplied by alpha.
 enum status image_pixels(struct image_reader *reader, uint32_t *texels, struct error *err);
 
-// The same for a picture of the surroundings: exr, hdr, tiff, png, jpeg. One whose pixels are not its whole window is
-// refused.
+// As image_open, for an environment map: exr, hdr, tiff, png, jpeg. A file whose pixels do not cover exactly its whole
+// window is refused.
 enum status image_open_surroundings(const uint8_t *bytes, size_t size, struct image_reader **reader, uint32_t *width,
 				    uint32_t *height, struct error *err);
 
-// width · height · 3 floats, rows from the top, as they stand in the file: anything, NaN included. Whole numbers are decoded
-// from sRGB to 0…1; grey becomes RGB; what lies behind the third channel is not read.
+// Decode to width · height · 3 floats of the caller's, rows from the top. Floats are returned as they are in the file, NaN
+// included. Integers are decoded from sRGB to 0…1, grey becomes RGB, and channels after the third are not read.
 enum status image_radiance(struct image_reader *reader, float *rgb, struct error *err);
 
+// Close the reader; NULL is allowed.
 void image_close(struct image_reader *reader);
 
 #ifdef __cplusplus

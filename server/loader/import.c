@@ -99,7 +99,7 @@ enum status import_add_triangle(struct import *im, const struct triangle *triang
 	return STATUS_OK;
 }
 
-// What the file leaves without a name is called by its kind and number.
+// Name an element; one without a name in the file is called by its kind and number.
 static void name_it(char out[LIMIT_NAME + 1], const char *name, const char *kind, size_t number)
 {
 	text_copy(out, LIMIT_NAME + 1, name);

@@ -1,5 +1,5 @@
-// What an importer finds in a file, before it becomes a blob: growable arrays in world space, every element checked against
-// its limit when it is added. glTF and OBJ importers fill it; build_blob.c reads it. One thread.
+// What an importer collects from a file before it becomes a blob: growable arrays in world space. Every element is checked
+// against its limit when it is added. The importers of glTF and OBJ fill it in; build_blob.c reads it. One thread.
 #ifndef CANDIL_LOADER_IMPORT_H
 #define CANDIL_LOADER_IMPORT_H
 
@@ -12,51 +12,51 @@
 #include "server/loader/files.h"
 #include "server/scene/blob.h"
 
-// A corner in world space. Positions stay double until the blob's origin is known. They may be anything here, NaN included;
-// the builder drops the triangles that use such.
+// A vertex in world space, metres. Positions are doubles until the blob's origin is known. They may have any value here,
+// NaN included; the builder drops triangles with such vertices.
 struct import_vertex {
 	double position[3];
-	float normal[3]; // any length; zero or not finite: the triangle's own
+	float normal[3]; // any length; zero or not finite: use the triangle's normal
 	float uv[2];
 };
 
-// What only some vertices have.
+// Attributes that only some vertices have.
 struct import_extra {
-	float uv1[2]; // finite or not
+	float uv1[2]; // second set of texture coordinates, finite or not
 	float color[4]; // 0 … BLOB_COLOR_MAX
-	float tangent[4]; // world space, any length; the sign is -1 or 1, or 0 where there is no tangent
+	float tangent[4]; // world space, any length; the sign is -1 or 1, or 0 if there is no tangent
 };
 
 struct import_light {
-	struct punctual_light light; // all but position and table
+	struct punctual_light light; // everything except position and alias table
 	double position[3];
 };
 
-// A node of the file's hierarchy: what it owns is what was added between it and the next one.
+// A node of the file's hierarchy. It owns what is added between it and the next node.
 struct import_node {
-	struct scene_node node; // all but world and triangles; `light` counts import_add_light
-	size_t triangle_end; // triangles up to here are its own, those of the nodes before it apart
+	struct scene_node node; // everything except world and triangles; `light` counts calls of import_add_light
+	size_t triangle_end; // its triangles end here; they start where those of the previous node end
 };
 
-// One decoded image: where its texels are. Images are known by a key so that each is decoded once.
+// A decoded image and the place of its texels. Each image has a key, so that it is decoded only once.
 struct import_image {
 	char *key;
 	uint32_t offset;
-	uint32_t width; // 0: it could not be read
+	uint32_t width; // 0: the image could not be read
 	uint32_t height;
 };
 
 struct import {
 	struct files *files;
-	candil_SceneInfo *info; // counts, warnings and ignored features go here
-	double unit; // metres per unit, OBJ only
+	candil_SceneInfo *info; // receives counts, warnings and ignored features
+	double unit; // metres per unit of length, OBJ only
 	bool z_up; // OBJ only
 
 	struct import_vertex *vertices;
-	struct import_extra *extras; // of the first `extra_count` vertices; those behind have none
+	struct import_extra *extras; // for the first `extra_count` vertices; later ones have none
 	struct triangle *triangles;
-	struct material *materials; // power_density is the builder's
-	struct blob_name *names; // one a material
+	struct material *materials; // the builder fills in power_density
+	struct blob_name *names; // one for each material
 	struct texture_info *textures;
 	uint32_t *texels;
 	struct import_light *lights;
@@ -69,7 +69,7 @@ struct import {
 	struct environment_texel *environment; // environment_width · environment_height, or NULL
 	struct environment_row *environment_rows; // as many
 	uint32_t environment_width, environment_height;
-	float environment_power; // as in struct blob_header
+	float environment_power; // this and the next as in struct blob_header
 	float environment_contrast;
 	size_t vertex_count, vertex_room;
 	size_t extra_count, extra_room;
@@ -85,71 +85,80 @@ struct import {
 	size_t channel_count, channel_room;
 	size_t curve_count, curve_room;
 
-	double source_reach; // of the vertices least precise in the file: largest |coordinate| …
-	double source_extent; // … and how far they span; 0: nothing noted
+	double source_reach; // of the positions stored least precisely in the file: largest |coordinate|
+	double source_extent; // and the extent that they span; 0: nothing noted
 };
 
+// Start an empty import. `files` and `info` remain the caller's and must outlive it. import_finish frees the rest.
 void import_init(struct import *import, struct files *files, candil_SceneInfo *info);
 void import_finish(struct import *import);
 
-// Each adds one element; STATUS_SCENE_LIMIT past the limit of its kind, STATUS_MEMORY. *index may be NULL.
+// The functions below add one element each, copying what they are given. STATUS_SCENE_LIMIT beyond the limit of its kind,
+// STATUS_MEMORY.
 enum status import_add_vertex(struct import *import, const struct import_vertex *vertex, struct error *err);
-// The extra of the vertex added last. Vertices before it that were given none get a white colour and nothing else.
+// Set the extra of the vertex added last. Earlier vertices without one get a white colour and nothing else.
 enum status import_set_extra(struct import *import, const struct import_extra *extra, struct error *err);
 
 enum status import_add_triangle(struct import *import, const struct triangle *triangle, struct error *err);
 enum status import_add_material(struct import *import, const struct material *material, const char *name, struct error *err);
-// A Lambert surface of that albedo, without textures, emission or flags.
+// A Lambertian surface of this albedo, without textures, emission or flags.
 struct material import_plain_material(float albedo);
 
-// The texture that a material's tangents are for, or NONE: its normal map, else its coat's.
+// The texture for which a material needs tangents: its normal map, else its coat's, else NONE.
 uint32_t import_tangent_map(const struct material *material);
 
 enum status import_add_light(struct import *import, const struct import_light *light, struct error *err);
 enum status import_add_camera(struct import *import, const struct blob_camera *camera, struct error *err);
 
-// Every triangle, light and camera belongs to the node that was added last: add one before them. Its name is cleaned here;
-// one without is called "node" and its number. `parent` is an earlier node or NONE.
+// Add a node. Every triangle, light and camera belongs to the node added last, so add a node before them. The name is
+// cleaned; a node without one is called "node" and its number. `parent` is an earlier node or NONE.
 enum status import_add_node(struct import *import, const char *name, const struct transform *local,
 			    const struct transform_parts *parts, uint32_t parent, struct error *err);
 
-// The channels added from here on are this animation's.
+// Add an animation. Channels added from now on belong to it.
 enum status import_add_animation(struct import *import, const char *name, struct error *err);
-// `values` holds, of each key, what struct scene_channel says; all finite, times ascending.
+// Add a channel. `times`, in seconds and ascending, has channel->keys elements. `values` has for each key what struct
+// scene_channel describes. All must be finite.
 enum status import_add_channel(struct import *import, const struct scene_channel *channel, const float *times,
 			       const float *values, struct error *err);
 
-// How a texture is looked up: the wrap, filter and space flags of texture_info, and its transform.
+// How a texture is sampled: wrap, filter and colour space as flags of texture_info, and its transform.
 struct import_sampling {
 	uint32_t flags;
 	float row_u[3], row_v[3];
 };
 
-// No transform.
+// A sampling without a transform.
 struct import_sampling import_plain_sampling(uint32_t flags);
 
-// A texture over an image already decoded under `key`, or over encoded bytes decoded now (png, jpeg, and with `any_format`
-// tga, bmp, tiff too). *texture becomes its index, or NONE with a warning and a count where the image cannot be read;
-// only a limit or memory fails. bytes NULL: the file is missing, `why` says so.
+// Make a texture of the image `key`. If no image has this key yet, decode one from the encoded bytes (png, jpeg, and with
+// `any_format` tga, bmp, tiff too). *texture becomes its index. If the image cannot be read, *texture is NONE, and there is
+// a warning and a count. Fails only with STATUS_SCENE_LIMIT and STATUS_MEMORY.
 enum status import_texture(struct import *import, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 			   const struct import_sampling *sampling, uint32_t *texture, struct error *err);
-// A texture over texels of the caller's, as an image of that key; width and height 1 … LIMIT_TEXTURE_SIDE.
+// Make a texture of the image `key`. If no image has this key yet, make one from the caller's texels, 1 …
+// LIMIT_TEXTURE_SIDE a side. An image with this key must not be one that could not be read. STATUS_SCENE_LIMIT,
+// STATUS_MEMORY.
 enum status import_texture_of(struct import *import, const char *key, const uint32_t *texels, uint32_t width,
 			      uint32_t height, const struct import_sampling *sampling, uint32_t *texture, struct error *err);
 
+// Whether an image with this key exists, readable or not.
 bool import_knows_image(const struct import *import, const char *key);
+// Note, with a warning, that the image `key` cannot be read because of `why`. STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status import_missing_image(struct import *import, const char *key, const char *why, struct error *err);
 
-// A sentence for `describe`, once. The 33rd and later are only counted.
+// Add a sentence for `describe`, unless it is already there. Beyond LIMIT_WARNINGS, sentences are only counted.
 void import_warn(struct import *import, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// A feature of the file that the renderer leaves out, by name, once.
+// Note by name a feature of the file that the renderer ignores, unless it is already noted.
 void import_ignore(struct import *import, const char *feature);
 
-// Note the bounds of positions as the file itself writes them, before any transform: far from zero they are coarse.
+// Note the bounds of positions as the file itself stores them, before any transform: far from zero, the file's floats are
+// coarse.
 void import_note_source(struct import *import, const double min[3], const double max[3]);
 
-// A colour component made fit: NaN and negatives become 0, values above `limit` become it. True if it was fit already.
+// Clamp a colour component: NaN and negative values become 0, values above `limit` become `limit`. True if nothing had to
+// be clamped.
 bool import_fit(float *value, double given, double limit);
 
 #endif

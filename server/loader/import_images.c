@@ -78,7 +78,7 @@ struct import_sampling import_plain_sampling(uint32_t flags)
 	return (struct import_sampling){flags, {1, 0, 0}, {0, 1, 0}};
 }
 
-// The texture of an image and a sampling, new or one that is there already.
+// The texture for an image and a sampling. An identical texture is shared.
 static enum status texture_over(struct import *im, const struct import_image *image, const struct import_sampling *sampling,
 				uint32_t *texture, struct error *err)
 {

@@ -18,7 +18,7 @@ void key_table_finish(struct key_table *t)
 	*t = (struct key_table){0};
 }
 
-// Where the key is, or the empty slot where it belongs.
+// The slot of the key, or the empty slot where it belongs.
 static uint32_t *find_slot(const struct key_table *t, const uint32_t *key)
 {
 	const size_t bytes = t->words * sizeof *key;
@@ -28,7 +28,7 @@ static uint32_t *find_slot(const struct key_table *t, const uint32_t *key)
 	return &t->slots[at];
 }
 
-// Room for one key more, and at least half of the slots empty.
+// Make room for one more key. At least half of the slots stay empty.
 static enum status make_room(struct key_table *t, struct error *err)
 {
 	if (t->count < t->room)

@@ -1,4 +1,4 @@
-// Distinct keys, numbered in the order in which they came. One thread.
+// A set of distinct keys, numbered in the order of their first appearance. One thread.
 #ifndef CANDIL_LOADER_KEY_TABLE_H
 #define CANDIL_LOADER_KEY_TABLE_H
 
@@ -8,19 +8,19 @@
 #include "server/base/error.h"
 
 struct key_table {
-	uint32_t *slots; // numbers, NONE where empty
-	uint32_t *keys; // `words` each
+	uint32_t *slots; // numbers of keys, NONE if empty
+	uint32_t *keys; // `words` words each
 	size_t words;
 	size_t slot_count; // a power of two
 	size_t room;
 	uint32_t count;
 };
 
-// Keys of `words` words, compared bit by bit.
+// Start an empty table for keys of `words` words, which are compared bit by bit. key_table_finish frees it.
 void key_table_init(struct key_table *table, size_t words);
 void key_table_finish(struct key_table *table);
 
-// The key's number; table->count grows by one where it is new. STATUS_MEMORY.
+// The key's number. If the key is new, it is copied, and table->count grows by one. STATUS_MEMORY.
 enum status key_table_number(struct key_table *table, const uint32_t *key, uint32_t *number, struct error *err);
 
 #endif

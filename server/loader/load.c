@@ -28,7 +28,7 @@ static enum format format_of(const char *file)
 	return strcasecmp(dot, ".obj") == 0 ? FORMAT_OBJ : FORMAT_NONE;
 }
 
-// The name says the format, the first bytes must not say another.
+// The name determines the format. The first bytes must not contradict it.
 static enum status check_content(const char *file, enum format format, const struct file_bytes *bytes, struct error *err)
 {
 	const char *dot = strrchr(file, '.');

@@ -1,4 +1,4 @@
-// One scene file, from its name to a sealed blob.
+// Loads one scene file, from its name to a sealed blob. One thread.
 #ifndef CANDIL_LOADER_LOAD_H
 #define CANDIL_LOADER_LOAD_H
 
@@ -8,13 +8,14 @@
 #include "server/base/error.h"
 
 struct load_options {
-	const char *file; // in the folder
-	int dir; // the scene's folder
+	const char *file; // relative to `dir`
+	int dir; // descriptor of a folder, the caller's
 	bool z_up; // OBJ only
 	double metres_per_unit; // OBJ only, above 0
 };
 
-// *fd is the blob's sealed memfd, the caller's, or -1 on failure. *info holds what `describe` shows, without name and time.
+// Load a scene. *fd becomes the blob's sealed memfd, which the caller owns, or -1 on failure. *info receives what
+// `describe` shows, except name and time. Fails with any STATUS_SCENE_…, STATUS_MEMORY and STATUS_INTERNAL.
 enum status load_scene(const struct load_options *options, candil_SceneInfo *info, int *fd, struct error *err);
 
 #endif

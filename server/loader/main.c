@@ -1,9 +1,9 @@
-// candil-loader: one scene, one process. Started by the front with a socket at IPC_FD and the scene's folder at
-// IPC_SCENE_DIR_FD it sends exactly one IPC_LOADED and exits. For people and tests, --describe with --dir prints instead.
+// candil-loader: one process for each scene. The front starts it with a socket at IPC_FD and the scene's folder at
+// IPC_SCENE_DIR_FD. It sends exactly one IPC_LOADED and exits. For people and tests, --describe with --dir prints instead.
 //
-// A parser that loops or crashes on a hostile file takes this process with it and nothing else: the front sees the socket
-// close without a message. One that is taken over finds itself in a sandbox, which is entered when every descriptor is open
-// and before a byte of the scene is read. --sandbox-report prints what of it this kernel upholds.
+// If a parser loops or crashes on a hostile file, only this process is lost: the front sees the socket close without a
+// message. If a parser is taken over, it is in a sandbox, which is entered after every descriptor is open and before a byte
+// of the scene is read. --sandbox-report prints which parts of the sandbox this kernel supports.
 #include <fcntl.h>
 #include <getopt.h>
 #include <jansson.h>
@@ -85,14 +85,14 @@ static bool parse_arguments(struct arguments *a, int argc, char **argv)
 	return optind == argc && a->load.file && a->describe == (a->dir != NULL) && (a->describe || !a->blob);
 }
 
-// Beneath the scene file's own folder, and so not necessarily all of `dir`. A folder that cannot be opened is refused again,
-// and said, where the scene is read.
+// Only the scene file's own folder stays readable, which may be less than `dir`. If the folder cannot be opened, reading
+// the scene fails later and reports it.
 static void confine(int dir, const char *file, struct sandbox_report *report)
 {
 	int folder = -1;
 	const char *name;
 	struct error err;
-	json_object_seed(0); // from /dev/urandom, which is out of reach afterwards
+	json_object_seed(0); // reads /dev/urandom, which is out of reach afterwards
 	if (file && files_open_folder(dir, file, &folder, &name, &err) != STATUS_OK)
 		folder = -1;
 	sandbox_enter(folder, report);
@@ -155,7 +155,7 @@ static int describe(struct arguments *a, struct ipc_loaded *loaded)
 		return EXIT_USAGE;
 	}
 	if (a->blob)
-		blob = fopen(a->blob, "wbe"); // now: in the sandbox nothing can be opened for writing
+		blob = fopen(a->blob, "wbe"); // before the sandbox, in which nothing can be opened for writing
 	if (a->blob && !blob)
 		perror(a->blob);
 	else
@@ -180,7 +180,7 @@ static int serve(struct arguments *a, struct ipc_loaded *loaded)
 		log_line(LOG_ERROR, "the front did not take the scene: %s", err.text);
 		return EXIT_FAILURE;
 	}
-	return EXIT_SUCCESS; // whether it loaded is in the message
+	return EXIT_SUCCESS; // the message says whether loading succeeded
 }
 
 int main(int argc, char **argv)

@@ -4,12 +4,12 @@
 #include <string.h>
 #include <strings.h>
 
-// Statements whose mere presence means something that is left out.
+// Statements that are ignored, with a note, if present.
 static const char *const left_out[] = {
     "map_Ns", "map_d", "disp", "decal", "refl", "map_Ka", "Ps", "map_Pr", "map_Pm", "map_Ps", "aniso", "anisor",
 };
 
-// One line: its keyword and the first three numbers behind it.
+// A line: its keyword and up to three numbers after it.
 struct line {
 	char keyword[16];
 	const char *rest;
@@ -90,7 +90,7 @@ static bool is_map(const char *keyword)
 	       strcasecmp(keyword, "map_Ks") == 0 || is_bump(keyword);
 }
 
-// -o, -s and -t move, scale and turn a map.
+// Whether a map has one of the options -o, -s and -t, which move, scale and rotate it.
 static bool has_map_option(const struct line *line)
 {
 	for (size_t i = 0; i + 2 < line->rest_bytes; i++)
@@ -110,7 +110,7 @@ static void note_ignored(struct import *import, const struct line *line)
 			import_ignore(import, left_out[i]);
 }
 
-// The number behind -bm.
+// The number after -bm.
 static double bump_multiplier(const struct line *line)
 {
 	for (size_t i = 0; i + 4 < line->rest_bytes; i++)
@@ -125,14 +125,14 @@ static double bump_multiplier(const struct line *line)
 	return 1.0;
 }
 
-// Three numbers, or one that stands for all.
+// Read three numbers, or one that stands for all three.
 static void note_colour(const struct line *line, double out[3])
 {
 	for (int i = 0; i < 3; i++)
 		out[i] = line->number_count == 0 ? 0 : line->numbers[line->number_count == 3 ? i : 0];
 }
 
-// Ni, d, Tr and Tf. Many write Tr 1 for what is whole, so that says nothing by itself.
+// Ni, d, Tr and Tf. Many exporters write Tr 1 for opaque surfaces, so Tr 1 alone means nothing.
 static void note_clearness(struct mtl_note *note, const struct line *line)
 {
 	const char *k = line->keyword;
@@ -151,7 +151,7 @@ static void note_clearness(struct mtl_note *note, const struct line *line)
 	}
 }
 
-// The keys of physically based exporters. False if it is none of them.
+// The statements of physically based exporters. False for any other keyword.
 static bool note_physical(struct mtl_note *note, const struct line *line)
 {
 	const struct {

@@ -1,5 +1,5 @@
-// What an MTL file says that assimp's materials no longer tell: which materials it defines, what each says about its
-// specular lobe, its glass and its bumps, and which statements the renderer leaves out.
+// What an MTL file says that assimp's materials do not preserve: which materials it defines, the specular lobe, glass and
+// bumps of each, and which statements the renderer ignores. One thread.
 #ifndef CANDIL_LOADER_MTL_NOTES_H
 #define CANDIL_LOADER_MTL_NOTES_H
 
@@ -17,14 +17,14 @@ struct mtl_note {
 	bool has_exponent;
 	double ior; // Ni; 0: none given
 	double dissolve; // d, else 1 - Tr; 1 if neither is given
-	bool has_dissolve; // d: it goes before Tr
+	bool has_dissolve; // d is given; it takes precedence over Tr
 	bool has_filter;
 	double filter[3]; // Tf
 	bool has_roughness, has_metallic;
 	double roughness, metallic; // Pr, Pm
 	double coat, coat_roughness; // Pc, Pcr
-	double diffuse_roughness; // Pdr, our own: other programs pass over it
-	double priority; // Pp, our own too
+	double diffuse_roughness; // Pdr, our own statement; other programs skip it
+	double priority; // Pp, our own statement
 	double bump; // -bm of its bump or normal map; 1 if none given
 };
 
@@ -33,12 +33,15 @@ struct mtl_notes {
 	size_t count, room;
 };
 
-// Scan one MTL file's text (NUL behind `size` bytes) and add what it defines; features left out go to import_ignore.
+// Scan the text of an MTL file (a NUL follows its `size` bytes) and add what it defines. Ignored features go to
+// import_ignore. STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status mtl_notes_scan(struct mtl_notes *notes, struct import *import, const struct file_bytes *bytes,
 			   struct error *err);
 
+// The note of a material, or NULL. It remains the table's.
 const struct mtl_note *mtl_notes_find(const struct mtl_notes *notes, const char *name);
 
+// Free the notes.
 void mtl_notes_finish(struct mtl_notes *notes);
 
 #endif

@@ -9,7 +9,7 @@ float mtl_roughness(double exponent)
 	return (float)sqrt(sqrt(2.0 / (ns + 2.0)));
 }
 
-// illum 4, 6, 7 and 9 are glass, where anything says that light comes through.
+// illum 4, 6, 7 and 9 mean glass if some statement says that light is transmitted.
 static bool is_glass(const struct mtl_note *note)
 {
 	const bool clear = note->illum == 4 || note->illum == 6 || note->illum == 7 || note->illum == 9;
@@ -17,7 +17,8 @@ static bool is_glass(const struct mtl_note *note)
 	return clear && (note->has_filter ? passes : note->ior > 0 || note->dissolve < 1);
 }
 
-// Solid and smooth. Tf is what a whole body lets through: each of its two sides takes the root.
+// Solid glass, smooth unless Pr is given. Tf is the transmittance of a whole body, so each of its two faces takes the
+// square root.
 static bool set_glass(const struct mtl_note *note, struct material *m)
 {
 	const double ior = note->ior > 0 ? note->ior : 1.5;
@@ -51,7 +52,7 @@ static bool is_physical(const struct mtl_note *note)
 	return note->has_roughness || note->has_metallic;
 }
 
-// As glTF's metallic-roughness material.
+// Set up glTF's metallic-roughness material.
 static bool set_physical(const struct mtl_note *note, struct material *m)
 {
 	const double ior = note->ior > 0 ? note->ior : 1.5;
@@ -65,7 +66,7 @@ static bool set_physical(const struct mtl_note *note, struct material *m)
 	return fit;
 }
 
-// Ks and Ns.
+// Set up the lobe of Ks and Ns.
 static bool set_highlight(const struct mtl_note *note, struct material *m)
 {
 	const bool mirror = note->illum == 3 || note->illum == 5 || note->illum == 8;
@@ -80,7 +81,7 @@ static bool set_highlight(const struct mtl_note *note, struct material *m)
 	return fit;
 }
 
-// A coat, and matte facets beneath.
+// Set up the clear coat and the roughness of the diffuse part.
 static bool set_layers(const struct mtl_note *note, struct material *m)
 {
 	bool fit = import_fit(&m->coat, note->coat, 1.0);
@@ -88,7 +89,7 @@ static bool set_layers(const struct mtl_note *note, struct material *m)
 	return import_fit(&m->diffuse_roughness, note->diffuse_roughness, 1.0) && fit;
 }
 
-// What has a meaning for glass alone, where there is none; and the other way round.
+// Note statements as ignored that only glass uses, on other surfaces, and the reverse.
 static void tell_ignored(struct import *im, const struct mtl_note *note, bool glass)
 {
 	const double *f = note->filter;

@@ -14,7 +14,7 @@
 #include "server/loader/obj_files.h"
 #include "server/loader/obj_vertices.h"
 
-// assimp forgets some of its memory where it gives a file up. This process ends soon after; the leak checker need not know.
+// assimp leaks memory if it rejects a file. This process ends soon after, so the leak checker ignores it.
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
 #define WITHOUT_LEAK_CHECK(statement) (__lsan_disable(), (statement), __lsan_enable())
@@ -22,7 +22,7 @@
 #define WITHOUT_LEAK_CHECK(statement) (statement)
 #endif
 
-#define DEFAULT_ALBEDO 0.8f // of a surface whose material says nothing
+#define DEFAULT_ALBEDO 0.8f // of a surface whose material does not give one
 
 static enum status check_text(const struct file_bytes *bytes, struct error *err)
 {
@@ -37,8 +37,8 @@ static enum status check_text(const struct file_bytes *bytes, struct error *err)
 	return error_set(err, STATUS_SCENE_INVALID, "the OBJ file is empty");
 }
 
-// assimp 5.2 passes over a vertex with a number like ".5", without its zero, and every index behind it then names another
-// vertex. Give it the text with the zero. out->data is NULL where there is nothing to mend.
+// assimp 5.2 skips a vertex that has a number like ".5" without a leading zero, and every later index then names another
+// vertex. This makes a text with the zeros added. out->data is NULL if nothing needs to be changed.
 static enum status mend_numbers(const struct file_bytes *in, struct file_bytes *out, struct error *err)
 {
 	size_t bare = 0;
@@ -70,7 +70,7 @@ static bool colour_of(const struct aiMaterial *m, const char *key, float out[3],
 	return fit;
 }
 
-// A material's map of one kind: *key is its file's name, empty without one. SRGB or not in `flags`.
+// A material's map of one type. *key becomes its file name, or empty if there is none. `flags` is TEXTURE_SRGB or 0.
 static enum status map_of(struct import *im, const struct aiMaterial *m, enum aiTextureType type, uint32_t flags,
 			  struct aiString *key, uint32_t *texture, struct error *err)
 {
@@ -97,7 +97,7 @@ static enum status map_of(struct import *im, const struct aiMaterial *m, enum ai
 	return status;
 }
 
-// A bump map as a normal map: itself where it is one already, else one made from its heights.
+// Turn a bump map into a normal map, unless it already is one.
 static enum status normals_of_bumps(struct import *im, const char *name, uint32_t *texture, struct error *err)
 {
 	const struct texture_info bumps = im->textures[*texture];
@@ -138,7 +138,7 @@ static enum status find_maps(struct import *im, const struct aiMaterial *m, cons
 	if (map_of(im, m, aiTextureType_DIFFUSE, TEXTURE_SRGB, &key, &out->albedo_texture, err) != STATUS_OK ||
 	    map_of(im, m, aiTextureType_EMISSIVE, TEXTURE_SRGB, &key, &out->emission_texture, err) != STATUS_OK)
 		return err->code;
-	// A lobe of no weight shows no texture.
+	// A lobe without weight needs no texture.
 	if (out->specular_weight > 0 &&
 	    map_of(im, m, aiTextureType_SPECULAR, TEXTURE_SRGB, &key, &out->specular_texture, err) != STATUS_OK)
 		return err->code;
@@ -167,7 +167,7 @@ static enum status add_material(struct obj_files *files, const struct aiMaterial
 	return import_add_material(im, &out, name.data, err);
 }
 
-// Materials that some face uses but no MTL defines: assimp makes them up without a word.
+// Warn of materials that faces use but no MTL defines: assimp invents them silently.
 static void warn_undefined(struct obj_files *files, const struct aiScene *scene)
 {
 	for (unsigned i = 0; i < scene->mNumMaterials; i++) {
@@ -244,8 +244,8 @@ static enum status add_group(struct import *im, const struct aiScene *scene, con
 	return STATUS_OK;
 }
 
-// The OBJ importer makes a node of each `o` or `g`, without transforms, all beneath one root, and puts each mesh into one of
-// them.
+// assimp's OBJ importer makes a node of each `o` or `g`, without transforms, all beneath one root. It puts each mesh into
+// one of them.
 static enum status add_groups(struct import *im, const struct aiScene *scene, struct error *err)
 {
 	const struct aiNode *root = scene->mRootNode;

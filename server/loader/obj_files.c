@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-// One open file of assimp's: bytes in memory and a place in them.
+// A file that assimp has open: bytes in memory and a read position.
 struct open_file {
 	struct aiFile file;
-	struct file_bytes owned; // of an MTL
+	struct file_bytes owned; // content of an MTL file
 	const uint8_t *data;
 	size_t size;
 	size_t at;
@@ -61,7 +61,7 @@ static void flush_proc(struct aiFile *file)
 	(void)file;
 }
 
-// assimp joins folder and name in its own way; what it may mean is always relative to the scene's folder.
+// assimp joins folder and name in its own way. The result is always meant relative to the scene's folder.
 static const char *plain_name(const char *name)
 {
 	while (name[0] == '.' && name[1] == '/')
@@ -80,7 +80,7 @@ static bool read_mtl(struct obj_files *files, const char *name, struct open_file
 	}
 	if (status == STATUS_SCENE_LIMIT || status == STATUS_MEMORY)
 		files->failure = why;
-	else if (!files->library_missing) // once it misses one, assimp tries names that nobody wrote
+	else if (!files->library_missing) // after a missing library, assimp tries names that the file does not contain
 		import_warn(files->import, "material library left out, its materials are taken as grey: %s", why.text);
 	files->library_missing = true;
 	return false;

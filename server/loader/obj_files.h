@@ -1,5 +1,5 @@
-// assimp's window to the file system: the scene file's bytes, already read, and MTL files through the opener. Nothing else
-// can be reached, and every MTL that was read is scanned for what assimp will not tell.
+// assimp's access to files: the bytes of the scene file, which are already read, and MTL files in the scene's folder.
+// Nothing else can be reached. Every MTL that is read is also scanned for what assimp does not preserve. One thread.
 #ifndef CANDIL_LOADER_OBJ_FILES_H
 #define CANDIL_LOADER_OBJ_FILES_H
 
@@ -8,17 +8,18 @@
 #include "server/loader/mtl_notes.h"
 
 struct obj_files {
-	struct aiFileIO io; // what assimp gets; its UserData is this struct
+	struct aiFileIO io; // for assimp; its UserData is this struct
 	struct import *import;
-	const char *name; // the scene file …
-	const struct file_bytes *bytes; // … and its content
+	const char *name; // name of the scene file
+	const struct file_bytes *bytes; // content of the scene file; the caller's
 	struct mtl_notes notes;
 	bool library_missing;
-	struct error failure; // of an MTL: limit or memory; else OK
+	struct error failure; // limit or memory failure while reading an MTL; else OK
 };
 
-// The struct must not move between this and obj_files_finish.
+// Set up the access. The struct must not move until obj_files_finish. `name`, `bytes` and `import` must outlive it.
 void obj_files_init(struct obj_files *files, struct import *import, const char *name, const struct file_bytes *bytes);
+// Free the notes.
 void obj_files_finish(struct obj_files *files);
 
 #endif

@@ -19,7 +19,7 @@ static void place(const struct import *im, const struct aiVector3D *v, double sc
 static void read_vertex(const struct import *im, const struct aiMesh *mesh, unsigned i, struct import_vertex *v)
 {
 	double normal[3];
-	memset(v, 0, sizeof *v); // the word between vertices too: it is compared
+	memset(v, 0, sizeof *v); // the padding between vertices too, because it is compared
 	place(im, &mesh->mVertices[i], im->unit, v->position);
 	if (mesh->mNormals) {
 		place(im, &mesh->mNormals[i], 1.0, normal);
@@ -28,7 +28,7 @@ static void read_vertex(const struct import *im, const struct aiMesh *mesh, unsi
 	}
 	if (mesh->mTextureCoords[0]) {
 		v->uv[0] = mesh->mTextureCoords[0][i].x;
-		v->uv[1] = 1.0f - mesh->mTextureCoords[0][i].y; // our row 0 is the top
+		v->uv[1] = 1.0f - mesh->mTextureCoords[0][i].y; // our row 0 is at the top
 	}
 }
 

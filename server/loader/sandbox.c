@@ -19,10 +19,10 @@
 #include "server/loader/sandbox_landlock.h"
 #include "server/loader/sandbox_seccomp.h"
 
-enum { THREAD_WAIT_NS = 200000, THREAD_WAITS = 10000 }; // 2 s at most
+enum { THREAD_WAIT_NS = 200000, THREAD_WAITS = 10000 }; // at most 2 s in all
 
 #ifdef __SANITIZE_ADDRESS__
-enum { SANITIZED = 1 }; // its shadow takes terabytes of address space, its leak check traces this process
+enum { SANITIZED = 1 }; // its shadow memory takes terabytes of address space, and its leak check traces this process
 #else
 enum { SANITIZED = 0 };
 #endif
@@ -48,7 +48,7 @@ static void state(struct sandbox_state *s, bool holds, const char *format, ...)
 	va_end(arguments);
 }
 
-// Lower a limit; one that is already lower stays.
+// Lower a limit; one that is already lower is kept.
 static bool lower(int which, rlim_t soft, rlim_t hard)
 {
 	struct rlimit now;
@@ -60,8 +60,8 @@ static bool lower(int which, rlim_t soft, rlim_t hard)
 	return setrlimit((__rlimit_resource_t)which, &now) == 0;
 }
 
-// Memory files count as files for RLIMIT_FSIZE, so it is the blob's. RLIMIT_NPROC counts all processes of the user: others
-// would be in the way.
+// RLIMIT_FSIZE also applies to memory files, so it is the blob's limit. RLIMIT_NPROC is not used, because it counts all
+// processes of the user.
 static void enter_limits(struct sandbox_state *s)
 {
 	const bool memory = SANITIZED || lower(RLIMIT_AS, LIMIT_LOADER_BYTES, LIMIT_LOADER_BYTES);
@@ -69,7 +69,7 @@ static void enter_limits(struct sandbox_state *s)
 	const bool files = lower(RLIMIT_NOFILE, LIMIT_LOADER_FILES, LIMIT_LOADER_FILES);
 	const bool size = lower(RLIMIT_FSIZE, LIMIT_BLOB_BYTES, LIMIT_BLOB_BYTES);
 	const bool core = lower(RLIMIT_CORE, 0, 0);
-	signal(SIGXFSZ, SIG_IGN); // past the size a call fails and is reported
+	signal(SIGXFSZ, SIG_IGN); // beyond the size, a call fails and is reported
 	if (memory && time && files && size && core)
 		state(s, true, "%llu MiB%s, %u s of processor time, %u descriptors, no core file", LIMIT_LOADER_BYTES >> 20,
 		      SANITIZED ? " (not under AddressSanitizer)" : "", LIMIT_LOAD_SECONDS, LIMIT_LOADER_FILES);
@@ -94,9 +94,9 @@ static int count_threads(void)
 	return stat("/proc/self/task", &tasks) == 0 ? (int)tasks.st_nlink - 2 : -1;
 }
 
-// Landlock confines a thread and those that it makes later, not those beside it. OpenImageIO brings OpenVDB, and that a
-// logger whose constructor starts four threads before main: they are told to end, which takes them a moment. The function is
-// found by name because nothing here links it.
+// Landlock confines the calling thread and those that it creates later, not other threads. OpenImageIO loads OpenVDB, and
+// that a logger whose constructor starts four threads before main. They are told to end, which takes them a moment. The
+// function is looked up by name, because nothing here links that library.
 static int threads_left(void)
 {
 	void (*end_logger)(void) = NULL;
@@ -133,17 +133,17 @@ static void enter_seccomp(bool landlock, struct sandbox_state *s)
 	const int failed = seccomp_enter();
 	if (failed)
 		state(s, false, "the kernel does not take the filter: %s", strerror(failed));
-	else // a filter cannot look behind openat2's pointer
+	else // a filter cannot read what openat2's pointer points to
 		state(s, true, landlock ? "an allow-list" : "an allow-list; without landlock openat2 can write");
 }
 
-// Where memory runs out because of a scene it is this process that the kernel ends, not the front.
+// If memory runs out because of a scene, the kernel should end this process, not the front.
 static void offer_to_oom_killer(void)
 {
 	int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
 	if (fd < 0)
 		return;
-	ssize_t ignored = write(fd, "1000", 4); // best effort: there may be no /proc
+	ssize_t ignored = write(fd, "1000", 4); // may fail: there may be no /proc
 	(void)ignored;
 	close(fd);
 }

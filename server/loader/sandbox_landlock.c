@@ -7,9 +7,9 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-// The kernel's interface as of ABI 6. Debian's header stops at 2, and a kernel is told only what its ABI has.
+// The kernel's structure as of ABI 6. Debian's header stops at ABI 2. A kernel is passed only the part that its ABI has.
 struct ruleset {
-	uint64_t files; // rights that are refused where no rule grants them
+	uint64_t files; // rights that are refused unless a rule grants them
 	uint64_t net; // from ABI 4
 	uint64_t scoped; // from ABI 6
 };
@@ -41,7 +41,7 @@ static int allow_reading(int ruleset, int folder)
 	return syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0 ? 0 : errno;
 }
 
-// The leak check at a program's end reads its own maps and threads there.
+// The leak check at the end of a program reads the process's own maps and threads in /proc.
 static int allow_sanitizer(int ruleset)
 {
 	int failed = 0;

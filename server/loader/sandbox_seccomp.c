@@ -12,9 +12,9 @@
 
 #include "server/base/ipc.h"
 
-// Calls that are allowed whatever their arguments. By name, because not every architecture and kernel header has each.
+// Calls that are allowed with any arguments. By name, because not every architecture and kernel header has all of them.
 static const char *const calls[] = {
-    // what is open, and the folder (openat2 alone: its flags are landlock's to judge)
+    // open files and the folder (only openat2, whose flags are left to landlock)
     "read",
     "readv",
     "pread64",
@@ -62,7 +62,7 @@ static const char *const calls[] = {
     "sigaltstack",
     "exit",
     "exit_group",
-    // harmless questions
+    // harmless queries
     "getrandom",
     "sysinfo",
     "uname",
@@ -71,7 +71,7 @@ static const char *const calls[] = {
     "getgid",
     "getegid",
 #ifdef __SANITIZE_ADDRESS__
-    // the leak check: another process of the same memory, which traces this one
+    // the leak check: a process that shares this one's memory and traces it
     "clone",
     "ptrace",
     "wait4",
@@ -104,7 +104,7 @@ static int allow_calls(scmp_filter_ctx filter)
 		const int call = seccomp_syscall_resolve_name(calls[i]);
 		if (call != __NR_SCMP_ERROR)
 			failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0);
-		if (failed == -EDOM) // the architecture has none of the name
+		if (failed == -EDOM) // the architecture has no call of that name
 			failed = 0;
 	}
 	return failed;
@@ -120,8 +120,8 @@ static int allow_file_control(scmp_filter_ctx filter)
 	return failed;
 }
 
-// Calls that depend on their arguments: opening to read, memory that cannot be run, threads but no processes, the one
-// socket, asking for limits but not setting them, signals to itself.
+// Calls that are allowed with certain arguments: opening for reading, memory that is not executable, threads but not
+// processes, the one socket, reading limits but not setting them, signals to itself.
 static int allow_some(scmp_filter_ctx f)
 {
 	const struct scmp_arg_cmp read_only = SCMP_A2_32(
@@ -151,7 +151,7 @@ static int allow_some(scmp_filter_ctx f)
 	ALLOW_IF(prctl, filter_state);
 	ALLOW_IF(tgkill, itself);
 #undef ALLOW_IF
-	// The C library turns to clone then, whose flags a filter can see.
+	// The C library then falls back to clone, whose flags a filter can see.
 	if (!failed)
 		failed = seccomp_rule_add(f, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
 	return failed;
@@ -162,9 +162,9 @@ int seccomp_enter(void)
 	scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
 	if (!filter)
 		return ENOMEM;
-	seccomp_attr_set(filter, SCMP_FLTATR_API_SYSRAWRC, 1); // the kernel's own errno
-	seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1); // every thread, should there be more than one
-	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2); // a tree: the calls of a long load are many
+	seccomp_attr_set(filter, SCMP_FLTATR_API_SYSRAWRC, 1); // return the kernel's own errno
+	seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1); // all threads, if there is more than one
+	seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2); // a tree, because a long load makes many calls
 	int failed = allow_some(filter);
 	if (!failed)
 		failed = allow_calls(filter);

@@ -7,10 +7,11 @@
 #include "server/base/vec3.h"
 #include "server/loader/key_table.h"
 
-// The share of the product of two edges in the map that their area must be, lest its direction be noise.
+// The least area of a triangle in the map, as a share of the product of two of its edges. Below it, the direction of the
+// tangent is noise.
 #define SMALLEST_AREA 1e-12
 
-// What the corners of one group agree in: position, normal, coordinates, sign.
+// The words of a group's key: position, normal, coordinates and sign, which all corners of the group share.
 #define GROUP_WORDS 9
 
 struct group {
@@ -22,21 +23,21 @@ struct group {
 struct builder {
 	const struct import *import;
 	struct geometry *g;
-	struct key_table keys; // of groups
+	struct key_table keys; // keys of groups
 	struct group *groups;
 	size_t group_room;
-	uint32_t *corner_group; // one a corner of each triangle; NONE: nothing to do
-	struct key_table homes; // (vertex, group) of corners that moved
-	uint32_t *holds; // by old vertex: the group whose tangent it has
+	uint32_t *corner_group; // one for each corner of each triangle; NONE: nothing to do
+	struct key_table homes; // (vertex, group) of corners that moved to another vertex
+	uint32_t *holds; // for each old vertex the group whose tangent it holds
 };
 
-// One triangle seen from its normal map.
+// A triangle with its texture coordinates in its normal map.
 struct face {
-	double edge[2][3]; // from corner 0
+	double edge[2][3]; // edges from corner 0
 	double normal[3]; // unit
-	double along_u[3]; // any length
+	double along_u[3]; // direction of growing u, any length
 	double uv[3][2];
-	bool mirrored; // in the map, v pointing up
+	bool mirrored; // mirrored in the map, with v pointing up
 };
 
 static void read_uv(const struct builder *b, const struct texture_info *map, uint32_t vertex, double uv[2])
@@ -47,7 +48,7 @@ static void read_uv(const struct builder *b, const struct texture_info *map, uin
 	uv[1] = map->row_v[0] * u + map->row_v[1] * v + map->row_v[2];
 }
 
-// False if the triangle has no direction in the map.
+// Fill in a face. False if the triangle has no direction in the map.
 static bool find_face(const struct builder *b, const struct triangle *t, const struct texture_info *map, struct face *f)
 {
 	const float *p[3];
@@ -121,7 +122,7 @@ static enum status add_corner(struct builder *b, const struct triangle *t, const
 	if (!vec3_normalize(normal))
 		memcpy(normal, f->normal, sizeof normal);
 	const float rounded[3] = {(float)normal[0], (float)normal[1], (float)normal[2]};
-	const bool turned = vec3_dot(normal, f->normal) < 0; // a normal that looks away from its front
+	const bool turned = vec3_dot(normal, f->normal) < 0; // the normal points away from the face's front
 	if (find_group(b, v, f->uv[k], rounded, f->mirrored != turned ? -1.0f : 1.0f, number, err) != STATUS_OK)
 		return err->code;
 	const double lean = vec3_dot(normal, f->along_u), angle = corner_angle(f, k);
@@ -150,7 +151,7 @@ static enum status group_corners(struct builder *b, struct error *err)
 	return STATUS_OK;
 }
 
-// The first group to come has the vertex itself; corners of others move to vertices of their own, numbered behind.
+// The first group at a vertex keeps it. Corners of other groups move to new vertices, numbered after the old ones.
 static enum status move_corners(struct builder *b, struct error *err)
 {
 	struct geometry *g = b->g;
@@ -174,7 +175,7 @@ static enum status move_corners(struct builder *b, struct error *err)
 	return STATUS_OK;
 }
 
-// Room for `count` elements; false without memory.
+// Grow an array to `count` elements. False if there is no memory.
 #define GROW(array) ((bigger = realloc((array), count * sizeof *(array))) && ((array) = bigger, true))
 
 static enum status copy_vertices(struct builder *b, struct error *err)
