@@ -83,7 +83,7 @@ struct candil_scene_info {
 	uint32_t ignored_count;
 	char ignored[32][64]; // features of the file that candil leaves out
 	uint32_t fact_count;
-	char facts[16][32]; // what decides which effects run: "textures", "emitters"…
+	char facts[32][32]; // what decides which effects run: "textures", "emitters"…
 	uint64_t load_us; // how long reading took, microseconds
 	char light_units[128]; // how photometric values of the file were taken, a sentence; "" if it has none
 	uint32_t node_count; // in the scene

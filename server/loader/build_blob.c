@@ -239,9 +239,9 @@ static void describe(candil_SceneInfo *info, const struct blob_header *h)
 	info->bvh_depth = h->bvh_depth;
 	info->environment_width = h->environment_width;
 	info->environment_height = h->environment_height;
-	const uint32_t room = sizeof info->facts / sizeof info->facts[0]; // less than all: no scene has all facts
+	_Static_assert(sizeof info->facts / sizeof info->facts[0] == 32, "room for every bit of `facts`");
 	for (uint32_t bit = 0; bit < 32; bit++)
-		if (h->facts & 1u << bit && info->facts_count < room)
+		if (h->facts & 1u << bit)
 			snprintf(info->facts[info->facts_count++], sizeof info->facts[0], "%s",
 				 fact_name((enum fact)(1u << bit)));
 	describe_cameras(info, h);

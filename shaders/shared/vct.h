@@ -16,6 +16,23 @@
 #define VCT_GATHER_CONES 16
 #define VCT_GATHER_GROUPS 4
 
+// How a cone is marched. An option's value goes into it as it is (vct_options.c), and from there to the shaders: 4-byte
+// scalars, a multiple of 16 bytes in all.
+struct vct_marching {
+	float start; // distance of the first sample from the surface, in cells of the finest level
+	float step; // distance between samples, as a share of the footprint's side; as an option of the cone's breadth
+	float dither; // shift of the first sample from pixel to pixel, as a share of a step; 0: none
+	float reach; // longest distance along a cone, metres; as an option 0: no end
+	float ambient; // ambient radiance, dimmed where surfaces are near, W/(m² sr)
+	float falloff; // 1/m: how fast that dimming falls off with distance
+	float shadow_tangent; // tangent of the half aperture of shadow cones
+	float unused;
+};
+LAYOUT_ASSERT(vct_marching, 32)
+#ifndef GL_core_profile
+typedef struct vct_marching vct_marching; // GLSL knows it without `struct`
+#endif
+
 // A std140 uniform block: vectors of four.
 struct vct_params {
 	float low[3]; // low corner of the grid, metres relative to the blob's origin
@@ -24,18 +41,11 @@ struct vct_params {
 	uint top; // coarsest level that cones read
 	float background[3]; // radiance where no surface is hit, W/(m² sr)
 	float scale; // pyramid value = radiance × scale, to stay within the range of half floats
-	float start; // distance of the first sample from the surface, in cells of the finest level
-	float step; // distance between samples, as a share of the footprint's side
-	float dither; // shift of the first sample from pixel to pixel, as a share of a step; 0: none
+	vct_marching marching;
 	uint cones; // number of diffuse cones
-	float reach; // longest distance along a cone, metres
 	uint emission; // 1: the pyramid contains the emission of surfaces
-	float ambient; // ambient radiance, dimmed where surfaces are near, W/(m² sr)
-	float falloff; // 1/m: how fast that dimming falls off with distance
-	float shadow_tangent; // tangent of the half aperture of shadow cones
 	float sky_turn; // environment map, as in struct scene_params
 	float sky_scale;
-	float unused;
 	float cone[VCT_CONES_MAX][4]; // direction in a frame whose z is the normal; weight: share of the cosine's integral
 	float tangent[VCT_CONES_MAX][4]; // x: tangent of the half aperture
 	float gather[VCT_GATHER_CONES][4]; // direction; tangent of the half aperture. All have the same weight

@@ -56,7 +56,7 @@ cone_origin cone_from(vec3 position, vec3 normal, float shift)
 	vec3 slope = sqrt(max(1.0 - n * n, 0.0)) / max(n, vec3(0.05));
 	o.spread = 1.0 + 0.5 * slope;
 	o.steep = min(slope, vec3(1.0));
-	o.start = vct_start_step_dither.x * (1.0 + vct_start_step_dither.z * shift);
+	o.start = vct_march.start * (1.0 + vct_march.dither * shift);
 	return o;
 }
 
@@ -107,7 +107,7 @@ float cone_end(cone_origin o, vec3 direction)
 	vec3 a = (-margin - o.position) * inverse;
 	vec3 b = (vec3(vct_sides_top.xyz) + margin - o.position) * inverse;
 	vec3 far = max(a, b);
-	return min(min(far.x, min(far.y, far.z)), uintBitsToFloat(vct_reach_emission.x) / vct_low_cell.w);
+	return min(min(far.x, min(far.y, far.z)), vct_march.reach / vct_low_cell.w);
 }
 
 // Marches a cone at most `far` cells. Returns coverage × radiance (scaled) and the share of the cone that surfaces hide.
@@ -129,7 +129,7 @@ vec4 cone_march_to(cone_origin o, vec3 direction, float tangent, float far)
 		float shrink = exp2(-level);
 		vec3 sides = max(vec3(vct_sides_top.xyz) * shrink, vec3(1.0));
 		vec3 at = (o.position + t * direction) * shrink;
-		float step = vct_start_step_dither.y * foot;
+		float step = vct_march.step * foot;
 		// Nothing is beyond the edge; the texture's clamping would repeat its last cell.
 		vec3 inside = clamp(at + 0.5, 0.0, 1.0) * clamp(sides - at + 0.5, 0.0, 1.0);
 		vec3 own = VCT_OWN ? own_cover(o, at, t * rise * shrink) : vec3(0.0);
@@ -143,7 +143,7 @@ vec4 cone_march_to(cone_origin o, vec3 direction, float tangent, float far)
 			sum += met * rest;
 		}
 		if (VCT_AMBIENT)
-			cone_nearness += (sum.a - before) / (1.0 + uintBitsToFloat(vct_reach_emission.w) * t * vct_low_cell.w);
+			cone_nearness += (sum.a - before) / (1.0 + vct_march.falloff * t * vct_low_cell.w);
 		t += step;
 	}
 	return sum;
@@ -161,13 +161,13 @@ layout(binding = SKY_CONES_UNIT) uniform sampler2DArray vct_sky_cones;
 // Mean radiance of the environment map over a cone, W/(m² sr).
 vec3 cone_background(vec3 direction, float tangent)
 {
-	float turn = vct_shadow.y;
+	float turn = uintBitsToFloat(vct_cones_emission.z);
 	float layer = clamp(log2(max(tangent, 1e-6) / SKY_TANGENT_LEAST), 0.0, float(SKY_CONES_LAYERS - 1));
 	vec2 at = sky_place(direction, turn);
 	vec3 narrow = textureLod(vct_sky_cones, vec3(at, floor(layer)), 0.0).rgb;
 	vec3 wide = textureLod(vct_sky_cones, vec3(at, ceil(layer)), 0.0).rgb;
 	vec3 mean = tangent < SKY_TANGENT_SHARP ? sky_seen(direction, turn) : mix(narrow, wide, fract(layer));
-	return mean * vct_shadow.z;
+	return mean * uintBitsToFloat(vct_cones_emission.w);
 }
 #else
 vec3 cone_background(vec3 direction, float tangent)
@@ -180,7 +180,7 @@ vec3 cone_background(vec3 direction, float tangent)
 vec3 cone_radiance(cone_origin o, vec3 direction, float tangent)
 {
 	vec4 c = cone_march(o, direction, tangent);
-	vec3 ambient = vec3(VCT_AMBIENT ? uintBitsToFloat(vct_reach_emission.z) * max(1.0 - cone_nearness, 0.0) : 0.0);
+	vec3 ambient = vec3(VCT_AMBIENT ? vct_march.ambient * max(1.0 - cone_nearness, 0.0) : 0.0);
 	return c.rgb / vct_background_scale.w + max(1.0 - c.a, 0.0) * cone_background(direction, tangent) + ambient;
 }
 

@@ -96,7 +96,7 @@ vec3 glass_radiance(surface s, visible_point v, float shift)
 		radiance = glass_met(o, w.direction, tangent, far);
 	if (met && EFFECT_UNLIT && behind.unlit)
 		radiance += behind.base;
-	if (met && EFFECT_EMITTERS && vct_reach_emission.y == 0u)
+	if (met && EFFECT_EMITTERS && vct_cones_emission.y == 0u)
 		radiance += behind.emission;
 	return w.weight * radiance;
 }

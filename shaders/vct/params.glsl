@@ -8,9 +8,8 @@ layout(std140, binding = UNIFORM_VCT_PARAMS) uniform VctParams {
 	vec4 vct_low_cell;
 	uvec4 vct_sides_top;
 	vec4 vct_background_scale;
-	vec4 vct_start_step_dither;   // w: bits of the number of cones
-	uvec4 vct_reach_emission;     // bits of: x: metres; y: emission; z: ambient radiance; w: its fall-off
-	vec4 vct_shadow;              // x: tangent of a shadow cone's half aperture; y, z: sky_turn and sky_scale
+	vct_marching vct_march;
+	uvec4 vct_cones_emission;     // x: number of cones; y: emission; z, w: bits of sky_turn and sky_scale
 	vec4 vct_cone[VCT_CONES_MAX];
 	vec4 vct_tangent[VCT_CONES_MAX];
 	vec4 vct_gather[VCT_GATHER_CONES];
@@ -18,7 +17,7 @@ layout(std140, binding = UNIFORM_VCT_PARAMS) uniform VctParams {
 
 uint vct_cones()
 {
-	return floatBitsToUint(vct_start_step_dither.w);
+	return vct_cones_emission.x;
 }
 
 // Side of a cell of a level, in metres.

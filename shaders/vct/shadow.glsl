@@ -33,7 +33,7 @@ float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 float volume_open(vec3 origin, vec3 normal, vec3 segment, float t_max)
 {
 	float l = length(segment);
-	float tangent = VCT_SHADOW_HARD ? 0.0 : vct_shadow.x;
+	float tangent = VCT_SHADOW_HARD ? 0.0 : vct_march.shadow_tangent;
 	// The voxels of the lamp itself and of its holder must not block the light: the last footprint ends before them.
 	float end = t_max * l / vct_low_cell.w / (1.0 + 1.5 * tangent) - 1.5;
 	cone_origin o = cone_from(origin, normal, 0.0);

@@ -74,7 +74,7 @@ ways voxel_ways(uvec3 voxel, uint axis)
 		vec2 faces = unpackHalf2x16(voxel_coverage[entry][axis]);   // coverage of surfaces that face +axis, −axis
 		vec3 ahead = side_radiance(entry, 0u);
 		vec3 behind = side_radiance(entry, 1u);
-		if (vct_reach_emission.y != 0u && !VCT_SHARES) {
+		if (vct_cones_emission.y != 0u && !VCT_SHARES) {
 			vec3 emitted = voxel_emitted(entry) * vct_background_scale.w;
 			ahead += emitted;
 			behind += voxel_emits_back(entry) ? emitted : vec3(0.0);

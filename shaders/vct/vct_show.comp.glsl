@@ -48,7 +48,7 @@ vec3 entry_value(uint entry, bool front)
 	vec3 irradiance = vec3(vct_total[i], vct_total[i + 1u], vct_total[i + 2u]);
 	if (VCT_SHOW == VCT_SHOW_IRRADIANCE)
 		return irradiance;
-	bool shines = front && vct_reach_emission.y != 0u;
+	bool shines = front && vct_cones_emission.y != 0u;
 	return voxel_diffuse_albedo(entry) * irradiance * (1.0 / PI) + (shines ? voxel_emitted(entry) : vec3(0.0));
 }
 

@@ -74,10 +74,11 @@ static bool sky_shines(const candil_Render *r, const struct plan *p, uint32_t fa
 	       allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
 }
 
-// Why a technique cannot do an effect; NULL: it can.
+// Why a technique cannot do an effect; "": others can; NULL: it can.
 static const char *cannot(const struct technique *technique, const struct plan *p, candil_Effect effect)
 {
-	return technique->cannot ? technique->cannot(p, effect) : NULL;
+	const char *why = technique->cannot ? technique->cannot(p, effect) : NULL;
+	return why || technique->effects >> effect & 1u ? why : "";
 }
 
 static bool can_by_default(const struct technique *technique, candil_Effect effect)

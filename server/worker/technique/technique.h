@@ -87,9 +87,12 @@ struct technique {
 	// The most scattering events of a path from camera to light, by the settings. 1: direct light alone.
 	uint32_t (*depth)(const struct plan *plan);
 
-	// Why it cannot simulate an effect: a static sentence without a full stop. "": it draws what is drawn where the
-	// effect is switched off, and the reply names the techniques that can. NULL: it can. If the function is NULL, it can
-	// all.
+	// What it can simulate: bits 1 << candil_Effect. An effect that is not among them is drawn as if it were switched off,
+	// and the reply names the techniques that can.
+	uint32_t effects;
+
+	// Why it cannot simulate an effect by this plan: a static sentence without a full stop. NULL: `effects` decides. If
+	// the function is NULL, `effects` always decides.
 	const char *(*cannot)(const struct plan *plan, candil_Effect effect);
 
 	// Why it simulates an effect, where the words of names.h do not fit: a static sentence without a full stop. NULL:

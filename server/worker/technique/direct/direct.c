@@ -24,18 +24,9 @@ static uint32_t direct_depth(const struct plan *plan)
 static const char *direct_cannot(const struct plan *plan, candil_Effect effect)
 {
 	(void)plan;
-	switch (effect) {
-	case candil_Effect_EFFECT_BOUNCES:
-	case candil_Effect_EFFECT_GLASS:
-	case candil_Effect_EFFECT_ALPHA_BLEND:
-	case candil_Effect_EFFECT_CLEARCOAT:
-	case candil_Effect_EFFECT_ROUGH_DIFFUSE:
-		return "";
-	case candil_Effect_EFFECT_CAUSTICS:
-		return "light that comes from lamps by way of polished surfaces is not followed";
-	default:
-		return NULL;
-	}
+	return effect == candil_Effect_EFFECT_CAUSTICS
+		   ? "light that comes from lamps by way of polished surfaces is not followed"
+		   : NULL;
 }
 
 static const char *direct_simulates(const struct plan *plan, candil_Effect effect)
@@ -130,6 +121,7 @@ const struct technique technique_direct = {.number = candil_Technique_TECHNIQUE_
 					   .options = options,
 					   .defaults = direct_options_default,
 					   .depth = direct_depth,
+					   .effects = DEFERRED_EFFECTS,
 					   .cannot = direct_cannot,
 					   .simulates = direct_simulates,
 					   .bytes = direct_bytes,

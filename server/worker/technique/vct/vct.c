@@ -100,15 +100,13 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->own = s->own;
 	o->lambert = s->lambert;
 	o->volume_shadows = s->shadows;
+	o->marching = s->marching;
+	if (!(s->marching.ambient > 0))
+		o->marching.falloff = 0;
 	if (s->shadows == VCT_SHADOWS_CONES)
-		o->shadow_tangent = tanf(0.5f * s->shadow_aperture * (float)(PI / 180));
-	o->reach = s->distance;
-	o->ambient = s->ambient;
-	o->falloff = s->ambient > 0 ? s->ao : 0;
+		o->marching.shadow_tangent = tanf(0.5f * s->shadow_aperture * (float)(PI / 180));
 	o->emission = !wish.lamps;
-	o->step = 2 * s->step; // of the cone's breadth; the footprint is half of that
-	o->start = s->start;
-	o->dither = s->dither;
+	o->marching.step *= 2; // of the cone's breadth; the footprint is half of that
 	if (plan_has_sky(plan)) {
 		o->sky = plan->environment.scene->id;
 		o->sky_turn = (float)plan->environment.turn;
@@ -122,7 +120,7 @@ static bool vct_needs_volume(const struct plan *plan, const struct resident_scen
 {
 	return plan_has(plan, candil_Effect_EFFECT_BOUNCES) || plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) ||
 	       plan_has(plan, candil_Effect_EFFECT_GLASS) || lamps_in_volume(plan, scene) ||
-	       vct_shadows_in_volume(vct_settings(plan)->shadows) || vct_settings(plan)->ambient > 0;
+	       vct_shadows_in_volume(vct_settings(plan)->shadows) || vct_settings(plan)->marching.ambient > 0;
 }
 
 static void bind_volume(void *user, const struct deferred_area *area)
@@ -347,16 +345,9 @@ static const char *show_cannot(uint32_t show, candil_Effect effect)
 
 static const char *vct_cannot(const struct plan *plan, candil_Effect effect)
 {
-	switch (effect) {
-	case candil_Effect_EFFECT_ALPHA_BLEND:
-	case candil_Effect_EFFECT_CLEARCOAT:
-	case candil_Effect_EFFECT_ROUGH_DIFFUSE:
-		return "";
-	case candil_Effect_EFFECT_CAUSTICS:
-		return "light that comes from lamps by way of polished surfaces is not followed";
-	default:
-		return show_cannot(vct_settings(plan)->show, effect);
-	}
+	return effect == candil_Effect_EFFECT_CAUSTICS
+		   ? "light that comes from lamps by way of polished surfaces is not followed"
+		   : show_cannot(vct_settings(plan)->show, effect);
 }
 
 // What clear surfaces reflect is made by what makes glossy ones, which changes no other surface where none is.
@@ -371,6 +362,8 @@ const struct technique technique_vct = {.number = candil_Technique_TECHNIQUE_VCT
 					.defaults = vct_options_default,
 					.check = vct_options_check,
 					.depth = vct_depth,
+					.effects = DEFERRED_EFFECTS | 1u << candil_Effect_EFFECT_BOUNCES |
+						   1u << candil_Effect_EFFECT_GLASS,
 					.cannot = vct_cannot,
 					.settle = vct_settle,
 					.notes = deferred_notes,

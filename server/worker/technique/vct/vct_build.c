@@ -79,15 +79,11 @@ static void fill_params(struct vct_volume *v)
 	pyramid_sides(grid, p->sides, &p->top);
 	p->cell = grid->side * (grid->sides[0] > 1 ? 2.0f : 1.0f);
 	p->scale = 1;
-	p->start = o->start;
-	p->step = o->step;
-	p->dither = o->dither;
 	p->cones = o->cones;
-	p->reach = o->reach > 0 ? o->reach : INFINITY;
+	p->marching = o->marching;
+	if (!(o->marching.reach > 0))
+		p->marching.reach = INFINITY;
 	p->emission = o->emission;
-	p->ambient = o->ambient;
-	p->falloff = o->falloff;
-	p->shadow_tangent = o->shadow_tangent;
 	p->sky_turn = o->sky_turn;
 	p->sky_scale = o->sky_scale;
 	vct_cones_fill(o->cones, p->cone, p->tangent);

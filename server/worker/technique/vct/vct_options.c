@@ -35,12 +35,12 @@ static const struct option_rule rules[] = {
     OPTION_WORD("vct.lambert", lamberts, struct vct_settings, lambert),
     OPTION_WORD("vct.shadows", shadows, struct vct_settings, shadows),
     OPTION_REAL("vct.shadow_aperture", 0.5, 90, struct vct_settings, shadow_aperture),
-    OPTION_REAL("vct.distance", 0, 1e12, struct vct_settings, distance),
-    OPTION_REAL("vct.ambient", 0, LIMIT_RADIANCE, struct vct_settings, ambient),
-    OPTION_REAL("vct.ao", 0, 1e6, struct vct_settings, ao),
-    OPTION_REAL("vct.step", 0.1, 4, struct vct_settings, step),
-    OPTION_REAL("vct.start", 0.25, 8, struct vct_settings, start),
-    OPTION_REAL("vct.dither", 0, 1, struct vct_settings, dither),
+    OPTION_REAL("vct.distance", 0, 1e12, struct vct_settings, marching.reach),
+    OPTION_REAL("vct.ambient", 0, LIMIT_RADIANCE, struct vct_settings, marching.ambient),
+    OPTION_REAL("vct.ao", 0, 1e6, struct vct_settings, marching.falloff),
+    OPTION_REAL("vct.step", 0.1, 4, struct vct_settings, marching.step),
+    OPTION_REAL("vct.start", 0.25, 8, struct vct_settings, marching.start),
+    OPTION_REAL("vct.dither", 0, 1, struct vct_settings, marching.dither),
     OPTION_WORD("vct.show", shows, struct vct_settings, show),
     OPTION_WHOLE("vct.level", 0, VCT_LEVELS_MAX, struct vct_settings, level),
     OPTION_WORD("vct.axis", axes, struct vct_settings, axis),
@@ -57,9 +57,9 @@ void vct_options_default(void *settings)
 	s->resolution = 128;
 	s->bounces = 2;
 	s->shadow_aperture = 10;
-	s->ao = 1;
-	s->step = 0.5f;
-	s->start = 1;
+	s->marching.falloff = 1;
+	s->marching.step = 0.5f;
+	s->marching.start = 1;
 	s->slice = NONE;
 }
 

@@ -3,6 +3,7 @@
 #define CANDIL_WORKER_VCT_OPTIONS_H
 
 #include "server/worker/technique/direct/direct_options.h"
+#include "shaders/shared/vct.h"
 
 enum vct_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
 enum vct_emitters { VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
@@ -24,12 +25,7 @@ struct vct_settings {
 	uint32_t lambert; // 1: voxels are lit about the axes, weighted
 	uint32_t shadows; // enum vct_shadows
 	float shadow_aperture; // of a shadow cone, degrees
-	float distance; // metres along a cone at most; 0: no end
-	float ambient; // radiance from everywhere, W/(m² sr), dimmed by surfaces near by; 0: none
-	float ao; // 1/m: how soon they are no longer near
-	float step; // from sample to sample, of the cone's breadth
-	float start; // from a surface to the first sample, cells of the pyramid's finest level
-	float dither; // of the start
+	struct vct_marching marching; // shadow_tangent unused
 	uint32_t show; // VCT_SHOW_… of shaders/shared/vct_show.h: the voxels in the picture's place
 	uint32_t level; // of them: 0 the voxels, n level n - 1 of the pyramid
 	uint32_t axis; // of a slice: 0 x, 1 y, 2 z

@@ -40,7 +40,7 @@ static void darken(struct plan *plan, struct vct_volume_options *o)
 	o->bounces = 0;
 	o->volume_shadows = VCT_SHADOWS_RAYS;
 	o->map_side = 0;
-	o->ambient = o->falloff = 0;
+	o->marching.ambient = o->marching.falloff = 0;
 	o->emission = 1; // nobody aims at it
 	memset(o->background, 0, sizeof o->background);
 	o->sky = 0;

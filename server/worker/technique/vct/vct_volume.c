@@ -84,7 +84,7 @@ void vct_define(struct gl_defines *d, const struct vct_volume_options *o)
 	gl_define(d, "VCT_OWN", "%s", o->own ? "false" : "true");
 	gl_define(d, "VCT_SUM", "%s", o->cover ? "false" : "true");
 	gl_define(d, "VCT_ISOTROPIC", "%s", o->pyramid ? "true" : "false");
-	gl_define(d, "VCT_AMBIENT", "%s", o->ambient > 0 ? "true" : "false");
+	gl_define(d, "VCT_AMBIENT", "%s", o->marching.ambient > 0 ? "true" : "false");
 	if (o->sky)
 		gl_define(d, "VCT_SKY", "true");
 	gl_define(d, "VCT_WEIGHTED", "%s", o->lambert ? "true" : "false");
@@ -123,7 +123,7 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	vct_define(&v->light_defines, &v->options);
 	// The ambient term is for pixels: it lights no surface that lights another.
 	struct vct_volume_options of_bounces = v->options;
-	of_bounces.ambient = 0;
+	of_bounces.marching.ambient = 0;
 	vct_define(&v->cone_defines, &of_bounces);
 	gl_define(&v->cone_defines, "VCT_REFLECTS", "%s", v->options.bounces > 0 ? "true" : "false");
 	scene_params_fill(&of_light, &v->scene->view, false, &job);

@@ -28,10 +28,8 @@ struct vct_volume_options {
 	uint32_t shadows; // 1: lights throw them
 	uint32_t map_side; // texels of the shadow maps; 0: none
 	uint32_t pyramid, cover, own, lambert, volume_shadows; // as in struct vct_settings
-	float shadow_tangent; // of the half aperture
 	uint32_t emission; // 1: surfaces' emission is in the pyramid, and nobody aims at emissive triangles
-	float ambient, falloff;
-	float step, start, dither, reach; // as in struct vct_params; reach 0: no end
+	struct vct_marching marching; // reach 0: no end
 	float background[3];
 	float sky_turn, sky_scale; // as in struct scene_params
 	uint64_t sky; // id of the scene that is the picture around it; 0: none
