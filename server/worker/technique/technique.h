@@ -87,8 +87,8 @@ struct technique {
 	// The most scattering events of a path from camera to light, by the settings. 1: direct light alone.
 	uint32_t (*depth)(const struct plan *plan);
 
-	// What it can simulate: bits 1 << candil_Effect. An effect that is not among them is drawn as if it were switched off,
-	// and the reply names the techniques that can.
+	// What it can simulate: bits 1 << candil_Effect. An effect that is not among them is drawn as if it were switched
+	// off, and the reply names the techniques that can.
 	uint32_t effects;
 
 	// Why it cannot simulate an effect by this plan: a static sentence without a full stop. NULL: `effects` decides. If

@@ -24,8 +24,9 @@
 // Effects of what the camera sees and of light straight from its source: for struct technique's `effects`.
 #define DEFERRED_EFFECTS \
 	(1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | \
-	 1u << candil_Effect_EFFECT_ENVIRONMENT | 1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS | \
-	 1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_VERTEX_COLORS | 1u << candil_Effect_EFFECT_UNLIT)
+	 1u << candil_Effect_EFFECT_ENVIRONMENT | 1u << candil_Effect_EFFECT_GLOSSY | \
+	 1u << candil_Effect_EFFECT_NORMAL_MAPS | 1u << candil_Effect_EFFECT_ALPHA_MASK | \
+	 1u << candil_Effect_EFFECT_VERTEX_COLORS | 1u << candil_Effect_EFFECT_UNLIT)
 
 // The rows of the image that a pass works on.
 struct deferred_area {
