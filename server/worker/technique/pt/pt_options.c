@@ -1,6 +1,9 @@
 #include "server/worker/technique/pt/pt_options.h"
 
 #include "server/worker/trace/trace.h"
+#include "server/worker/vk/pipeline.h"
+#include "shaders/shared/pt.h"
+#include "shaders/shared/scene_params.h"
 
 #define DEPTH_DEFAULT 8u
 #define BATCH_LIMIT 256u
@@ -35,4 +38,18 @@ void pt_options_default(void *settings)
 {
 	struct pt_settings *s = settings;
 	s->depth = DEPTH_DEFAULT;
+}
+
+void pt_options_set_constants(const struct pt_settings *s, struct constants *constants)
+{
+	constants_set(constants, SPEC_SAMPLER, s->sampler);
+	constants_set(constants, SPEC_UNIFORM, s->hemisphere == HEMISPHERE_UNIFORM);
+	constants_set(constants, SPEC_LAMPS_BY, s->lamps);
+	constants_set(constants, SPEC_ROULETTE, s->roulette == ROULETTE_ON);
+	constants_set(constants, SPEC_CLAMP, s->clamp > 0);
+}
+
+void pt_options_fill(const struct pt_settings *s, struct scene_params *params)
+{
+	params->clamp = s->clamp;
 }

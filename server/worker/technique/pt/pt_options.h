@@ -11,6 +11,9 @@ enum pt_hemisphere { HEMISPHERE_COSINE, HEMISPHERE_UNIFORM };
 enum pt_tree { LIGHT_TREE_AUTO, LIGHT_TREE_ON, LIGHT_TREE_OFF };
 enum pt_roulette { ROULETTE_ON, ROULETTE_OFF };
 
+struct constants; // vk/pipeline.h
+struct scene_params; // shaders/shared/scene_params.h
+
 // The values of the options.
 struct pt_settings {
 	uint32_t depth; // the most scattering events of a path
@@ -29,6 +32,10 @@ struct pt_settings {
 // struct technique's `options` and `defaults`.
 extern const struct option_table pt_options[];
 void pt_options_default(void *settings);
+
+// How settings reach the shaders: the variant of a pass, and what of a job's parameters is the settings' own.
+void pt_options_set_constants(const struct pt_settings *settings, struct constants *constants);
+void pt_options_fill(const struct pt_settings *settings, struct scene_params *params);
 
 // The settings in a plan of this technique.
 static inline const struct pt_settings *pt_settings(const struct plan *plan)

@@ -78,11 +78,7 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 		      : j->plan.camera.lens_radius > 0 ? CAMERA_LENS
 						       : CAMERA_PINHOLE);
 	constants_set(&c, SPEC_FILTER, j->plan.filter);
-	constants_set(&c, SPEC_SAMPLER, pt_settings(&j->plan)->sampler);
-	constants_set(&c, SPEC_UNIFORM, pt_settings(&j->plan)->hemisphere == HEMISPHERE_UNIFORM);
-	constants_set(&c, SPEC_LAMPS_BY, pt_settings(&j->plan)->lamps);
-	constants_set(&c, SPEC_ROULETTE, pt_settings(&j->plan)->roulette == ROULETTE_ON);
-	constants_set(&c, SPEC_CLAMP, pt_settings(&j->plan)->clamp > 0);
+	pt_options_set_constants(pt_settings(&j->plan), &c);
 	constants_set(&c, SPEC_SKY, j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
 	constants_set(&c, SPEC_DISCS, effects >> candil_Effect_EFFECT_LIGHTS & 1u && scene_has_discs(j->scene));
 	constants_set(&c, SPEC_LIGHT_TREE, j->tree != NULL);

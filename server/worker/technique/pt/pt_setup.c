@@ -169,7 +169,7 @@ static enum status pt_make_buffers(struct technique_job *j, struct error *err)
 	struct device *d = j->device;
 	struct scene_params params;
 	scene_params_fill(&j->plan, &j->scene->view, plan_has_sky(&j->plan), &params);
-	params.clamp = pt_settings(&j->plan)->clamp;
+	pt_options_fill(pt_settings(&j->plan), &params);
 	enum status s = pt_light_init(j, &params, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&j->job, d, &params, sizeof params, err);
