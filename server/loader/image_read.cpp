@@ -102,6 +102,11 @@ static enum status open_input(image_reader *reader, const char *format, uint32_t
 	return STATUS_OK;
 }
 
+static enum status no_memory(struct error *err)
+{
+	return error_set(err, STATUS_MEMORY, "no memory to decode an image");
+}
+
 // `format` is null if the bytes are in none of the formats that `kinds` lists.
 static enum status open_as(const uint8_t *bytes, size_t size, const char *format, const char *kinds,
 			   struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
@@ -120,6 +125,9 @@ static enum status open_as(const uint8_t *bytes, size_t size, const char *format
 		else
 			*width = *height = 0;
 		return status;
+	} catch (const std::bad_alloc &) {
+		*width = *height = 0;
+		return no_memory(err);
 	} catch (const std::exception &e) {
 		*width = *height = 0;
 		return error_set(err, STATUS_SCENE_INVALID, "the image cannot be read (%.120s)", e.what());
@@ -179,6 +187,8 @@ extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texel
 			pack_row(&pixels[row_bytes * (size_t)y], spec.width, channels,
 				 texels + (size_t)y * (size_t)spec.width);
 		return STATUS_OK;
+	} catch (const std::bad_alloc &) {
+		return no_memory(err);
 	} catch (const std::exception &e) {
 		return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", e.what());
 	}
@@ -207,6 +217,8 @@ extern "C" enum status image_radiance(struct image_reader *reader, float *rgb, s
 		if (!spec.format.is_floating_point())
 			std::transform(rgb, rgb + 3 * count, rgb, linear);
 		return STATUS_OK;
+	} catch (const std::bad_alloc &) {
+		return no_memory(err);
 	} catch (const std::exception &e) {
 		return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", e.what());
 	}

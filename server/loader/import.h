@@ -41,6 +41,7 @@ struct import_node {
 // A decoded image and the place of its texels. Each image has a key, so that it is decoded only once.
 struct import_image {
 	char *key;
+	bool derived; // made of another image, whose key it has; not a file's own
 	uint32_t offset;
 	uint32_t width; // 0: the image could not be read
 	uint32_t height;
@@ -136,14 +137,16 @@ struct import_sampling import_plain_sampling(uint32_t flags);
 // a warning and a count. Fails only with STATUS_SCENE_LIMIT and STATUS_MEMORY.
 enum status import_texture(struct import *import, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 			   const struct import_sampling *sampling, uint32_t *texture, struct error *err);
-// Make a texture of the image `key`. If no image has this key yet, make one from the caller's texels, 1 …
-// LIMIT_TEXTURE_SIDE a side. An image with this key must not be one that could not be read. STATUS_SCENE_LIMIT,
-// STATUS_MEMORY.
-enum status import_texture_of(struct import *import, const char *key, const uint32_t *texels, uint32_t width,
-			      uint32_t height, const struct import_sampling *sampling, uint32_t *texture, struct error *err);
+// Make a texture of what was derived from the image `key`, such as the normals of a bump map. If nothing was derived from it
+// yet, take the caller's texels, 1 … LIMIT_TEXTURE_SIDE a side. STATUS_SCENE_LIMIT, STATUS_MEMORY.
+enum status import_derived_texture(struct import *import, const char *key, const uint32_t *texels, uint32_t width,
+				   uint32_t height, const struct import_sampling *sampling, uint32_t *texture,
+				   struct error *err);
 
 // Whether an image with this key exists, readable or not.
 bool import_knows_image(const struct import *import, const char *key);
+// Whether something was derived from the image with this key.
+bool import_knows_derived(const struct import *import, const char *key);
 // Note, with a warning, that the image `key` cannot be read because of `why`. STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status import_missing_image(struct import *import, const char *key, const char *why, struct error *err);
 

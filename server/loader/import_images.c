@@ -5,17 +5,22 @@
 #include "server/loader/import.h"
 #include "server/loader/import_parts.h"
 
-static struct import_image *image_find(const struct import *im, const char *key)
+static struct import_image *image_find(const struct import *im, const char *key, bool derived)
 {
 	for (size_t i = 0; i < im->image_count; i++)
-		if (strcmp(im->images[i].key, key) == 0)
+		if (im->images[i].derived == derived && strcmp(im->images[i].key, key) == 0)
 			return &im->images[i];
 	return NULL;
 }
 
 bool import_knows_image(const struct import *im, const char *key)
 {
-	return image_find(im, key) != NULL;
+	return image_find(im, key, false) != NULL;
+}
+
+bool import_knows_derived(const struct import *im, const char *key)
+{
+	return image_find(im, key, true) != NULL;
 }
 
 static enum status image_add(struct import *im, const char *key, const struct import_image *image, struct error *err)
@@ -58,15 +63,20 @@ static enum status image_decode(struct import *im, const char *key, const uint8_
 	struct error why;
 	struct image_reader *reader = NULL;
 
-	if (image_open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why) != STATUS_OK)
+	enum status status = image_open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why);
+	if (status == STATUS_MEMORY)
+		return error_set(err, status, "%s", why.text);
+	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
 	const size_t count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
 	if (make_texel_room(im, count, err) != STATUS_OK) {
 		image_close(reader);
 		return err->code;
 	}
-	enum status status = image_pixels(reader, im->texels + im->texel_count, &why);
+	status = image_pixels(reader, im->texels + im->texel_count, &why);
 	image_close(reader);
+	if (status == STATUS_MEMORY)
+		return error_set(err, status, "%s", why.text);
 	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
 	im->texel_count += count;
@@ -105,22 +115,24 @@ enum status import_texture(struct import *im, const char *key, const uint8_t *by
 			   const struct import_sampling *sampling, uint32_t *texture, struct error *err)
 {
 	*texture = NONE;
-	if (!image_find(im, key)) {
+	if (!image_find(im, key, false)) {
 		enum status status = image_decode(im, key, bytes, size, any_format, err);
 		if (status != STATUS_OK)
 			return status;
 	}
-	const struct import_image *image = image_find(im, key);
+	const struct import_image *image = image_find(im, key, false);
 	return image->width == 0 ? STATUS_OK : texture_over(im, image, sampling, texture, err);
 }
 
-enum status import_texture_of(struct import *im, const char *key, const uint32_t *texels, uint32_t width, uint32_t height,
-			      const struct import_sampling *sampling, uint32_t *texture, struct error *err)
+enum status import_derived_texture(struct import *im, const char *key, const uint32_t *texels, uint32_t width,
+				   uint32_t height, const struct import_sampling *sampling, uint32_t *texture,
+				   struct error *err)
 {
 	const size_t count = (size_t)width * height;
 	*texture = NONE;
-	if (!image_find(im, key)) {
-		const struct import_image image = {.offset = (uint32_t)im->texel_count, .width = width, .height = height};
+	if (!image_find(im, key, true)) {
+		const struct import_image image = {
+		    .derived = true, .offset = (uint32_t)im->texel_count, .width = width, .height = height};
 		if (make_texel_room(im, count, err) != STATUS_OK)
 			return err->code;
 		memcpy(im->texels + im->texel_count, texels, count * sizeof *texels);
@@ -128,5 +140,5 @@ enum status import_texture_of(struct import *im, const char *key, const uint32_t
 		if (image_add(im, key, &image, err) != STATUS_OK)
 			return err->code;
 	}
-	return texture_over(im, image_find(im, key), sampling, texture, err);
+	return texture_over(im, image_find(im, key, true), sampling, texture, err);
 }

@@ -102,16 +102,14 @@ static enum status normals_of_bumps(struct import *im, const char *name, uint32_
 {
 	const struct texture_info bumps = im->textures[*texture];
 	const struct import_sampling sampling = import_plain_sampling(bumps.flags);
-	char key[sizeof(struct aiString) + 16];
 	uint32_t *normals = NULL;
 
 	if (mtl_is_normal_map(im->texels + bumps.offset, bumps.width, bumps.height))
 		return STATUS_OK;
-	snprintf(key, sizeof key, "normals of %s", name);
-	if (!import_knows_image(im, key) &&
+	if (!import_knows_derived(im, name) &&
 	    mtl_normals_of_heights(im->texels + bumps.offset, bumps.width, bumps.height, &normals, err) != STATUS_OK)
 		return err->code;
-	enum status status = import_texture_of(im, key, normals, bumps.width, bumps.height, &sampling, texture, err);
+	enum status status = import_derived_texture(im, name, normals, bumps.width, bumps.height, &sampling, texture, err);
 	free(normals);
 	return status;
 }

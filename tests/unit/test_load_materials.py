@@ -286,6 +286,22 @@ class Materials(LoadCase):
         self.assertEqual((made >> 8 & 255, bumpy[SCALE]), (128, 1))
         self.near(blob.tangents[blob.triangles[place[1]][0]], (1, 0, 0, 1))
 
+    def test_a_file_called_as_the_normals_of_another(self):
+        """What is made of a bump map is no file, whatever a file is called."""
+        save(self.folder, "heights.png", png(4, 4, lambda x, y: (60 * x,) * 3))
+        o = Obj()
+        o.material("missing", (.5,) * 3, None, "map_Kd normals of heights.png")
+        o.material("bumpy", (.5,) * 3, None, "map_Bump heights.png")
+        o.lines += ["vt 0 0", "vt 1 0", "vt 1 1"]
+        for i, name in enumerate(("missing", "bumpy")):
+            o.lines += ["v %d 0 0" % (2 * i), "v %d 0 0" % (2 * i + 1), "v %d 1 0" % (2 * i + 1), "usemtl " + name,
+                        "f %d/1 %d/2 %d/3" % (3 * i + 1, 3 * i + 2, 3 * i + 3)]
+        info, blob = self.load(o.save(self.folder, "named.obj"))
+        self.assertEqual(info["missing_textures"], 1)
+        normals = [blob.textures[blob.materials[t[3]][NORMAL]] for t in blob.triangles
+                   if blob.materials[t[3]][NORMAL] != NONE]
+        self.assertEqual([texture[1:3] for texture in normals], [(4, 4)])
+
 
 if __name__ == "__main__":
     unittest.main()
