@@ -245,8 +245,10 @@ void light_round(inout walker p, uint place, inout tally account)
 		p.alive = max(l.power.r, max(l.power.g, l.power.b)) > 0.0;
 	}
 	ray_hit hit;
-	if (EFFECT_ALPHA_BLEND)
-		trace_chance = key;
+	if (EFFECT_ALPHA_BLEND) {
+		trace_chance = hash_combine(rnd.scramble, SET_ALPHA + p.event);
+		trace_index = rnd.index;
+	}
 	bool found = trace_closest(p.origin, p.direction, p.alive ? INFINITY : -1.0, hit);
 	view v;
 	v.origin = p.origin;
@@ -260,7 +262,7 @@ void light_round(inout walker p, uint place, inout tally account)
 			event_at(p, s, rnd, l, hit.t, v);
 	}
 	if (EFFECT_ALPHA_BLEND)
-		trace_chance = ~key;
+		trace_chance = ~trace_chance;
 	bool shadowed = trace_any(v.origin, v.segment, v.t_max);
 	if (v.t_max > 0.0) {
 		account.rays++;

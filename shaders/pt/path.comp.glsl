@@ -284,8 +284,10 @@ void path_round(inout walker p, sampler_state rnd, inout tally account)
 {
 	bool running = p.alive;
 	ray_hit hit;
-	if (EFFECT_ALPHA_BLEND)
-		trace_chance = hash_combine(hash_combine(rnd.scramble, rnd.index), p.event);
+	if (EFFECT_ALPHA_BLEND) {
+		trace_chance = hash_combine(rnd.scramble, SET_ALPHA + p.event);
+		trace_index = rnd.index;
+	}
 	bool found = trace_closest(p.origin, p.direction, running ? INFINITY : -1.0, hit);
 	light_sample l;
 	l.t_max = -1.0;
