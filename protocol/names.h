@@ -1,9 +1,9 @@
-// Techniques and effects: their numbers, their names, and what every program has to know of them. All else is made from
-// these two lists: the library's enumerations (candil_names.h), the shaders' bits (effects.glsl), the words and the help of
-// the command line, the reasons that a reply gives. candil.proto repeats the numbers for other languages, and names.c does
-// not compile if it repeats them wrongly. Numbers are for ever; new ones go to the end.
+// Techniques and effects: their numbers, their names, and what every program has to know about them. Everything else is made
+// from these two lists: the library's enumerations (candil_names.h), the shaders' bits (effects.glsl), the words and the
+// help of the command line, and the reasons in a reply. candil.proto repeats the numbers for other languages, and names.c
+// does not compile if it repeats them wrongly. A number never changes its meaning; new ones go to the end.
 //
-// Any thread may call the functions; what they return is static.
+// Any thread may call the functions. None of them fails or allocates; strings that they return are static.
 //
 // Example:
 //	char list[64];
@@ -20,11 +20,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// What a technique can do, as far as a request can ask for it: bits.
-#define TECHNIQUE_RENDERS 1u // a worker has it; the others are names that are kept for it
+// Traits of a technique, bits: what of it a request can ask for.
+#define TECHNIQUE_RENDERS 1u // a worker has it; without the bit the name is only reserved
 #define TECHNIQUE_NOISE 2u // its error falls with the number of samples, and it estimates that error
-#define TECHNIQUE_LENS 4u // it sees through a lens with a radius, through every pixel filter, and all around
-#define TECHNIQUE_VOXELS 8u // it has voxels to look at: `candil inspect`
+#define TECHNIQUE_LENS 4u // it has lenses with a radius, every pixel filter, and panoramas
+#define TECHNIQUE_VOXELS 8u // it has voxels to show: `candil inspect`
 
 // X(NAME, number, "name", traits)
 #define CANDIL_TECHNIQUE_LIST(X) \
@@ -34,7 +34,7 @@
 	X(RADIOSITY, 3, "radiosity", 0u) \
 	X(DIRECT, 4, "direct", TECHNIQUE_RENDERS)
 
-// What "auto" stands for.
+// The number of the technique that "auto" stands for.
 #define TECHNIQUE_OF_AUTO 1u
 
 // An option that help texts take for an example.
@@ -79,30 +79,34 @@ enum { CANDIL_TECHNIQUE_LIST(COUNTED) TECHNIQUE_COUNT };
 enum { CANDIL_EFFECT_LIST(COUNTED) EFFECT_COUNT };
 #undef COUNTED
 
-// "pt", "textures"; "unknown" for a number that is none.
+// The name of a number: "pt", "textures"; "unknown" for a number that nothing has.
 const char *technique_name(unsigned technique);
 const char *effect_name(unsigned effect);
 
-// The number of a name; -1: there is none of that name. `name` need not end where the name does: `length` bytes count.
+// The number of the technique whose name is the `length` bytes at `name`, which need not be followed by a zero; -1: there is
+// none.
 int technique_number(const char *name, size_t length);
 
-// TECHNIQUE_… bits, of "auto" those of what it stands for; 0 for a number that is none.
+// The traits of a technique, TECHNIQUE_… bits; for "auto" those of the technique that it stands for. 0 for a number that
+// nothing has.
 unsigned technique_traits(unsigned technique);
 
-// The names of the techniques that have all of `traits`, in the order of their numbers, as a list in a sentence: "pt, vct
-// and direct" if `last` is "and". Cut where `capacity` bytes are too few.
+// Write the names of the techniques that have all of `traits`, in the order of their numbers, as a list in a sentence: "pt,
+// vct and direct" if `last` is "and". Cut to fit `capacity` (> 0) bytes.
 void technique_list(unsigned traits, const char *last, char *out, size_t capacity);
 
-// The first technique that has all of `traits`, in the order of their numbers; -1: there is none.
+// The least number of a technique that has all of `traits`; -1: there is none.
 int technique_with(unsigned traits);
 
-// The words of one effect, never NULL; those of a number that is none are "".
+// What to say of one effect, as ends of sentences without a full stop.
 struct effect_words {
 	const char *name;
 	const char *simulated; // why it runs
 	const char *absent; // why it does not
 	const char *substitute; // what is drawn instead where it is switched off
 };
+
+// The words of an effect, never NULL; all of them are "" for a number that nothing has.
 const struct effect_words *effect_words(unsigned effect);
 
 #endif

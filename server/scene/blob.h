@@ -1,10 +1,13 @@
-// The scene blob: everything a technique may ask of a scene, in one flat piece of memory without pointers. A loader writes
-// it into a memfd and seals it; the front passes it on unseen; a worker maps it, checks it once and reads it for ever after.
+// The scene blob: everything that a technique may ask about a scene, in one flat piece of memory without pointers. A loader
+// writes it into a memfd and seals it. The front passes it on without reading it. A worker maps it, checks it once, and only
+// reads it from then on.
 //
 //   struct blob_header | section | section | …     every section starts at a multiple of BLOB_ALIGN
 //
-// Nothing in it depends on where it is mapped. All coordinates are float metres relative to `origin` (double, world space),
-// so a scene far from the world's zero keeps the precision that it has about its own middle.
+// A section is an array of one struct, here or in shaders/shared/layout.h. Numbers are those of the machine: a blob never
+// leaves it. Nothing in it depends on where it is mapped. All coordinates are float metres relative to `origin` (double,
+// world space), so a scene far from the world's origin keeps the precision that it has about its own middle. Any thread may
+// call the functions. A blob is its mapper's.
 //
 // Example: `blob` of `bytes` is mapped from a loader's memfd
 //	struct error err;
@@ -30,11 +33,12 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 10u
-#define BLOB_ALIGN 256u
-#define BLOB_COLOR_MAX 1e3f // of a vertex colour's component
-#define BLOB_LEAF_MAX 15u // triangles of a leaf: a shader keeps their number in four bits beside the first
+#define BLOB_FORMAT 10u // rises when the bytes of a blob change their meaning
+#define BLOB_ALIGN 256u // bytes
+#define BLOB_COLOR_MAX 1e3f // of a component of a vertex colour
+#define BLOB_LEAF_MAX 15u // triangles in a leaf: a shader keeps their number in four bits beside the first
 
+// The sections, in the order of blob_header.sections, and the struct of each.
 enum blob_section {
 	BLOB_NODES, // struct bvh_node; at least one
 	BLOB_LEAF_TRIANGLES, // struct leaf_triangle
@@ -46,25 +50,26 @@ enum blob_section {
 	BLOB_EMITTERS, // struct emitter; none if nothing emits
 	BLOB_LIGHTS, // struct punctual_light
 	BLOB_CAMERAS, // struct blob_camera
-	BLOB_MATERIAL_NAMES, // struct blob_name, one a material
-	BLOB_UV1, // struct vertex_uv1: none, or one a vertex; there if a texture has TEXTURE_UV1
-	BLOB_COLORS, // struct vertex_color, likewise; there with FACT_VERTEX_COLORS
-	BLOB_TANGENTS, // struct vertex_tangent, likewise; there with FACT_NORMAL_MAPS
+	BLOB_MATERIAL_NAMES, // struct blob_name, one for each material
+	BLOB_UV1, // struct vertex_uv1: none, or one for each vertex; there if a texture has TEXTURE_UV1
+	BLOB_COLORS, // struct vertex_color: none, or one for each vertex; there with FACT_VERTEX_COLORS
+	BLOB_TANGENTS, // struct vertex_tangent: none, or one for each vertex; there with FACT_NORMAL_MAPS
 	BLOB_SCENE_NODES, // struct scene_node, parents before their children
 	BLOB_ANIMATIONS, // struct scene_animation
 	BLOB_CHANNELS, // struct scene_channel, those of an animation side by side
 	BLOB_CURVES, // float
 	BLOB_ENVIRONMENT, // struct environment_texel: none, or environment_width · environment_height
-	BLOB_ENVIRONMENT_ROWS, // struct environment_row, one a texel
+	BLOB_ENVIRONMENT_ROWS, // struct environment_row, one for each texel
 	BLOB_SECTIONS
 };
 
+// Where a section is.
 struct blob_range {
 	uint64_t offset; // bytes from the blob's start
 	uint64_t count; // elements
 };
 
-// What the plan asks of a scene. Filled by facts_collect (facts.h).
+// Facts about a scene, bits: by them a plan finds the effects that the scene calls for. Made by facts_collect (facts.h).
 enum fact {
 	FACT_TEXTURES = 1u << 0, // some material that is used has a texture
 	FACT_EMITTERS = 1u << 1, // some triangle emits
@@ -81,12 +86,13 @@ enum fact {
 	FACT_ALPHA_BLEND = 1u << 12,
 	FACT_CLEARCOAT = 1u << 13, // some lit surface has one
 	FACT_ROUGH_DIFFUSE = 1u << 14, // some lit surface has a diffuse_roughness above zero
-	FACT_SURROUNDINGS = 1u << 15, // it is a picture of all directions
-	FACT_POLISHED = 1u << 16, // some lit surface mirrors light or lets it through nearly unspread: casters.h
+	FACT_SURROUNDINGS = 1u << 15, // it is an environment: a picture of all directions
+	FACT_POLISHED = 1u << 16, // some lit surface reflects or transmits light nearly unspread: casters.h
 };
 
+// The header, at the blob's start.
 struct blob_header {
-	uint64_t magic;
+	uint64_t magic; // BLOB_MAGIC
 	uint32_t format; // BLOB_FORMAT
 	uint32_t header_bytes; // sizeof(struct blob_header)
 	uint64_t total_bytes;
@@ -96,19 +102,19 @@ struct blob_header {
 	float bounds_max[3];
 	uint32_t bvh_depth; // levels of nodes, ≤ LIMIT_BVH_DEPTH
 	uint32_t facts; // enum fact
-	float emitter_power; // W, all emissive triangles: the sum their pmf is a share of; 0 without any
-	float light_power; // W, all punctual lights, as the table weighs them
-	uint32_t environment_width, environment_height; // texels; 0: none
-	// Luminance of the surroundings summed over all directions, W/m² where a texel's unit is a W/(m² sr): what meets a
-	// sphere of 1 m² cross-section.
+	float emitter_power; // of all emissive triangles, W: their pmf is their share of it; 0 if there are none
+	float light_power; // of all punctual lights, W, as their alias table weighs them
+	uint32_t environment_width, environment_height; // texels; 0: there is no environment
+	// The environment's luminance integrated over all directions, W/m² if a texel's unit is W/(m² sr). It is the power
+	// through a sphere of 1 m² cross-section.
 	float environment_power;
-	// How unlike each other its directions are: 4π ∫ p² dω of the table's density p. 1: all alike; a half of its light
-	// in a share s of the sphere: 1 / (4 s) and more. 0: there are none.
+	// How uneven the environment is: 4π ∫ p² dω of its alias table's density p. 1: even; at least 1 / (4 s) if half of
+	// its light is in a share s of the sphere. 0: there is no environment.
 	float environment_contrast;
 	uint64_t hash[2]; // XXH3-128 of everything behind the header; also of the header with hash = 0
 };
 
-// A camera of the file, in world space (double, origin not subtracted).
+// A camera of the file, in world space: double, metres, `origin` not subtracted.
 struct blob_camera {
 	char name[LIMIT_NAME + 1];
 	double eye[3];
@@ -119,40 +125,45 @@ struct blob_camera {
 	double half_height; // orthographic: metres
 };
 
-// A node of the file's hierarchy. A triangle belongs to one node, and with it the vertices that it names: a node's triangles
-// are side by side, and no vertex is named by those of two.
+// A node of the file's hierarchy. Every triangle belongs to one node, and so do the vertices that it names: a node's
+// triangles have consecutive ids, and no vertex is named by triangles of two nodes.
 struct scene_node {
 	char name[LIMIT_NAME + 1];
 	struct transform local; // to the parent's space
 	struct transform world; // parent's world · local, bit for bit as transform_compose has it
-	struct transform_parts parts; // of `local`, which differs from them where the file gives a matrix with shear
+	struct transform_parts parts; // of `local`, which has a shear beside them if the file gives such a matrix
 	uint32_t parent; // an earlier node, or NONE
 	uint32_t first_triangle, triangle_count; // by id
-	uint32_t light; // of BLOB_LIGHTS, or NONE: its light stands in the node's origin and shines along -Z
-	uint32_t camera; // of BLOB_CAMERAS, or NONE, likewise
+	uint32_t light; // of BLOB_LIGHTS, or NONE; the light stands at the node's origin and shines along -Z
+	uint32_t camera; // of BLOB_CAMERAS, or NONE; placed likewise
 	uint32_t reserved;
 };
 
+// An animation of the file: a run of channels.
 struct scene_animation {
 	char name[LIMIT_NAME + 1];
 	double duration_s; // the last key of any channel
 	uint32_t first_channel, channel_count;
 };
 
+// The part of a node's transform that a channel sets.
 enum channel_path { CHANNEL_TRANSLATION, CHANNEL_ROTATION, CHANNEL_SCALE };
+
+// How a channel interpolates between its keys.
 enum channel_curve { CURVE_STEP, CURVE_LINEAR, CURVE_CUBIC };
 
-// What an animation does to one part of one node (glTF 2.0, appendix C). Its floats in BLOB_CURVES: `keys` ascending times
-// in seconds, then as many values of three components, or four of a rotation; with CURVE_CUBIC each value is three, the
-// tangent that leads in, the value, the tangent that leads out.
+// What an animation does to one part of one node (glTF 2.0, appendix C). Its floats in BLOB_CURVES are `keys` ascending
+// times in seconds, then as many values of three components, or of four for a rotation (a quaternion x y z w). With
+// CURVE_CUBIC each value is three: the in-tangent, the value and the out-tangent.
 struct scene_channel {
 	uint32_t node;
 	uint32_t path; // enum channel_path
 	uint32_t curve; // enum channel_curve
 	uint32_t keys; // at least one
-	uint32_t first; // float
+	uint32_t first; // of its floats, in BLOB_CURVES
 };
 
+// A name, ended by a zero.
 struct blob_name {
 	char text[LIMIT_NAME + 1];
 };
@@ -160,21 +171,24 @@ struct blob_name {
 // Bytes of one element of a section.
 size_t blob_stride(enum blob_section section);
 
-// Check a mapped blob of `bytes` from end to end: magic, section bounds, every index inside, the BVH a tree of at most
-// LIMIT_BVH_DEPTH levels whose leaves have at most BLOB_LEAF_MAX triangles and name each once, texture ranges inside the
-// texels, the nodes a forest whose transforms compose, animations of nodes that are there, all floats finite, the facts
-// those of its sections, and the per-vertex sections there that textures and facts ask for. A blob that passes cannot lead a
-// reader outside of it. STATUS_SCENE_INVALID otherwise, with the first thing that is wrong.
+// Check a mapped blob of `bytes` completely: the magic and the bounds of sections; that every index is in its section; that
+// the BVH is a tree of at most LIMIT_BVH_DEPTH levels, whose leaves have at most BLOB_LEAF_MAX triangles and name each
+// triangle once; that textures are within the texels; that nodes are a forest whose transforms compose, and animations have
+// nodes; that all floats are finite; that the facts are those of its sections; and that the sections by vertex exist which
+// textures and facts need. A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID names the first
+// fault; STATUS_MEMORY.
 enum status blob_check(const void *blob, size_t bytes, struct error *err);
 
-// Elements of a section of a checked blob. Nodes are numbered depth first (a node, its first child's tree, its second
-// child's tree) and leaf triangles in the order of their leaves. A child that is not there (a scene of one triangle, or of
-// none, has a single node with such) is a point at infinity (min = max = +inf), child 0 and count 0.
+// The elements of a section of a checked blob, in the blob's memory. BVH nodes are numbered depth first (a node, its first
+// child's subtree, its second child's subtree), and leaf triangles in the order of their leaves. A child that does not
+// exist, as in a scene of one triangle or of none, is a point at infinity (min = max = +inf) with child 0 and count 0.
 const void *blob_section(const struct blob_header *blob, enum blob_section section);
+
+// The number of those elements.
 uint32_t blob_count(const struct blob_header *blob, enum blob_section section);
 
-// A scene as a job sees it: the sections and sums of a checked blob, or of one of whose sections a request has put others
-// in their place. `blob` says what no edit changes: the origin, the BVH's depth, the hash.
+// A scene as a job sees it: the sections and sums of a checked blob, some of which a request's edits may have replaced.
+// `blob` has what no edit changes: the origin, the BVH's depth, the hash. Fields are as in struct blob_header.
 struct blob_view {
 	const struct blob_header *blob;
 	const void *sections[BLOB_SECTIONS];
@@ -184,7 +198,7 @@ struct blob_view {
 	float emitter_power, light_power;
 };
 
-// The view of the blob as it is. The blob stays the caller's.
+// Make the view of a checked blob without edits. The blob stays the caller's and must outlive the view.
 void blob_view_init(struct blob_view *view, const struct blob_header *blob);
 
 #endif

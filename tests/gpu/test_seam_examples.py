@@ -1,5 +1,8 @@
-"""Every example in the headers of our own seams compiles with the project's warnings and runs (support/examples.py)."""
+"""Every example in the headers of our own seams compiles with the project's warnings and runs (support/examples.py), and every
+declaration in the worker's headers is explained."""
+import glob
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -105,7 +108,32 @@ RULES = [
 ]
 
 
+# A declaration at the left margin, but for a forward one.
+DECLARATION = re.compile(r"(?!struct \w+;)(enum|struct|static|const|void|bool|u?int\w*|unsigned|size_t|float|double|char|typedef)\b")
+
+
+def unexplained(path):
+    """Lines of a header whose declarations have no comment: right above their block of lines, or at their end."""
+    lines = read(path).splitlines()
+    for number, line in enumerate(lines):
+        if not DECLARATION.match(line) or "//" in line:
+            continue
+        above = number
+        while above > 0 and lines[above - 1] and not lines[above - 1].startswith(("//", "}")):
+            above -= 1
+        if not lines[above - 1].startswith("//"):
+            yield f"{path}:{number + 1}: nothing explains this: {line}"
+
+
+def check_every_declaration_is_explained():
+    worker = glob.glob("server/worker/**/*.h", recursive=True, root_dir=SOURCE)
+    assert len(worker) > 40, worker
+    missing = [line for path in [*worker, "protocol/names.h", "server/scene/blob.h"] for line in unexplained(path)]
+    assert not missing, "\n".join(missing)
+
+
 def main():
+    check_every_declaration_is_explained()
     failures, skipped = [], []
     with tempfile.TemporaryDirectory() as folder:
         shutil.copy(os.path.join(SOURCE, "deploy", "first.gltf"), os.path.join(folder, "room.gltf"))

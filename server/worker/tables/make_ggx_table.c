@@ -6,8 +6,9 @@
 // Both are means of G2 / G1 over visible normals (Heitz 2018, JCGT 7-4), weighted by 1 − (1 − v·h)⁵ and (1 − v·h)⁵, over a
 // Hammersley set. The averages over the hemisphere are 2 ∫ μ A(μ) dμ.
 //
-// Of a rough dielectric it is the mean of F G2 / G1 where the reflected direction is above and of (1 − F) G1(l) where the
-// refracted one is below; and beside it, without either G, how often that is so: shaders/common/glass.glsl.
+// For a rough dielectric the table holds the mean of F G2 / G1 where the reflected direction is above the surface, plus
+// (1 − F) G1(l) where the refracted one is below; and beside it, without either G, how often that is so:
+// shaders/common/glass.glsl.
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>

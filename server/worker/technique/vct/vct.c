@@ -23,18 +23,18 @@
 #include "shaders/gl/vct_fine_comp.h"
 #include "shaders/shared/vct_show.h"
 
-#define BUILD_SHARE 0.5 // of the job's fraction, that making the volume counts for
+#define BUILD_SHARE 0.5 // share of the job's work that making the volume counts for
 
 struct technique_job {
 	struct lighting lighting;
 	struct deferred *deferred;
-	struct vct_volume *volume; // NULL: nothing comes but straight from the lights
-	struct vct_show *show; // or the voxels themselves; NULL: the scene
+	struct vct_volume *volume; // held; NULL: there is direct light alone
+	struct vct_show *show; // what is shown of the voxels; NULL: the scene is
 	struct resident_scene *scene;
 	struct gl_device *device;
 	void (*bind_lamps)(void *user,
-			   const struct deferred_area *area); // of the light pass, with shadows out of the volume
-	void *lamps;
+			   const struct deferred_area *area); // the light pass's own, where shadows come from the volume
+	void *lamps; // its user
 	struct gl_texture irradiance, facets; // with VCT_DETAIL_HALF: shaders/vct/half.glsl
 };
 
@@ -43,7 +43,7 @@ static const struct gl_source direct_source = {.name = "vct_direct", .compute = 
 static const struct gl_source fine_source = {.name = "vct_fine", .compute = source_vct_fine_comp};
 static const struct gl_source cones_source = {.name = "vct_cones", .compute = source_vct_cones_comp};
 
-// The finer the voxels, the more cones: either alone leaves the other's error.
+// Finer voxels get more cones by default, because refining one alone leaves the error of the other.
 static uint32_t cones_of(const struct plan *plan)
 {
 	const struct vct_settings *s = vct_settings(plan);
@@ -58,7 +58,7 @@ static bool has_background(const struct plan *plan)
 	       (plan->background[0] > 0 || plan->background[1] > 0 || plan->background[2] > 0);
 }
 
-// Whether emissive surfaces light others by the voxels alone, where cones find them.
+// Whether emissive surfaces light others through the voxels alone, by cones.
 static bool lamps_in_volume(const struct plan *plan, const struct resident_scene *scene)
 {
 	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 &&
@@ -106,7 +106,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	if (s->shadows == VCT_SHADOWS_CONES)
 		o->marching.shadow_tangent = tanf(0.5f * s->shadow_aperture * (float)(PI / 180));
 	o->emission = !wish.lamps;
-	o->marching.step *= 2; // of the cone's breadth; the footprint is half of that
+	o->marching.step *= 2; // settings count in the cone's breadth, the shader in half of it
 	if (plan_has_sky(plan)) {
 		o->sky = plan->environment.scene->id;
 		o->sky_turn = (float)plan->environment.turn;
@@ -136,7 +136,7 @@ static void bind_volume(void *user, const struct deferred_area *area)
 	gl_texture_bind_image(&j->facets, VCT_FACETS_IMAGE, 0, GL_WRITE_ONLY);
 }
 
-// The passes for light between surfaces, behind `count` others.
+// Append the passes for light between surfaces behind `count` others; returns the new number.
 static uint32_t cone_passes(struct technique_job *j, const struct plan *plan, struct deferred_pass *passes, uint32_t count)
 {
 	struct deferred_pass pass = {.stage = "cones", .bind = bind_volume, .user = j};
@@ -157,7 +157,7 @@ static void bind_light(void *user, const struct deferred_area *area)
 	vct_volume_bind(j->volume);
 }
 
-// The light pass with shadows out of the volume.
+// Make the light pass take its shadows from the volume.
 static void take_shadows(struct technique_job *j, struct deferred_pass *pass)
 {
 	j->bind_lamps = pass->bind;
@@ -229,7 +229,7 @@ static void vct_end(struct technique_job *job)
 	free(job);
 }
 
-// The passes of the picture, and what they read.
+// Make the passes of the picture, and what they read.
 static enum status make_passes(struct technique_job *j, struct devices *devices, const struct plan *plan,
 			       struct deferred_pass *passes, uint32_t *count, struct error *err)
 {
@@ -329,7 +329,7 @@ static uint32_t vct_depth(const struct plan *plan)
 	return vct_settings(plan)->bounces + 1;
 }
 
-// What voxels that are looked at by themselves leave out.
+// Why an effect is left out where the voxels are shown.
 static const char *show_cannot(uint32_t show, candil_Effect effect)
 {
 	const bool light = show == VCT_SHOW_RADIANCE || show == VCT_SHOW_IRRADIANCE;
@@ -350,7 +350,8 @@ static const char *vct_cannot(const struct plan *plan, candil_Effect effect)
 		   : show_cannot(vct_settings(plan)->show, effect);
 }
 
-// What clear surfaces reflect is made by what makes glossy ones, which changes no other surface where none is.
+// Reflections of glass come from the code for glossy surfaces, so glass switches it on. Where no surface is glossy this
+// changes no other surface.
 static void vct_settle(struct plan *plan, uint32_t allowed)
 {
 	if (plan_has(plan, candil_Effect_EFFECT_GLASS))

@@ -1,10 +1,12 @@
-// Voxel cone tracing: `direct`'s light, and what other surfaces and the background send by cones through a pyramid of voxels
-// (Crassin et al. 2011). No noise; how wrong it is depends on the voxels and the cones, not on samples.
+// The technique `vct`, voxel cone tracing: direct light as in `direct`, and indirect light and the background's light by
+// cones through a pyramid of voxels (Crassin et al. 2011). It has no noise: its error depends on the voxels and the cones,
+// not on samples.
 #ifndef CANDIL_WORKER_TECHNIQUE_VCT_H
 #define CANDIL_WORKER_TECHNIQUE_VCT_H
 
 #include "server/worker/technique/technique.h"
 
+// Its table.
 extern const struct technique technique_vct;
 
 #endif

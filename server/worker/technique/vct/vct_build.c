@@ -17,7 +17,7 @@
 #define DISPATCH_ITEMS (65535u * VCT_GROUP)
 #define COARSEST_CELLS 8u // along the longest axis, of the coarsest level that cones read: coarser ones blur whole rooms
 #define SCALED_MOST 512.0f // the pyramid's radiance where it is largest: half floats hold 128 times as much
-#define DIMMEST 1e-34f // W/(m² sr): what is largest and still less is not scaled up so far, for the factor is a float too
+#define DIMMEST 1e-34f // W/(m² sr): a smaller maximum is scaled as if it were this, because the factor is a float, too
 
 static const struct gl_source cells_source = {.name = "vct_cells", .compute = source_vct_cells_comp};
 static const struct gl_source light_source = {.name = "vct_light", .compute = source_vct_light_comp};
@@ -118,7 +118,7 @@ enum status vct_build_begin(struct vct_volume *v, const struct plan *plan, struc
 
 // ---- running a stage ----------------------------------------------------------------------------------------------------
 
-// NULL: the stage has no program of its own, or is not gone through.
+// The program of a stage. NULL: it has none of its own, or this volume does without the stage.
 static const struct gl_source *source_of(const struct vct_volume *v, enum vct_stage stage)
 {
 	switch (stage) {
@@ -160,7 +160,7 @@ static void bind_images(const struct vct_volume *v, enum vct_stage stage)
 		gl_texture_bind_image(&v->pyramid, VCT_PYRAMID_IMAGE, v->level, GL_WRITE_ONLY);
 }
 
-// All that the stage's program reads and writes, as far as it is there, with the program in use.
+// Bind all that the stage's program reads and writes, as far as it is there. The program is in use.
 static enum status vct_build_bind(const struct vct_volume *v, enum vct_stage stage, const struct gl_program *program,
 				  struct error *err)
 {
@@ -195,7 +195,7 @@ static enum status vct_build_use(const struct vct_volume *v, enum vct_stage stag
 	return s == STATUS_OK ? vct_build_bind(v, stage, program, err) : s;
 }
 
-// One program, run over no item: that is when drivers compile.
+// Run one program over no item, which is when drivers compile.
 static enum status warm_up(const struct vct_volume *v, enum vct_stage stage, struct gl_timer *timer, struct error *err)
 {
 	const uint64_t start = clock_us();
@@ -215,7 +215,7 @@ static enum status warm_up(const struct vct_volume *v, enum vct_stage stage, str
 	return s;
 }
 
-// Items [next_item, + as many as should fit) of `items` through the program in use. *done: none are left.
+// Run the program in use over as many of `items` items from next_item on as should fit the budget. *done: none are left.
 static enum status run_items(struct vct_volume *v, struct gl_timer *timer, const char *stage, uint64_t items,
 			     uint32_t budget_us, bool *done, struct error *err)
 {
@@ -261,13 +261,13 @@ static uint64_t cells_of_level(const struct vct_params *p, uint32_t level)
 
 // ---- the stages ---------------------------------------------------------------------------------------------------------
 
-// VCT_ENTRY_FLOATS an entry, and two words: the largest, and how many walks the driver cut short.
+// Bytes of VCT_ENTRY_FLOATS for each entry and of two words: the largest value, and how many ray walks the driver cut short.
 static uint64_t irradiance_bytes(uint32_t entries)
 {
 	return ((uint64_t)entries * VCT_ENTRY_FLOATS + 2) * sizeof(float);
 }
 
-// Whether the lights' shadows come out of the pyramid.
+// Whether the light stage takes shadows from the pyramid.
 static bool marches_for_light(const struct vct_volume *v)
 {
 	return v->options.volume_shadows == VCT_SHADOWS_MARCH || v->options.volume_shadows == VCT_SHADOWS_CONES;
@@ -275,11 +275,11 @@ static bool marches_for_light(const struct vct_volume *v)
 
 static void enter_lighting(struct vct_volume *v)
 {
-	// Shadows out of the voxels need to know what they cover first.
+	// Shadows from the voxels need the voxels' coverage first.
 	enter(v, marches_for_light(v) ? VCT_INJECT : VCT_LIGHT);
 }
 
-// The programs of one more stage.
+// Compile the programs of one more stage.
 static enum status vct_build_compile(struct vct_volume *v, struct gl_timer *timer, struct error *err)
 {
 	while (v->compiled < VCT_DONE && !source_of(v, (enum vct_stage)v->compiled))
@@ -307,7 +307,7 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 	if (s == STATUS_OK && !v->voxels->cells.name)
 		s = gl_buffer_init(&v->cells, v->device, (entries + 3) * sizeof(uint32_t), NULL, err);
 	if (s != STATUS_OK) {
-		// All or none: it is tried again when others have made room.
+		// Keep all or none: the call is repeated once others have made room.
 		gl_buffer_finish(&v->direct, v->device);
 		gl_buffer_finish(&v->total, v->device);
 		return s;
@@ -321,7 +321,7 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 	return s;
 }
 
-// Every volume over these voxels has the same cells: the first hands them over.
+// All volumes over these voxels have the same cells, so the first volume gives them to the voxels.
 static enum status keep_cells(struct vct_volume *v, struct error *err)
 {
 	struct voxels *of = v->voxels;
@@ -357,7 +357,7 @@ static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t b
 	return s;
 }
 
-// The largest radiance that a surface sends back is its irradiance / π at most.
+// The largest radiance that a surface reflects is at most its irradiance / π.
 static enum status take_scale(struct vct_volume *v, struct error *err)
 {
 	struct {
@@ -385,7 +385,7 @@ static enum status take_scale(struct vct_volume *v, struct error *err)
 	return STATUS_OK;
 }
 
-// The lights' own irradiance waits until what cones alone bring has caught up with it.
+// Direct irradiance enters the pyramid only after light that only cones bring has been gathered once.
 static void enter_first_pyramid(struct vct_volume *v)
 {
 	if (v->gathers_first)
@@ -415,7 +415,7 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	return s;
 }
 
-// Both the pyramid's finest level and, where asked for, the shares that look like it.
+// The stages over the cells of the pyramid's finest level: injection and, where asked for, the shares.
 static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;

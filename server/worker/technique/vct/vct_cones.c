@@ -37,12 +37,12 @@ static void fill_six(float cone[VCT_CONES_MAX][4], float tangent[VCT_CONES_MAX][
 		cones_put(cone[i], tangent[i], sin(PI / 3), 2 * PI * i / 5, 0.15, tan(PI / 6));
 }
 
-// `inner` of `count` shares lie within the ring of `n`.
+// Fill in the cones of one ring, which has `n` of all `count` shares; `inner` shares lie within it.
 static void fill_ring(uint32_t inner, uint32_t n, uint32_t count, uint32_t ring, float cone[][4], float tangent[][4])
 {
 	const double area0 = (double)inner / count, area1 = (double)(inner + n) / count;
 	const double radius = n == 1 ? 0 : sqrt(0.5 * (area0 + area1));
-	// Solid angle of a share: 2π (cos θ0 − cos θ1) / n, with sin² θ = area; that of a cone is 2π (1 − cos).
+	// A share's solid angle is 2π (cos θ0 − cos θ1) / n, with sin² θ the area within; that of a cone is 2π (1 − cos).
 	const double omega = (sqrt(1 - area0) - sqrt(1 - area1)) / n;
 	const double tan_half = tan(acos(1 - omega));
 	for (uint32_t i = 0; i < n; i++)

@@ -5,7 +5,7 @@
 
 #include "server/worker/technique/voxel/voxel_occupancy.h"
 
-#define THIN_WORTH_A_NOTE 0.005 // of the surface
+#define THIN_WORTH_A_NOTE 0.005 // share of the surface from which on a note says so
 
 static void add_axes(struct frame *f, const char *name, const double values[3], const char *unit)
 {

@@ -13,14 +13,14 @@
 struct vct_show {
 	struct plan plan;
 	struct resident_scene *scene;
-	struct vct_volume *volume; // NULL: the voxels are enough
-	struct voxels *voxels; // ours only without a volume
+	struct vct_volume *volume; // held; NULL: the voxels are enough
+	struct voxels *voxels; // the volume's, or held by us if there is none
 	uint32_t where[4], corner[2]; // VCT_SHOW_WHERE, VCT_SHOW_CORNER
 };
 
 static const struct gl_source show_source = {.name = "vct_show", .compute = source_vct_show_comp};
 
-// The share of a level's faces that are hidden is the same in the dark.
+// Whether a volume without light is enough: the coverage in the pyramid's levels does not depend on light.
 static bool in_the_dark(const struct plan *plan)
 {
 	return vct_settings(plan)->show == VCT_SHOW_COVERAGE && vct_settings(plan)->level > 0;
@@ -41,7 +41,7 @@ static void darken(struct plan *plan, struct vct_volume_options *o)
 	o->volume_shadows = VCT_SHADOWS_RAYS;
 	o->map_side = 0;
 	o->marching.ambient = o->marching.falloff = 0;
-	o->emission = 1; // nobody aims at it
+	o->emission = 1; // emission is in the pyramid; no shadow rays go to emissive triangles
 	memset(o->background, 0, sizeof o->background);
 	o->sky = 0;
 	o->sky_turn = o->sky_scale = 0;
@@ -52,7 +52,7 @@ static uint32_t top_of(const struct vct_show *s)
 	return s->volume ? s->volume->params.top + 1 : 0;
 }
 
-// Which cell of which level, and how large in the image.
+// Which cells of which level are shown, and how large they are in the image.
 static enum status place_slice(struct vct_show *s, struct error *err)
 {
 	const struct plan *p = &s->plan;
@@ -153,7 +153,7 @@ static void vct_show_bind(void *user, const struct deferred_area *area)
 	voxels_bind(s->voxels);
 	if (s->volume) {
 		vct_volume_bind(s->volume);
-		// Not there yet where the pass is only compiled.
+		// The voxels are not there yet when the pass is only compiled.
 		if (s->volume->total.name)
 			gl_buffer_bind(&s->volume->total, BIND_VCT_TOTAL);
 	}

@@ -43,7 +43,8 @@ static bool shares_voxels(const struct shelved *shelved, const struct vct_volume
 	return shelved->users == 0 && ((const struct vct_volume *)shelved)->voxels == with->voxels;
 }
 
-// Of an idle volume, its voxels as well if none but idle ones hold them: they are the last's of those.
+// Device memory of the voxels that freeing an idle volume would free, too. Voxels that only idle volumes hold count for the
+// last of these on the shelf, so that they count once.
 static uint64_t voxel_share(const struct vct_volume *of)
 {
 	uint32_t holders = 0;
@@ -95,23 +96,24 @@ void vct_define(struct gl_defines *d, const struct vct_volume_options *o)
 		gl_define(d, "VCT_SHADOW_VOLUME", "true");
 }
 
-// Of many lamps two points are a poor sample, and what an entry near one of them has wrong, every cone that meets it shows.
+// Two points are a poor sample of many lamps, and the error of an entry shows in every cone that meets it. So an entry takes
+// more points of many lamps.
 #define LAMPS_MANY 64u
 #define POINTS_OF_MANY 16u
 
 static enum status prepare_light(struct vct_volume *v, const struct plan *plan, struct error *err)
 {
 	struct plan of_light = *plan;
-	// The volume outlives the job: what samples there are is the picture's business.
+	// The volume outlives the job, so it must not depend on the picture's number of samples.
 	of_light.samples = 1;
 	struct scene_params job;
 	struct lighting_wish wish = {
 	    .points = v->options.points, .shadows = v->options.shadows, .map_side = v->options.map_side, .lamps = true};
 	if (scene_count(v->scene, BLOB_EMITTERS) > LAMPS_MANY && wish.points < POINTS_OF_MANY)
 		wish.points = POINTS_OF_MANY;
-	// The volume serves requests of any seed, so that it may not depend on who came first.
+	// The volume serves requests of any seed, so it must not depend on the first request's.
 	of_light.seed = 0;
-	// Entries are diffuse, and have the geometry's own normals.
+	// Entries are diffuse, and have the mesh's own normals.
 	of_light.effects &=
 	    ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS | 1u << candil_Effect_EFFECT_GLASS);
 	if (v->options.emission)
@@ -121,7 +123,7 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	gl_define_effects(&v->light_defines, of_light.effects);
 	lighting_define(&v->light_defines, &of_light, v->scene, &wish);
 	vct_define(&v->light_defines, &v->options);
-	// The ambient term is for pixels: it lights no surface that lights another.
+	// The ambient term is added at pixels only, so it takes no part in bounces.
 	struct vct_volume_options of_bounces = v->options;
 	of_bounces.marching.ambient = 0;
 	vct_define(&v->cone_defines, &of_bounces);
@@ -130,7 +132,8 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }
 
-// The background, and surfaces whose emission is in the pyramid, have no irradiance in `direct`: cones bring it.
+// Whether some light comes by cones alone: that of the background, and of emission that is in the pyramid, is not in
+// `direct`.
 static bool sends_by_cones(const struct vct_volume_options *o)
 {
 	return o->emission || o->sky || o->background[0] > 0 || o->background[1] > 0 || o->background[2] > 0;
@@ -155,7 +158,7 @@ static enum status volume_create(struct resident_scene *scene, struct gl_device 
 		s = vct_build_begin(v, plan, err);
 	if (s == STATUS_OK)
 		s = prepare_light(v, plan, err);
-	uint64_t compile_us = 0; // told by the picture's own lighting, which looks into the same maps
+	uint64_t compile_us = 0; // not reported here: the picture's lighting uses the same maps, and reports it
 	if (s == STATUS_OK && shadow_maps_wanted(plan, scene, options->map_side))
 		s = shadow_maps_acquire(scene, device, plan, options->map_side, &compile_us, &v->maps, err);
 	if (s == STATUS_OK)
@@ -165,7 +168,7 @@ static enum status volume_create(struct resident_scene *scene, struct gl_device 
 	return s;
 }
 
-// What is being made is shared by the jobs of one variant alone: it reads that one's buffers.
+// Find a volume on the shelf. One that is being made reads the buffers of one variant, and serves its jobs alone.
 static struct vct_volume *volume_find(const struct shelf *s, const struct resident_scene *scene,
 				      const struct vct_volume_options *options)
 {
