@@ -2,6 +2,13 @@
 
 #include "protocol/limits.h"
 
+#define X(name, number, ...) _Static_assert((number) < 0x80, "a request's number");
+CANDIL_REQUEST_LIST(X)
+#undef X
+#define X(name, number) _Static_assert((number) >= 0x80, "a reply's number");
+CANDIL_REPLY_LIST(X)
+#undef X
+
 static const uint16_t known_flags = HEADER_FLAG_FD;
 
 static void put32(uint8_t *out, uint32_t v)
@@ -48,33 +55,36 @@ enum status header_decode(const uint8_t in[CANDIL_HEADER_BYTES], struct header *
 
 const char *message_type_name(uint8_t type)
 {
-	switch ((enum message_type)type) {
-#define NAME(t) \
-	case MESSAGE_##t: \
-		return #t;
-		NAME(HELLO)
-		NAME(PING)
-		NAME(LOAD)
-		NAME(UNLOAD)
-		NAME(LIST_SCENES)
-		NAME(DESCRIBE)
-		NAME(RENDER)
-		NAME(CANCEL)
-		NAME(STATS)
-		NAME(SWEEP)
-		NAME(HELLO_REPLY)
-		NAME(PONG)
-		NAME(SCENE_INFO)
-		NAME(OK)
-		NAME(SCENE_LIST)
-		NAME(ACCEPTED)
-		NAME(PROGRESS)
-		NAME(IMAGE)
-		NAME(FRAME_CHUNK)
-		NAME(DONE)
-		NAME(STATS_REPLY)
-		NAME(ERROR)
-#undef NAME
+	switch (type) {
+#define X(name, number, ...) \
+	case number: \
+		return #name;
+		CANDIL_REQUEST_LIST(X)
+		CANDIL_REPLY_LIST(X)
+#undef X
 	}
 	return "unknown";
+}
+
+uint8_t message_last_reply(uint8_t request)
+{
+	switch (request) {
+#define X(name, number, reply) \
+	case number: \
+		return MESSAGE_##reply;
+		CANDIL_REQUEST_LIST(X)
+#undef X
+	}
+	return 0;
+}
+
+bool message_is_reply(uint8_t type)
+{
+	switch (type) {
+#define X(name, number) case number:
+		CANDIL_REPLY_LIST(X)
+#undef X
+		return true;
+	}
+	return false;
 }

@@ -6,7 +6,7 @@
 //   | CNDL  | u8  | u8  | u16   | u32        | u32        |
 //   +-------+-----+-----+-------+------------+------------+
 //
-// The body is a Protocol Buffers message of candil.proto (the table below names it), but for FRAME_CHUNK: raw bytes.
+// The body is a Protocol Buffers message of candil.proto, but for FRAME_CHUNK: raw bytes.
 // A client picks request ids; every reply carries the id of its request. Id 0 is for replies to no request in particular
 // (a bad header has none that can be trusted).
 #ifndef CANDIL_PROTOCOL_HEADER_H
@@ -22,31 +22,39 @@
 #define CANDIL_MAGIC 0x4C444E43u // "CNDL" read as little-endian
 #define CANDIL_VERSION 1u // of header and messages; the only one so far
 
-// Requests are below 0x80, replies from 0x80 on.
-enum message_type {
-	MESSAGE_HELLO = 0x01, // Hello        -> HELLO_REPLY
-	MESSAGE_PING = 0x02, // Ping         -> PONG
-	MESSAGE_LOAD = 0x03, // Load         -> SCENE_INFO
-	MESSAGE_UNLOAD = 0x04, // Unload       -> OK
-	MESSAGE_LIST_SCENES = 0x05, // ListScenes   -> SCENE_LIST
-	MESSAGE_DESCRIBE = 0x06, // Describe     -> SCENE_INFO
-	MESSAGE_RENDER = 0x07, // Render       -> ACCEPTED, PROGRESS…, (IMAGE, FRAME_CHUNK…)…, DONE
-	MESSAGE_CANCEL = 0x08, // Cancel       -> OK; the cancelled request gets ERROR cancelled
-	MESSAGE_STATS = 0x09, // Stats        -> STATS_REPLY
-	MESSAGE_SWEEP = 0x0A, // Sweep        -> ACCEPTED, PROGRESS…, (IMAGE, FRAME_CHUNK…)…, DONE
+// Requests, below 0x80. X(NAME, number, the reply that ends it); ERROR may end any. The body is the message of the same name
+// (of LIST_SCENES: ListScenes).
+#define CANDIL_REQUEST_LIST(X) \
+	X(HELLO, 0x01, HELLO_REPLY) \
+	X(PING, 0x02, PONG) \
+	X(LOAD, 0x03, SCENE_INFO) \
+	X(UNLOAD, 0x04, OK) \
+	X(LIST_SCENES, 0x05, SCENE_LIST) \
+	X(DESCRIBE, 0x06, SCENE_INFO) \
+	X(RENDER, 0x07, DONE) /* after ACCEPTED, PROGRESS…, (IMAGE, FRAME_CHUNK…)… */ \
+	X(CANCEL, 0x08, OK) /* the cancelled request gets ERROR cancelled */ \
+	X(STATS, 0x09, STATS_REPLY) \
+	X(SWEEP, 0x0A, DONE) /* as RENDER */
 
-	MESSAGE_HELLO_REPLY = 0x81,
-	MESSAGE_PONG = 0x82, // Ping, the same payload
-	MESSAGE_SCENE_INFO = 0x83,
-	MESSAGE_OK = 0x84, // Ok
-	MESSAGE_SCENE_LIST = 0x85,
-	MESSAGE_ACCEPTED = 0x86,
-	MESSAGE_PROGRESS = 0x87,
-	MESSAGE_IMAGE = 0x88, // ImageFrame
-	MESSAGE_FRAME_CHUNK = 0x89, // raw bytes
-	MESSAGE_DONE = 0x8A,
-	MESSAGE_STATS_REPLY = 0x8B,
-	MESSAGE_ERROR = 0xFF, // Error; ends the request whose id it bears
+// Replies, from 0x80 on. X(NAME, number). The body is the message of the same name, or the one beside it.
+#define CANDIL_REPLY_LIST(X) \
+	X(HELLO_REPLY, 0x81) \
+	X(PONG, 0x82) /* Ping, the same payload */ \
+	X(SCENE_INFO, 0x83) \
+	X(OK, 0x84) \
+	X(SCENE_LIST, 0x85) \
+	X(ACCEPTED, 0x86) \
+	X(PROGRESS, 0x87) \
+	X(IMAGE, 0x88) /* ImageFrame */ \
+	X(FRAME_CHUNK, 0x89) /* raw bytes */ \
+	X(DONE, 0x8A) \
+	X(STATS_REPLY, 0x8B) \
+	X(ERROR, 0xFF) /* ends the request whose id it bears */
+
+enum message_type {
+#define X(name, number, ...) MESSAGE_##name = (number),
+	CANDIL_REQUEST_LIST(X) CANDIL_REPLY_LIST(X)
+#undef X
 };
 
 enum header_flags {
@@ -82,5 +90,11 @@ enum status header_decode(const uint8_t in[CANDIL_HEADER_BYTES], struct header *
 
 // "RENDER", or "unknown".
 const char *message_type_name(uint8_t type);
+
+// The reply that ends a request of that type, unless ERROR does; 0: the type is no request's.
+uint8_t message_last_reply(uint8_t request);
+
+// Whether the type is a reply's, and one that this side knows.
+bool message_is_reply(uint8_t type);
 
 #endif

@@ -23,30 +23,12 @@ static void protocol_error(candil_client *client, const struct header *header, c
 // Whether a request of this type may get that reply.
 static bool reply_fits(uint8_t request, uint8_t reply)
 {
-	if (reply == MESSAGE_ERROR)
+	const uint8_t last = message_last_reply(request);
+	if (reply == MESSAGE_ERROR || reply == last)
 		return true;
-	switch (request) {
-	case MESSAGE_HELLO:
-		return reply == MESSAGE_HELLO_REPLY;
-	case MESSAGE_PING:
-		return reply == MESSAGE_PONG;
-	case MESSAGE_LOAD:
-	case MESSAGE_DESCRIBE:
-		return reply == MESSAGE_SCENE_INFO;
-	case MESSAGE_UNLOAD:
-	case MESSAGE_CANCEL:
-		return reply == MESSAGE_OK;
-	case MESSAGE_LIST_SCENES:
-		return reply == MESSAGE_SCENE_LIST;
-	case MESSAGE_STATS:
-		return reply == MESSAGE_STATS_REPLY;
-	case MESSAGE_RENDER:
-	case MESSAGE_SWEEP:
-		return reply == MESSAGE_ACCEPTED || reply == MESSAGE_PROGRESS || reply == MESSAGE_IMAGE ||
-		       reply == MESSAGE_FRAME_CHUNK || reply == MESSAGE_DONE;
-	default:
-		return false;
-	}
+	// What DONE ends comes in pieces.
+	return last == MESSAGE_DONE && (reply == MESSAGE_ACCEPTED || reply == MESSAGE_PROGRESS || reply == MESSAGE_IMAGE ||
+					reply == MESSAGE_FRAME_CHUNK);
 }
 
 static void image_begin(candil_client *client, struct request *request, const struct header *header, const uint8_t *body)
@@ -183,11 +165,6 @@ static void take_farewell(candil_client *client, const struct header *header, co
 		protocol_error(client, header, "the message cannot be decoded");
 }
 
-static bool known_reply(uint8_t type)
-{
-	return type == MESSAGE_ERROR || (type >= MESSAGE_HELLO_REPLY && type <= MESSAGE_STATS_REPLY);
-}
-
 // Once the connection is over, every open request ends with an ERROR event that says why. false: none is open that the
 // caller made.
 static bool next_failure(candil_client *client, struct candil_event *event)
@@ -215,7 +192,7 @@ bool candil_next_event(candil_client *client, struct candil_event *event)
 	const uint8_t *body;
 	while (connection_next(&client->connection, &header, &body)) {
 		struct request *request = request_find(&client->requests, header.request);
-		if (request && known_reply(header.type)) {
+		if (request && message_is_reply(header.type)) {
 			if (take_reply(client, request, &header, body, event))
 				return true;
 		} else if (header.type == MESSAGE_ERROR && header.request == 0) {

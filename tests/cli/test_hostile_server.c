@@ -106,6 +106,24 @@ static void test_strange_but_harmless_replies_are_passed_over(void **state)
 	stop(&f);
 }
 
+// Every reply of the protocol's list, to a request that OK ends. A reply that is new in the list must not be passed over, or
+// whoever waits for it waits for ever.
+static void test_no_known_reply_is_passed_over(void **state)
+{
+	(void)state;
+#define X(name, number, ...) (number),
+	static const uint8_t replies[] = {CANDIL_REPLY_LIST(X)};
+#undef X
+	for (size_t i = 0; i < sizeof(replies); i++) {
+		struct fake f = start();
+		uint32_t id;
+		candil_submit_unload(f.client, "box", &id, NULL);
+		put_raw(f.peer, (enum message_type)replies[i], id, NULL, 0);
+		assert_true(expect(&f, replies[i] == MESSAGE_OK ? CANDIL_EVENT_OK : CANDIL_EVENT_ERROR, id).ends_request);
+		stop(&f);
+	}
+}
+
 // A valid conversation with random bytes changed: whatever happens, no crash, no leak, and an end.
 static void test_mutated_replies(void **state)
 {
@@ -147,6 +165,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(test_hostile_replies),
 	    cmocka_unit_test(test_strange_but_harmless_replies_are_passed_over),
+	    cmocka_unit_test(test_no_known_reply_is_passed_over),
 	    cmocka_unit_test(test_mutated_replies),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

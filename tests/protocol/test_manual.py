@@ -28,15 +28,26 @@ def rows():
             for line in MANUAL.splitlines() if line.startswith("|")]
 
 
+def message_rows():
+    return [row for row in rows() if re.fullmatch(r"0x\w\w", row[1])]
+
+
+def types():
+    """(name, number, last reply or "") of every message."""
+    return re.findall(r"\bX\((\w+), (0x\w\w)(?:, (\w+))?\)", read("protocol", "header.h"))
+
+
 class Manual(unittest.TestCase):
     def test_every_message_type_and_its_number(self):
-        types = re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("protocol", "header.h"), re.MULTILINE)
-        self.assertGreater(len(types), 20)
-        table = {row[0]: row[1] for row in rows() if re.fullmatch(r"0x\w\w", row[1])}
-        self.assertEqual(table, dict(types))
+        self.assertGreater(len(types()), 20)
+        self.assertEqual({row[0]: row[1] for row in message_rows()}, {name: number for name, number, _ in types()})
+
+    def test_the_reply_that_ends_a_request(self):
+        told = {row[0]: re.findall(r"\b[A-Z_]+\b", row[3].partition(";")[0])[-1] for row in message_rows() if row[3]}
+        self.assertEqual(told, {name: reply for name, _, reply in types() if reply})
 
     def test_wire_py_agrees(self):
-        for name, number in re.findall(r"^\tMESSAGE_(\w+) = (0x\w\w)", read("protocol", "header.h"), re.MULTILINE):
+        for name, number, _ in types():
             self.assertEqual(getattr(wire, name), int(number, 16), name)
 
     def test_every_status(self):
