@@ -20,6 +20,11 @@ struct message {
 // A handler answers the message itself, or fails, and `err` is the answer.
 typedef enum status handler(const struct message *m, struct error *err);
 
+static enum status decode(const struct message *m, const pb_msgdesc_t *fields, void *message, struct error *err)
+{
+	return request_decode(m->body, m->header->length, fields, message, err);
+}
+
 static enum status on_hello(const struct message *m, struct error *err)
 {
 	candil_Hello hello;
@@ -46,7 +51,7 @@ static enum status on_hello(const struct message *m, struct error *err)
 static enum status on_ping(const struct message *m, struct error *err)
 {
 	candil_Ping ping;
-	enum status status = request_ping(m->body, m->header->length, &ping, err);
+	enum status status = decode(m, candil_Ping_fields, &ping, err);
 	if (status == STATUS_OK)
 		reply_message(m->session, MESSAGE_PONG, m->header->request, candil_Ping_fields, &ping);
 	return status;
@@ -116,8 +121,9 @@ static enum status on_unload(const struct message *m, struct error *err)
 
 static enum status on_list(const struct message *m, struct error *err)
 {
+	candil_ListScenes question;
 	candil_SceneList list = {0};
-	enum status status = request_list_scenes(m->body, m->header->length, err);
+	enum status status = decode(m, candil_ListScenes_fields, &question, err);
 	if (status != STATUS_OK)
 		return status;
 	for (const struct scene *s = m->service->scenes.first; s && list.scenes_count < LIMIT_SCENES; s = s->next) {
@@ -205,7 +211,7 @@ static enum status on_cancel(const struct message *m, struct error *err)
 {
 	candil_Cancel cancel;
 	struct error reason;
-	enum status status = request_cancel(m->body, m->header->length, &cancel, err);
+	enum status status = decode(m, candil_Cancel_fields, &cancel, err);
 	if (status != STATUS_OK)
 		return status;
 	struct job *job = jobs_find(&m->service->jobs, m->session, cancel.request);
@@ -225,7 +231,8 @@ static enum status on_cancel(const struct message *m, struct error *err)
 static enum status on_stats(const struct message *m, struct error *err)
 {
 	const struct service *s = m->service;
-	enum status status = request_stats(m->body, m->header->length, err);
+	candil_Stats question;
+	enum status status = decode(m, candil_Stats_fields, &question, err);
 	if (status != STATUS_OK)
 		return status;
 	candil_StatsReply reply = {.uptime_us = clock_us() - s->started_us,

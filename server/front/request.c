@@ -15,7 +15,7 @@
 #define EFFECT_BITS ((1u << EFFECT_COUNT) - 1u)
 #define METRES_PER_UNIT_MAX 1e9
 
-static enum status decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message, struct error *err)
+enum status request_decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message, struct error *err)
 {
 	pb_istream_t stream = pb_istream_from_buffer(body, bytes);
 	if (pb_decode(&stream, fields, message))
@@ -51,7 +51,7 @@ static enum status check_name(const char *name, const char *what, struct error *
 
 enum status request_hello(const uint8_t *body, size_t bytes, candil_Hello *hello, struct error *err)
 {
-	enum status status = decode(body, bytes, candil_Hello_fields, hello, err);
+	enum status status = request_decode(body, bytes, candil_Hello_fields, hello, err);
 	if (status != STATUS_OK)
 		return status;
 	text_clean(hello->client, sizeof hello->client);
@@ -63,7 +63,7 @@ enum status request_hello(const uint8_t *body, size_t bytes, candil_Hello *hello
 
 enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, struct error *err)
 {
-	enum status status = decode(body, bytes, candil_Load_fields, load, err);
+	enum status status = request_decode(body, bytes, candil_Load_fields, load, err);
 	if (status == STATUS_OK)
 		status = check_name(load->name, "scene", err);
 	if (status != STATUS_OK)
@@ -83,36 +83,14 @@ enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, s
 
 enum status request_unload(const uint8_t *body, size_t bytes, candil_Unload *unload, struct error *err)
 {
-	enum status status = decode(body, bytes, candil_Unload_fields, unload, err);
+	enum status status = request_decode(body, bytes, candil_Unload_fields, unload, err);
 	return status == STATUS_OK ? check_name(unload->name, "scene", err) : status;
 }
 
 enum status request_describe(const uint8_t *body, size_t bytes, candil_Describe *describe, struct error *err)
 {
-	enum status status = decode(body, bytes, candil_Describe_fields, describe, err);
+	enum status status = request_decode(body, bytes, candil_Describe_fields, describe, err);
 	return status == STATUS_OK ? check_name(describe->name, "scene", err) : status;
-}
-
-enum status request_cancel(const uint8_t *body, size_t bytes, candil_Cancel *cancel, struct error *err)
-{
-	return decode(body, bytes, candil_Cancel_fields, cancel, err);
-}
-
-enum status request_ping(const uint8_t *body, size_t bytes, candil_Ping *ping, struct error *err)
-{
-	return decode(body, bytes, candil_Ping_fields, ping, err);
-}
-
-enum status request_list_scenes(const uint8_t *body, size_t bytes, struct error *err)
-{
-	candil_ListScenes message;
-	return decode(body, bytes, candil_ListScenes_fields, &message, err);
-}
-
-enum status request_stats(const uint8_t *body, size_t bytes, struct error *err)
-{
-	candil_Stats message;
-	return decode(body, bytes, candil_Stats_fields, &message, err);
 }
 
 // ---- a render --------------------------------------------------------------------------------------------------------

@@ -19,12 +19,10 @@ enum status request_describe(const uint8_t *body, size_t bytes, candil_Describe 
 enum status request_render(const uint8_t *body, size_t bytes, candil_Render *render, struct error *err);
 // `sweep` is large: keep it off the stack. Each of its cameras is checked as a Render's; render.camera must be absent.
 enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err);
-enum status request_cancel(const uint8_t *body, size_t bytes, candil_Cancel *cancel, struct error *err);
-enum status request_ping(const uint8_t *body, size_t bytes, candil_Ping *ping, struct error *err);
 
-// ListScenes and Stats have no fields yet: the bytes must be a message all the same.
-enum status request_list_scenes(const uint8_t *body, size_t bytes, struct error *err);
-enum status request_stats(const uint8_t *body, size_t bytes, struct error *err);
+// A message without rules of its own, such as Ping or one without fields: nothing of it is checked but that it is one.
+// `fields` are nanopb's of `message`.
+enum status request_decode(const uint8_t *body, size_t bytes, const pb_msgdesc_t *fields, void *message, struct error *err);
 
 // The checks of a Render that has been decoded.
 enum status request_check_render(candil_Render *render, struct error *err);

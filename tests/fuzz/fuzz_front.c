@@ -18,6 +18,8 @@ static void decode(const struct reader *r)
 		candil_Sweep sweep;
 		candil_Cancel cancel;
 		candil_Ping ping;
+		candil_ListScenes list;
+		candil_Stats stats;
 	} m;
 	struct error err;
 	const uint8_t *b = r->body;
@@ -42,16 +44,16 @@ static void decode(const struct reader *r)
 		request_sweep(b, n, &m.sweep, &err);
 		break;
 	case MESSAGE_CANCEL:
-		request_cancel(b, n, &m.cancel, &err);
+		request_decode(b, n, candil_Cancel_fields, &m.cancel, &err);
 		break;
 	case MESSAGE_PING:
-		request_ping(b, n, &m.ping, &err);
+		request_decode(b, n, candil_Ping_fields, &m.ping, &err);
 		break;
 	case MESSAGE_LIST_SCENES:
-		request_list_scenes(b, n, &err);
+		request_decode(b, n, candil_ListScenes_fields, &m.list, &err);
 		break;
 	case MESSAGE_STATS:
-		request_stats(b, n, &err);
+		request_decode(b, n, candil_Stats_fields, &m.stats, &err);
 		break;
 	}
 }
