@@ -39,8 +39,23 @@ struct command {
 	enum exit_code (*run)(struct cli *cli, const struct command *self, int argc, char **argv);
 };
 
-extern const struct command ping_command, stats_command, load_command, unload_command, scenes_command, describe_command,
-    render_command, sweep_command, inspect_command, compare_command, doctor_command;
+// Every command, in the order of the help.
+#define CLI_COMMANDS(X) \
+	X(ping) \
+	X(doctor) \
+	X(load) \
+	X(unload) \
+	X(scenes) \
+	X(describe) \
+	X(render) \
+	X(sweep) \
+	X(compare) \
+	X(inspect) \
+	X(stats)
+
+#define X(name) extern const struct command name##_command;
+CLI_COMMANDS(X)
+#undef X
 
 // The options that every command takes. A command puts them into its own table.
 enum { OPTION_CONNECT = 1000, OPTION_JSON, OPTION_HELP };

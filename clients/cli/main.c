@@ -3,10 +3,9 @@
 
 #include <string.h>
 
-static const struct command *const commands[] = {
-    &ping_command,   &doctor_command, &load_command,    &unload_command,  &scenes_command, &describe_command,
-    &render_command, &sweep_command,  &compare_command, &inspect_command, &stats_command,
-};
+#define X(name) &name##_command,
+static const struct command *const commands[] = {CLI_COMMANDS(X)};
+#undef X
 
 static enum exit_code print_help(void)
 {
