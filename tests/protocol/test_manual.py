@@ -104,7 +104,9 @@ class Readme(unittest.TestCase):
                 for word in re.findall(r'"([^"]+)"', listed.group(1)) if listed else ():
                     self.assertRegex(README, rf"\b{word}\b", name)
         self.assertGreater(len(names), 30)
-        self.assertEqual(set(re.findall(r"(?<![\w-])(?:pt|direct|vct)\.[a-z_]+", README)), names)
+        techniques = [value.name.removeprefix("TECHNIQUE_").lower()
+                      for value in pb.DESCRIPTOR.enum_types_by_name["Technique"].values]
+        self.assertEqual(set(re.findall(rf"(?<![\w-])(?:{'|'.join(techniques)})\.[a-z_]+", README)), names)
 
     def test_every_effect(self):
         names = [value.name for value in pb.DESCRIPTOR.enum_types_by_name["Effect"].values]
