@@ -53,24 +53,26 @@ unsigned technique_traits(unsigned technique)
 	return technique < TECHNIQUE_COUNT ? techniques[technique].traits : 0;
 }
 
-void technique_list(unsigned traits, const char *last, char *out, size_t capacity)
+void names_list(const char *const *names, size_t count, const char *last, char *out, size_t capacity)
 {
-	unsigned left = 0;
-	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++)
-		left += (techniques[i].traits & traits) == traits;
 	size_t used = 0;
 	out[0] = '\0';
-	for (unsigned i = 0; i < TECHNIQUE_COUNT && used < capacity; i++) {
-		if ((techniques[i].traits & traits) != traits)
-			continue;
-		const int n = snprintf(out + used, capacity - used, "%s", techniques[i].name);
+	for (size_t i = 0; i < count && used < capacity; i++) {
+		const int n = i == 0          ? snprintf(out, capacity, "%s", names[i])
+			      : i < count - 1 ? snprintf(out + used, capacity - used, ", %s", names[i])
+					      : snprintf(out + used, capacity - used, " %s %s", last, names[i]);
 		used += n > 0 ? (size_t)n : 0;
-		if (--left == 0 || used >= capacity)
-			break;
-		const int m = left > 1 ? snprintf(out + used, capacity - used, ", ")
-				       : snprintf(out + used, capacity - used, " %s ", last);
-		used += m > 0 ? (size_t)m : 0;
 	}
+}
+
+void technique_list(unsigned traits, const char *last, char *out, size_t capacity)
+{
+	const char *names[TECHNIQUE_COUNT];
+	size_t count = 0;
+	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++)
+		if ((techniques[i].traits & traits) == traits)
+			names[count++] = techniques[i].name;
+	names_list(names, count, last, out, capacity);
 }
 
 int technique_with(unsigned traits)

@@ -11,6 +11,8 @@
 //	assert(strcmp(list, "pt, vct or direct") == 0);
 //	assert(technique_number("pt", 2) == 1 && strcmp(technique_name(1), "pt") == 0);
 //	assert(technique_number("nothing", 7) == -1 && strcmp(technique_name(TECHNIQUE_COUNT), "unknown") == 0);
+//	names_list((const char *const[]){"a", "b", "c"}, 3, "and", list, sizeof list);
+//	assert(strcmp(list, "a, b and c") == 0);
 //	assert(technique_traits(0) == technique_traits(TECHNIQUE_OF_AUTO));
 //	for (unsigned i = 0; i < EFFECT_COUNT; i++)
 //		printf("%s runs where %s\n", effect_name(i), effect_words(i)->simulated);
@@ -91,8 +93,10 @@ int technique_number(const char *name, size_t length);
 // nothing has.
 unsigned technique_traits(unsigned technique);
 
-// Write the names of the techniques that have all of `traits`, in the order of their numbers, as a list in a sentence: "pt,
-// vct and direct" if `last` is "and". Cut to fit `capacity` (> 0) bytes.
+// `count` names as a list in a sentence: "pt, vct and direct" if `last` is "and". Cut where `capacity` bytes are too few.
+void names_list(const char *const *names, size_t count, const char *last, char *out, size_t capacity);
+
+// The same of the techniques that have all of `traits`, in the order of their numbers.
 void technique_list(unsigned traits, const char *last, char *out, size_t capacity);
 
 // The least number of a technique that has all of `traits`; -1: there is none.

@@ -1,7 +1,6 @@
 #include "server/worker/plan/effects.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #include "protocol/names.h"
 #include "server/scene/blob.h"
@@ -91,20 +90,13 @@ static bool can_by_default(const struct technique *technique, candil_Effect effe
 // Name the techniques that can, with their default options: "only pt and vct can: clear surfaces are opaque".
 static void tell_who_can(candil_Effect effect, const char *instead, char *out, size_t capacity)
 {
-	char names[64] = "";
-	uint32_t left = 0;
+	const char *can[TECHNIQUE_COUNT];
+	size_t count = 0;
 	for (uint32_t i = 0; i < technique_count(); i++)
-		left += can_by_default(technique_at(i), effect);
-	for (uint32_t i = 0; i < technique_count(); i++) {
-		if (!can_by_default(technique_at(i), effect))
-			continue;
-		const size_t used = strlen(names);
-		left--;
-		snprintf(names + used, sizeof names - used, "%s%s", technique_name(technique_at(i)->number),
-			 left > 1    ? ", "
-			 : left == 1 ? " and "
-				     : "");
-	}
+		if (can_by_default(technique_at(i), effect))
+			can[count++] = technique_name(technique_at(i)->number);
+	char names[64];
+	names_list(can, count, "and", names, sizeof names);
 	snprintf(out, capacity, "only %s can: %s", names, instead);
 }
 
