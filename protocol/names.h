@@ -1,5 +1,5 @@
-// Techniques and effects: their numbers, their names, and what every program has to know about them. Everything else is made
-// from these two lists: the library's enumerations (candil_names.h), the shaders' bits (effects.glsl), the words and the
+// Techniques and effects: their numbers, their names, and what every program has to know about them; and what of a material
+// is a share. Everything else is made from these lists: the library's enumerations (candil_names.h), the shaders' bits (effects.glsl), the words and the
 // help of the command line, and the reasons in a reply. candil.proto repeats the numbers for other languages, and names.c
 // does not compile if it repeats them wrongly. A number never changes its meaning; new ones go to the end.
 //
@@ -72,6 +72,16 @@
 	X(CAUSTICS, 14, "caustics", "polished surfaces throw lamps' light about", \
 	  "light cannot come from a lamp by way of a polished surface and then scatter", \
 	  "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror")
+
+// What of a material is a share, from 0 to 1, that a request may edit. X(field, "name"): the field of MaterialEdit, of
+// candil_material_edit and of struct material; the key of the command line's --material.
+#define CANDIL_MATERIAL_SHARES(X) \
+	X(specular_weight, "specular-weight") \
+	X(metallic, "metallic") \
+	X(roughness, "roughness") \
+	X(diffuse_roughness, "diffuse-roughness") \
+	X(coat, "coat") \
+	X(coat_roughness, "coat-roughness")
 
 // How many there are; numbers are below it.
 #define COUNTED(NAME, ...) COUNTED_TECHNIQUE_##NAME,

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "clients/cli/angles.h"
+#include "protocol/names.h"
 
 #define NUMBERS_MAX 4u
 
@@ -147,17 +148,11 @@ static bool take_material_pair(const struct pair *pair, struct candil_material_e
 		return (m->has_emission = take_vector(pair, true, &m->emission));
 	if (strcmp(pair->key, "specular") == 0)
 		return (m->has_specular = take_vector(pair, true, &m->specular));
-	if (strcmp(pair->key, "specular-weight") == 0)
-		return (m->has_specular_weight = take_number(pair, &m->specular_weight));
-	if (strcmp(pair->key, "metallic") == 0)
-		return (m->has_metallic = take_number(pair, &m->metallic));
-	if (strcmp(pair->key, "diffuse-roughness") == 0)
-		return (m->has_diffuse_roughness = take_number(pair, &m->diffuse_roughness));
-	if (strcmp(pair->key, "coat") == 0)
-		return (m->has_coat = take_number(pair, &m->coat));
-	if (strcmp(pair->key, "coat-roughness") == 0)
-		return (m->has_coat_roughness = take_number(pair, &m->coat_roughness));
-	return strcmp(pair->key, "roughness") == 0 && (m->has_roughness = take_number(pair, &m->roughness));
+#define TAKE_SHARE(field, name) \
+	if (strcmp(pair->key, name) == 0) \
+		return (m->has_##field = take_number(pair, &m->field));
+	CANDIL_MATERIAL_SHARES(TAKE_SHARE)
+	return false;
 }
 
 static bool take_material(char *text, struct edit_options *o)
@@ -261,8 +256,7 @@ const char *edit_option_form(int option)
 		       "directional:direction=x,y,z,intensity=I, up to 32 times";
 	case OPTION_MATERIAL:
 		return "NAME: (or #N: where a name has an equals sign) and then color, emission, specular (=r,g,b or =v), "
-		       "specular-weight, metallic, roughness, "
-		       "diffuse-roughness, coat or coat-roughness (=v) between commas, up to 32 times";
+		       "{shares} (=v) between commas, up to 32 times";
 	case OPTION_NODE:
 		return "NAME: (or #N: where a name has an equals sign) and then translate=x,y,z, rotate=x,y,z,DEGREES or "
 		       "scale=x,y,z between commas, up to 32 times";

@@ -40,7 +40,7 @@ bool edit_is_option(int option);
 // Take one option. Cuts `value` up: names point into it. false: the value is wrong, or `full`.
 bool edit_option(int option, char *value, struct edit_options *options);
 
-// What an option takes, for a sentence.
+// What an option takes, for a sentence; with marks of words.h.
 const char *edit_option_form(int option);
 
 // For the help of render and sweep.
@@ -56,8 +56,8 @@ const char *edit_option_form(int option);
 	"  --replace-lights      the scene's own point, spot and directional lights are out\n" \
 	"  --material NAME:KEY=VALUE,...\n" \
 	"                        another look for a material: color, emission (W/(m² sr)), specular (each r,g,b or one\n" \
-	"                        number), specular-weight, metallic, roughness, diffuse-roughness, coat,\n" \
-	"                        coat-roughness; textures go on multiplying\n" \
+	"                        number), {shares};\n" \
+	"                        textures go on multiplying\n" \
 	"  --node NAME:KEY=VALUE,...\n" \
 	"                        another place for a node and all beneath it, relative to its parent: translate=x,y,z,\n" \
 	"                        rotate=x,y,z,DEGREES (about that axis), scale=S or x,y,z; what is not said stays\n" \

@@ -23,11 +23,11 @@ static void words_put(struct words *w, const char *text, size_t bytes)
 	fwrite(text, 1, bytes, w->out);
 }
 
-static void words_put_effects(struct words *w)
+static void words_put_names(struct words *w, const char *const *names, size_t count)
 {
-	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
-		const char *name = effect_name(i);
-		const char *before = i == 0 ? "" : i == EFFECT_COUNT - 1 ? " or " : ", ";
+	for (size_t i = 0; i < count; i++) {
+		const char *name = names[i];
+		const char *before = i == 0 ? "" : i == count - 1 ? " or " : ", ";
 		if (w->indent > 0 && w->column + strlen(before) + strlen(name) > COLUMNS) {
 			// The line ends in place of the space at the end of `before`.
 			words_put(w, before, strlen(before) - 1);
@@ -38,6 +38,20 @@ static void words_put_effects(struct words *w)
 		}
 		words_put(w, name, strlen(name));
 	}
+}
+
+static void words_put_effects(struct words *w)
+{
+#define EFFECT_NAME(NAME, number, name, ...) name,
+	static const char *const names[] = {CANDIL_EFFECT_LIST(EFFECT_NAME)};
+	words_put_names(w, names, sizeof(names) / sizeof(names[0]));
+}
+
+static void words_put_shares(struct words *w)
+{
+#define SHARE_NAME(field, name) name,
+	static const char *const names[] = {CANDIL_MATERIAL_SHARES(SHARE_NAME)};
+	words_put_names(w, names, sizeof(names) / sizeof(names[0]));
 }
 
 static void words_put_techniques(struct words *w, unsigned traits)
@@ -63,7 +77,7 @@ static size_t words_put_mark(struct words *w, const char *text)
 	} marks[] = {
 	    {"{techniques}", TECHNIQUE_RENDERS, NULL}, {"{noise}", TECHNIQUE_NOISE, NULL},
 	    {"{voxels}", TECHNIQUE_VOXELS, NULL},      {"{auto}", 0, words_put_auto},
-	    {"{effects}", 0, words_put_effects},
+	    {"{effects}", 0, words_put_effects},       {"{shares}", 0, words_put_shares},
 	};
 	for (size_t i = 0; i < sizeof(marks) / sizeof(marks[0]); i++) {
 		const size_t length = strlen(marks[i].mark);

@@ -6,6 +6,7 @@
 
 #include "clients/libcandil/error.h"
 #include "protocol/header.h"
+#include "protocol/names.h"
 #include "protocol/text.h"
 
 #define TEXT(to, from) text_copy((to), sizeof(to), (from))
@@ -97,24 +98,15 @@ static candil_status write_light(const struct candil_light *from, candil_Light *
 static candil_status write_material(const struct candil_material_edit *from, candil_MaterialEdit *to,
 				    struct candil_error *error)
 {
-	*to = (candil_MaterialEdit){.has_base_color = from->has_base_color,
-				    .has_emission = from->has_emission,
-				    .has_specular = from->has_specular,
-				    .has_specular_weight = from->has_specular_weight,
-				    .specular_weight = from->specular_weight,
-				    .has_metallic = from->has_metallic,
-				    .metallic = from->metallic,
-				    .has_roughness = from->has_roughness,
-				    .roughness = from->roughness,
-				    .has_diffuse_roughness = from->has_diffuse_roughness,
-				    .diffuse_roughness = from->diffuse_roughness,
-				    .has_coat = from->has_coat,
-				    .coat = from->coat,
-				    .has_coat_roughness = from->has_coat_roughness,
-				    .coat_roughness = from->coat_roughness};
+	*to = (candil_MaterialEdit){
+	    .has_base_color = from->has_base_color, .has_emission = from->has_emission, .has_specular = from->has_specular};
 	to->base_color = vec3_write(&from->base_color);
 	to->emission = vec3_write(&from->emission);
 	to->specular = vec3_write(&from->specular);
+#define WRITE_SHARE(field, ...) \
+	to->has_##field = from->has_##field; \
+	to->field = from->field;
+	CANDIL_MATERIAL_SHARES(WRITE_SHARE)
 	return take_string("a material's name", from->name, to->name, sizeof(to->name), error);
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "protocol/limits.h"
+#include "protocol/names.h"
 #include "protocol/text.h"
 
 static bool edits_within(const candil_Vec3 *v, double least, double most)
@@ -65,15 +66,17 @@ static enum status check_material(const candil_MaterialEdit *m, struct error *er
 {
 	if (edits_check_name(m->name, "a material", err) != STATUS_OK)
 		return err->code;
-	if ((m->has_base_color && !edits_within(&m->base_color, 0, 1)) ||
-	    (m->has_specular && !edits_within(&m->specular, 0, 1)) ||
-	    !is_share(m->has_specular_weight, m->specular_weight) || !is_share(m->has_metallic, m->metallic) ||
-	    !is_share(m->has_roughness, m->roughness) || !is_share(m->has_diffuse_roughness, m->diffuse_roughness) ||
-	    !is_share(m->has_coat, m->coat) || !is_share(m->has_coat_roughness, m->coat_roughness))
-		return error_set(err, STATUS_BAD_ARGUMENT,
-				 "material '%s': base_color, specular, specular_weight, metallic, roughness, "
-				 "diffuse_roughness, coat and coat_roughness are between 0 and 1",
-				 m->name);
+	bool within = (!m->has_base_color || edits_within(&m->base_color, 0, 1)) &&
+		      (!m->has_specular || edits_within(&m->specular, 0, 1));
+#define CHECK_SHARE(field, ...) within = within && is_share(m->has_##field, m->field);
+	CANDIL_MATERIAL_SHARES(CHECK_SHARE)
+	if (!within) {
+#define SHARE_FIELD(field, ...) #field,
+		static const char *const fields[] = {"base_color", "specular", CANDIL_MATERIAL_SHARES(SHARE_FIELD)};
+		char list[256];
+		names_list(fields, sizeof fields / sizeof *fields, "and", list, sizeof list);
+		return error_set(err, STATUS_BAD_ARGUMENT, "material '%s': %s are between 0 and 1", m->name, list);
+	}
 	if (m->has_emission && !edits_within(&m->emission, 0, LIMIT_RADIANCE))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "material '%s': an emission's components are between 0 and %g W/(m² sr)", m->name,

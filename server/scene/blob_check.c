@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/names.h"
 #include "server/base/checked.h"
 #include "server/scene/blob.h"
 #include "server/scene/blob_check_nodes.h"
@@ -287,12 +288,12 @@ static enum status check_materials(const struct blob_header *h, struct error *er
 			if (!is_share(m->albedo[c]) || !is_share(m->specular[c]) || !isfinite(m->emission[c]) ||
 			    m->emission[c] < 0)
 				return bad(err, "a material's colour is out of range");
-		if (!is_share(m->specular_weight) || !is_share(m->metallic) || !is_share(m->roughness) ||
-		    !isfinite(m->normal_scale) || !isfinite(m->alpha_cutoff) || m->alpha_cutoff < 0)
+		bool sane = isfinite(m->normal_scale) && isfinite(m->coat_normal_scale) && isfinite(m->alpha_cutoff) &&
+			    m->alpha_cutoff >= 0;
+#define CHECK_SHARE(field, ...) sane = sane && is_share(m->field);
+		CANDIL_MATERIAL_SHARES(CHECK_SHARE)
+		if (!sane)
 			return bad(err, "a material's surface is out of range");
-		if (!is_share(m->coat) || !is_share(m->coat_roughness) || !isfinite(m->coat_normal_scale) ||
-		    !is_share(m->diffuse_roughness))
-			return bad(err, "a material's coat or diffuse roughness is out of range");
 		if (!clears(m))
 			return bad(err, "a material's glass is out of range");
 		if (!isfinite(m->power_density) || m->power_density < 0 || (m->flags & ~flags))

@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "protocol/names.h"
 #include "server/scene/lights.h"
 #include "server/worker/scenes/edit.h"
 #include "server/worker/scenes/edit_names.h"
@@ -17,18 +18,10 @@ static void change(const struct blob_view *view, const candil_MaterialEdit *edit
 {
 	set_colour(edit->has_base_color, &edit->base_color, m->albedo);
 	set_colour(edit->has_specular, &edit->specular, m->specular);
-	if (edit->has_specular_weight)
-		m->specular_weight = (float)edit->specular_weight;
-	if (edit->has_metallic)
-		m->metallic = (float)edit->metallic;
-	if (edit->has_roughness)
-		m->roughness = (float)edit->roughness;
-	if (edit->has_diffuse_roughness)
-		m->diffuse_roughness = (float)edit->diffuse_roughness;
-	if (edit->has_coat)
-		m->coat = (float)edit->coat;
-	if (edit->has_coat_roughness)
-		m->coat_roughness = (float)edit->coat_roughness;
+#define SET_SHARE(field, ...) \
+	if (edit->has_##field) \
+		m->field = (float)edit->field;
+	CANDIL_MATERIAL_SHARES(SET_SHARE)
 	// An unlit surface shows its base colour and casts no light (KHR_materials_unlit).
 	if (edit->has_emission && !(m->flags & MATERIAL_UNLIT)) {
 		set_colour(true, &edit->emission, m->emission);
