@@ -26,6 +26,10 @@ static void print_library(void)
 	printf("\tCANDIL_TECHNIQUE_%s = %d, // \"%s\"%s\n", #NAME, number, name, \
 	       technique_traits(number) ? "" : ": not there yet, it is refused");
 	CANDIL_TECHNIQUE_LIST(TECHNIQUE)
+	puts("};\n\n// What a light of an edit is.\nenum candil_light_kind {");
+#define LIGHT_KIND(NAME, number, name, traits, called, form) \
+	printf("\tCANDIL_LIGHT_%s = %d, // %s\n", #NAME, number, called);
+	CANDIL_LIGHT_KIND_LIST(LIGHT_KIND)
 	puts("};\n\n// An effect's bit in effects_on and effects_off is 1u << effect.\nenum candil_effect {");
 #define EFFECT(NAME, number, name, simulated, absent, substitute) \
 	printf("\tCANDIL_EFFECT_%s = %d, // \"%s\"; switched off: %s\n", #NAME, number, name, substitute);

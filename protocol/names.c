@@ -5,6 +5,7 @@
 
 #include "candil.pb.h"
 #include "protocol/limits.h"
+#include "shaders/shared/layout.h"
 
 #define SAME_TECHNIQUE(NAME, number, ...) \
 	_Static_assert((int)candil_Technique_TECHNIQUE_##NAME == (number), "candil.proto has another number");
@@ -16,6 +17,13 @@ _Static_assert((int)TECHNIQUE_COUNT == (int)_candil_Technique_ARRAYSIZE, "candil
 CANDIL_EFFECT_LIST(SAME_EFFECT)
 _Static_assert((int)EFFECT_COUNT == (int)_candil_Effect_ARRAYSIZE, "candil.proto has other effects");
 _Static_assert(EFFECT_COUNT <= LIMIT_EFFECTS, "an effect is a bit, and a report in Accepted");
+
+// Shaders and the scene blob have the same numbers.
+#define SAME_LIGHT_KIND(NAME, number, ...) \
+	_Static_assert((int)candil_LightKind_LIGHT_KIND_##NAME == (number), "candil.proto has another number"); \
+	_Static_assert(LIGHT_##NAME == (number), "layout.h has another number");
+CANDIL_LIGHT_KIND_LIST(SAME_LIGHT_KIND)
+_Static_assert((int)LIGHT_KIND_COUNT == (int)_candil_LightKind_ARRAYSIZE, "candil.proto has other kinds of lights");
 
 struct technique_row {
 	const char *name;
@@ -87,4 +95,24 @@ const struct effect_words *effect_words(unsigned effect)
 {
 	static const struct effect_words none = {"", "", "", ""};
 	return effect < EFFECT_COUNT ? &effects[effect] : &none;
+}
+
+#define LIGHT_TRAITS(NAME, number, name, traits, ...) [number] = traits,
+static const unsigned light_traits[LIGHT_KIND_COUNT] = {CANDIL_LIGHT_KIND_LIST(LIGHT_TRAITS)};
+
+unsigned light_kind_traits(unsigned kind)
+{
+	return kind < LIGHT_KIND_COUNT ? light_traits[kind] : 0;
+}
+
+void light_kind_list(unsigned traits, const char *last, char *out, size_t capacity)
+{
+#define LIGHT_CALLED(NAME, number, name, traits, called, ...) [number] = called,
+	static const char *const called[LIGHT_KIND_COUNT] = {CANDIL_LIGHT_KIND_LIST(LIGHT_CALLED)};
+	const char *names[LIGHT_KIND_COUNT];
+	size_t count = 0;
+	for (unsigned i = 0; i < LIGHT_KIND_COUNT; i++)
+		if ((light_traits[i] & traits) == traits)
+			names[count++] = called[i];
+	names_list(names, count, last, out, capacity);
 }

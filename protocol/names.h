@@ -1,7 +1,8 @@
-// Techniques and effects: their numbers, their names, and what every program has to know about them; and what of a material
-// is a share. Everything else is made from these lists: the library's enumerations (candil_names.h), the shaders' bits (effects.glsl), the words and the
-// help of the command line, and the reasons in a reply. candil.proto repeats the numbers for other languages, and names.c
-// does not compile if it repeats them wrongly. A number never changes its meaning; new ones go to the end.
+// Techniques, effects and kinds of lights: their numbers, their names, and what every program has to know about them; and
+// what of a material is a share. Everything else is made from these lists: the library's enumerations (candil_names.h), the
+// shaders' bits (effects.glsl), the words and the help of the command line, and the reasons in a reply. candil.proto repeats
+// the numbers for other languages, and names.c does not compile if it repeats them wrongly. A number never changes its
+// meaning; new ones go to the end.
 //
 // Any thread may call the functions. None of them fails or allocates; strings that they return are static.
 //
@@ -14,6 +15,8 @@
 //	names_list((const char *const[]){"a", "b", "c"}, 3, "and", list, sizeof list);
 //	assert(strcmp(list, "a, b and c") == 0);
 //	assert(technique_traits(0) == technique_traits(TECHNIQUE_OF_AUTO));
+//	light_kind_list(LIGHT_HAS_PLACE, "or", list, sizeof list);
+//	assert(strcmp(list, "a point light or a spot") == 0);
 //	for (unsigned i = 0; i < EFFECT_COUNT; i++)
 //		printf("%s runs where %s\n", effect_name(i), effect_words(i)->simulated);
 #ifndef CANDIL_PROTOCOL_NAMES_H
@@ -73,6 +76,20 @@
 	  "light cannot come from a lamp by way of a polished surface and then scatter", \
 	  "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror")
 
+// What a light has beside its intensity: bits.
+#define LIGHT_HAS_PLACE 1u
+#define LIGHT_HAS_DIRECTION 2u
+#define LIGHT_HAS_CONE 4u // about its direction, with an inner and an outer angle
+#define LIGHT_HAS_DISC 8u // that it shines from, with an angle across
+
+// X(NAME, number, "name", traits, what a sentence calls it, what the command line's --light takes)
+#define CANDIL_LIGHT_KIND_LIST(X) \
+	X(POINT, 0, "point", LIGHT_HAS_PLACE, "a point light", "point:at=x,y,z,intensity=I") \
+	X(SPOT, 1, "spot", LIGHT_HAS_PLACE | LIGHT_HAS_DIRECTION | LIGHT_HAS_CONE, "a spot", \
+	  "spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I") \
+	X(DIRECTIONAL, 2, "directional", LIGHT_HAS_DIRECTION | LIGHT_HAS_DISC, "a directional light", \
+	  "directional:direction=x,y,z,intensity=I")
+
 // What of a material is a share, from 0 to 1, that a request may edit. X(field, "name"): the field of MaterialEdit, of
 // candil_material_edit and of struct material; the key of the command line's --material.
 #define CANDIL_MATERIAL_SHARES(X) \
@@ -90,6 +107,9 @@ enum { CANDIL_TECHNIQUE_LIST(COUNTED) TECHNIQUE_COUNT };
 #define COUNTED(NAME, ...) COUNTED_EFFECT_##NAME,
 enum { CANDIL_EFFECT_LIST(COUNTED) EFFECT_COUNT };
 #undef COUNTED
+#define COUNTED(NAME, ...) COUNTED_LIGHT_##NAME,
+enum { CANDIL_LIGHT_KIND_LIST(COUNTED) LIGHT_KIND_COUNT };
+#undef COUNTED
 
 // The name of a number: "pt", "textures"; "unknown" for a number that nothing has.
 const char *technique_name(unsigned technique);
@@ -99,15 +119,18 @@ const char *effect_name(unsigned effect);
 // none.
 int technique_number(const char *name, size_t length);
 
-// The traits of a technique, TECHNIQUE_… bits; for "auto" those of the technique that it stands for. 0 for a number that
-// nothing has.
+// The traits of a technique, TECHNIQUE_… bits, for "auto" those of the technique that it stands for; and of a kind of light,
+// LIGHT_HAS_… bits. 0 for a number that nothing has.
 unsigned technique_traits(unsigned technique);
+unsigned light_kind_traits(unsigned kind);
 
 // `count` names as a list in a sentence: "pt, vct and direct" if `last` is "and". Cut where `capacity` bytes are too few.
 void names_list(const char *const *names, size_t count, const char *last, char *out, size_t capacity);
 
-// The same of the techniques that have all of `traits`, in the order of their numbers.
+// The same of the techniques or kinds that have all of `traits`, in the order of their numbers. Of kinds, what a sentence
+// calls them: "a point light or a spot".
 void technique_list(unsigned traits, const char *last, char *out, size_t capacity);
+void light_kind_list(unsigned traits, const char *last, char *out, size_t capacity);
 
 // The least number of a technique that has all of `traits`; -1: there is none.
 int technique_with(unsigned traits);

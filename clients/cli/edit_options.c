@@ -100,31 +100,32 @@ static bool take_light_pair(const struct pair *pair, struct light_text *t)
 }
 
 // Whether a light of this kind has every key that it needs and no other.
-static bool light_fits(enum candil_light_kind kind, const struct light_text *t)
+static bool light_fits(unsigned kind, const struct light_text *t)
 {
-	const bool point = kind == CANDIL_LIGHT_POINT, spot = kind == CANDIL_LIGHT_SPOT;
-	const bool directions = t->has_to + t->has_direction == (point ? 0 : 1);
-	if (t->has_angle && (point || spot))
-		return false;
-	return t->has_intensity && t->has_at == (point || spot) && t->has_cone == spot && directions && (spot || !t->has_to);
+	const unsigned traits = light_kind_traits(kind);
+	const bool place = traits & LIGHT_HAS_PLACE, direction = traits & LIGHT_HAS_DIRECTION;
+	const bool cone = traits & LIGHT_HAS_CONE, disc = traits & LIGHT_HAS_DISC;
+	return t->has_intensity && t->has_at == place && t->has_cone == cone && (disc || !t->has_angle) &&
+	       t->has_to + t->has_direction == direction && (place || !t->has_to);
 }
 
 static bool take_light(char *text, struct edit_options *o)
 {
-	static const char *const kinds[] = {"point", "spot", "directional"};
+#define KIND_NAME(NAME, number, name, ...) name,
+	static const char *const kinds[] = {CANDIL_LIGHT_KIND_LIST(KIND_NAME)};
 	struct light_text t = {0};
 	struct pair pair;
 	char *rest = cut_name(text);
-	int kind = 0;
-	while (kind < 3 && rest && strcmp(text, kinds[kind]) != 0)
+	unsigned kind = 0;
+	while (kind < LIGHT_KIND_COUNT && rest && strcmp(text, kinds[kind]) != 0)
 		kind++;
 	o->full = o->edits.light_count == LIMIT_EDIT_LIGHTS;
-	if (!rest || kind == 3 || o->full)
+	if (!rest || kind == LIGHT_KIND_COUNT || o->full)
 		return false;
 	while (*rest)
 		if (!next_pair(&rest, &pair) || !take_light_pair(&pair, &t))
 			return false;
-	if (!light_fits((enum candil_light_kind)kind, &t))
+	if (!light_fits(kind, &t))
 		return false;
 	if (t.has_to)
 		t.direction = (struct candil_vec3){t.to.x - t.at.x, t.to.y - t.at.y, t.to.z - t.at.z};
@@ -252,8 +253,7 @@ const char *edit_option_form(int option)
 {
 	switch (option) {
 	case OPTION_LIGHT:
-		return "point:at=x,y,z,intensity=I or spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I or "
-		       "directional:direction=x,y,z,intensity=I, up to 32 times";
+		return "{lights}, up to 32 times";
 	case OPTION_MATERIAL:
 		return "NAME: (or #N: where a name has an equals sign) and then color, emission, specular (=r,g,b or =v), "
 		       "{shares} (=v) between commas, up to 32 times";

@@ -46,13 +46,11 @@ const char *edit_option_form(int option);
 // For the help of render and sweep.
 #define EDIT_OPTIONS_HELP \
 	"  --light KIND:KEY=VALUE,...\n" \
-	"                        one more light for this picture, up to 32 times: point:at=x,y,z,intensity=I;\n" \
-	"                        spot:at=x,y,z,to=x,y,z,cone=INNER,OUTER,intensity=I (degrees from the axis; direction=\n" \
-	"                        instead of to=); directional:direction=x,y,z,intensity=I, with angle=DEGREES from a " \
-	"disc\n" \
-	"                        so wide (path tracing; the sun: 0.53). I is one number or r,g,b, in W/sr, of a " \
-	"directional light\n" \
-	"                        W/m²\n" \
+	"                        one more light for this picture, up to 32 times:\n" \
+	"                        {lights}.\n" \
+	"                        A cone's degrees are from its axis; direction= may stand in place of to=;\n" \
+	"                        angle=DEGREES makes a directional light a disc so wide (path tracing; the sun: 0.53).\n" \
+	"                        I is one number or r,g,b, in W/sr, of a directional light W/m²\n" \
 	"  --replace-lights      the scene's own point, spot and directional lights are out\n" \
 	"  --material NAME:KEY=VALUE,...\n" \
 	"                        another look for a material: color, emission (W/(m² sr)), specular (each r,g,b or one\n" \

@@ -23,11 +23,12 @@ static void words_put(struct words *w, const char *text, size_t bytes)
 	fwrite(text, 1, bytes, w->out);
 }
 
-static void words_put_names(struct words *w, const char *const *names, size_t count)
+// `between` ends with a space.
+static void words_put_names(struct words *w, const char *between, const char *const *names, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		const char *name = names[i];
-		const char *before = i == 0 ? "" : i == count - 1 ? " or " : ", ";
+		const char *before = i == 0 ? "" : i == count - 1 ? " or " : between;
 		if (w->indent > 0 && w->column + strlen(before) + strlen(name) > COLUMNS) {
 			// The line ends in place of the space at the end of `before`.
 			words_put(w, before, strlen(before) - 1);
@@ -44,14 +45,21 @@ static void words_put_effects(struct words *w)
 {
 #define EFFECT_NAME(NAME, number, name, ...) name,
 	static const char *const names[] = {CANDIL_EFFECT_LIST(EFFECT_NAME)};
-	words_put_names(w, names, sizeof(names) / sizeof(names[0]));
+	words_put_names(w, ", ", names, sizeof(names) / sizeof(names[0]));
 }
 
 static void words_put_shares(struct words *w)
 {
 #define SHARE_NAME(field, name) name,
 	static const char *const names[] = {CANDIL_MATERIAL_SHARES(SHARE_NAME)};
-	words_put_names(w, names, sizeof(names) / sizeof(names[0]));
+	words_put_names(w, ", ", names, sizeof(names) / sizeof(names[0]));
+}
+
+static void words_put_lights(struct words *w)
+{
+#define LIGHT_FORM(NAME, number, name, traits, called, form) form,
+	static const char *const forms[] = {CANDIL_LIGHT_KIND_LIST(LIGHT_FORM)};
+	words_put_names(w, " or ", forms, sizeof(forms) / sizeof(forms[0]));
 }
 
 static void words_put_techniques(struct words *w, unsigned traits)
@@ -78,6 +86,7 @@ static size_t words_put_mark(struct words *w, const char *text)
 	    {"{techniques}", TECHNIQUE_RENDERS, NULL}, {"{noise}", TECHNIQUE_NOISE, NULL},
 	    {"{voxels}", TECHNIQUE_VOXELS, NULL},      {"{auto}", 0, words_put_auto},
 	    {"{effects}", 0, words_put_effects},       {"{shares}", 0, words_put_shares},
+	    {"{lights}", 0, words_put_lights},
 	};
 	for (size_t i = 0; i < sizeof(marks) / sizeof(marks[0]); i++) {
 		const size_t length = strlen(marks[i].mark);

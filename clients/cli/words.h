@@ -6,6 +6,7 @@
 //   {noise}       the techniques whose error falls with the number of samples, with "or" before the last
 //   {voxels}      the technique that `candil inspect` looks into
 //   {effects}     all effects, with "or" before the last
+//   {lights}      the kinds of lights with their keys, as --light takes them, "or" between them
 //   {shares}      a material's shares, with "or" before the last
 //
 // Any other word in braces is printed as it stands.
@@ -14,8 +15,8 @@
 
 #include <stdio.h>
 
-// Print `text` with its marks filled in. An effect or a share that does not fit into the line of a help text begins a new
-// one, behind `indent` spaces; 0: no line is broken.
+// Print `text` with its marks filled in. An effect, a light or a share that does not fit into the line of a help text begins
+// a new one, behind `indent` spaces; 0: no line is broken.
 void words_print(FILE *out, const char *text, unsigned indent);
 
 // What words_print prints without breaking lines, as a string. It is the caller's, to be freed; NULL: no memory.

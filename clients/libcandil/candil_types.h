@@ -151,13 +151,6 @@ struct candil_option {
 	const char *value; // "8": 1 to 31 bytes
 };
 
-// What a light of an edit is.
-enum candil_light_kind {
-	CANDIL_LIGHT_POINT = 0,
-	CANDIL_LIGHT_SPOT = 1,
-	CANDIL_LIGHT_DIRECTIONAL = 2,
-};
-
 // One more light.
 struct candil_light {
 	enum candil_light_kind kind;

@@ -27,24 +27,28 @@ static enum status check_spot(const candil_Light *l, struct error *err)
 
 static enum status check_light(const candil_Light *l, struct error *err)
 {
-	if ((unsigned)l->kind > candil_LightKind_LIGHT_KIND_DIRECTIONAL)
+	const unsigned traits = light_kind_traits((unsigned)l->kind);
+	char kinds[128];
+	if ((unsigned)l->kind >= LIGHT_KIND_COUNT)
 		return error_set(err, STATUS_BAD_ARGUMENT, "a light's kind %u is none of candil.proto", (unsigned)l->kind);
 	if (!l->has_intensity || !edits_within(&l->intensity, 0, LIMIT_INTENSITY))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a light needs an intensity of components between 0 and %g",
 				 LIMIT_INTENSITY);
-	if (l->kind != candil_LightKind_LIGHT_KIND_DIRECTIONAL &&
-	    (!l->has_position || !edits_within(&l->position, -LIMIT_COORDINATE, LIMIT_COORDINATE)))
-		return error_set(err, STATUS_BAD_ARGUMENT,
-				 "a point light or a spot needs a position of finite coordinates, at most %g",
+	if (traits & LIGHT_HAS_PLACE &&
+	    (!l->has_position || !edits_within(&l->position, -LIMIT_COORDINATE, LIMIT_COORDINATE))) {
+		light_kind_list(LIGHT_HAS_PLACE, "or", kinds, sizeof kinds);
+		return error_set(err, STATUS_BAD_ARGUMENT, "%s needs a position of finite coordinates, at most %g", kinds,
 				 LIMIT_COORDINATE);
-	if (l->kind != candil_LightKind_LIGHT_KIND_POINT &&
-	    (!l->has_direction || !has_length(l->direction.x, l->direction.y, l->direction.z, 0)))
-		return error_set(err, STATUS_BAD_ARGUMENT,
-				 "a spot or a directional light needs a direction that is finite and not zero");
-	if (l->kind == candil_LightKind_LIGHT_KIND_DIRECTIONAL && !(l->angle_degrees >= 0 && l->angle_degrees < 180))
+	}
+	if (traits & LIGHT_HAS_DIRECTION &&
+	    (!l->has_direction || !has_length(l->direction.x, l->direction.y, l->direction.z, 0))) {
+		light_kind_list(LIGHT_HAS_DIRECTION, "or", kinds, sizeof kinds);
+		return error_set(err, STATUS_BAD_ARGUMENT, "%s needs a direction that is finite and not zero", kinds);
+	}
+	if (traits & LIGHT_HAS_DISC && !(l->angle_degrees >= 0 && l->angle_degrees < 180))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "a directional light's angle_degrees are from 0 to below 180, across its disc");
-	return l->kind == candil_LightKind_LIGHT_KIND_SPOT ? check_spot(l, err) : STATUS_OK;
+	return traits & LIGHT_HAS_CONE ? check_spot(l, err) : STATUS_OK;
 }
 
 // A name as the scene has it, or '#' and a number. Whether the scene has it is for the worker to find out.

@@ -345,7 +345,7 @@ static enum status check_emitters(const struct blob_header *h, struct error *err
 
 static bool light_is_sane(const struct punctual_light *l, uint32_t count)
 {
-	return l->kind <= LIGHT_DIRECTIONAL && l->alias < count && is_share(l->keep) && is_share(l->pmf) &&
+	return l->kind < LIGHT_KIND_COUNT && l->alias < count && is_share(l->keep) && is_share(l->pmf) &&
 	       finite_all(l->position, 3) && finite_all(l->direction, 3) && finite_all(l->intensity, 3) &&
 	       l->intensity[0] >= 0 && l->intensity[1] >= 0 && l->intensity[2] >= 0 && fabsf(l->cos_inner) <= 1.0f &&
 	       fabsf(l->cos_outer) <= 1.0f && is_share(l->spread);

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/names.h"
 #include "server/base/angle.h"
 #include "server/scene/lights.h"
 #include "server/scene/nodes.h"
@@ -52,23 +53,21 @@ static void move_lights(const struct edited *e, const struct transform *world, s
 static struct punctual_light light_of(const struct blob_view *view, const candil_Light *from)
 {
 	struct punctual_light out = {.kind = (uint32_t)from->kind};
+	const unsigned traits = light_kind_traits(out.kind);
 	const double position[3] = {from->position.x, from->position.y, from->position.z};
 	double direction[3] = {from->direction.x, from->direction.y, from->direction.z};
-	_Static_assert((int)candil_LightKind_LIGHT_KIND_SPOT == (int)LIGHT_SPOT &&
-			   (int)candil_LightKind_LIGHT_KIND_DIRECTIONAL == (int)LIGHT_DIRECTIONAL,
-		       "kinds of light go by the same numbers");
 	out.intensity[0] = (float)from->intensity.x;
 	out.intensity[1] = (float)from->intensity.y;
 	out.intensity[2] = (float)from->intensity.z;
-	if (out.kind != LIGHT_DIRECTIONAL)
+	if (traits & LIGHT_HAS_PLACE)
 		set_position(view, position, &out);
-	if (out.kind != LIGHT_POINT && transform_normalize(direction))
+	if (traits & LIGHT_HAS_DIRECTION && transform_normalize(direction))
 		for (int c = 0; c < 3; c++)
 			out.direction[c] = (float)direction[c];
 	const double half_sine = sin(from->angle_degrees * PI / 720); // 1 − cos α = 2 sin² (α / 2), without cancellation
-	if (out.kind == LIGHT_DIRECTIONAL)
+	if (traits & LIGHT_HAS_DISC)
 		out.spread = (float)(2 * half_sine * half_sine);
-	if (out.kind == LIGHT_SPOT) {
+	if (traits & LIGHT_HAS_CONE) {
 		out.cos_inner = (float)cos(from->inner_degrees * PI / 180);
 		out.cos_outer = (float)fmax(cos(from->outer_degrees * PI / 180), 0);
 	}
