@@ -89,6 +89,7 @@ enum fact {
 	FACT_SURROUNDINGS = 1u << 15, // it is an environment: a picture of all directions
 	FACT_POLISHED = 1u << 16, // some lit surface reflects or transmits light nearly unspread: casters.h
 };
+#define FACT_LIGHTS (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS)
 
 // The header, at the blob's start.
 struct blob_header {

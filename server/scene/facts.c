@@ -1,5 +1,6 @@
 #include "server/scene/facts.h"
 
+#include "protocol/names.h"
 #include "server/scene/casters.h"
 
 static bool above_zero(const float c[3])
@@ -48,24 +49,13 @@ static bool has_colours(const struct blob_view *view)
 	return false;
 }
 
-static uint32_t light_facts(const struct punctual_light *light)
-{
-	switch (light->kind) {
-	case LIGHT_POINT:
-		return FACT_POINT_LIGHTS;
-	case LIGHT_SPOT:
-		return FACT_SPOT_LIGHTS;
-	case LIGHT_DIRECTIONAL:
-		return FACT_DIRECTIONAL_LIGHTS;
-	}
-	return 0;
-}
-
 uint32_t facts_of_view(const struct blob_view *view)
 {
 	const struct triangle *triangles = view->sections[BLOB_TRIANGLES];
 	const struct material *materials = view->sections[BLOB_MATERIALS];
 	const struct punctual_light *lights = view->sections[BLOB_LIGHTS];
+#define FACT_OF_KIND(NAME, number, ...) [number] = FACT_##NAME##_LIGHTS,
+	static const uint32_t light_facts[LIGHT_KIND_COUNT] = {CANDIL_LIGHT_KIND_LIST(FACT_OF_KIND)};
 	uint32_t facts = view->counts[BLOB_EMITTERS] > 0 ? FACT_EMITTERS : 0;
 	uint32_t last = NONE;
 
@@ -76,7 +66,7 @@ uint32_t facts_of_view(const struct blob_view *view)
 		last = triangles[i].material;
 	}
 	for (uint32_t i = 0; i < view->counts[BLOB_LIGHTS]; i++)
-		facts |= light_facts(&lights[i]);
+		facts |= light_facts[lights[i].kind];
 	if (view->counts[BLOB_ENVIRONMENT] > 0)
 		facts |= FACT_SURROUNDINGS;
 	if (casters_count(view) > 0)
@@ -98,12 +88,10 @@ const char *fact_name(enum fact fact)
 		return "textures";
 	case FACT_EMITTERS:
 		return "emitters";
-	case FACT_POINT_LIGHTS:
-		return "point lights";
-	case FACT_SPOT_LIGHTS:
-		return "spot lights";
-	case FACT_DIRECTIONAL_LIGHTS:
-		return "directional lights";
+#define NAME_OF_KIND(NAME, number, name, ...) \
+	case FACT_##NAME##_LIGHTS: \
+		return name " lights";
+		CANDIL_LIGHT_KIND_LIST(NAME_OF_KIND)
 	case FACT_REFLECTS:
 		return "reflecting surfaces";
 	case FACT_GLOSSY:

@@ -129,9 +129,9 @@ static struct lamp light_lamp(const struct light_tree_lamps *in, uint32_t i)
 		l.bound.min[k] = l.bound.max[k] = l.centre[k] = place[k];
 		l.bound.axis[k] = light->kind == LIGHT_POINT ? k == 2 : (double)light->direction[k];
 	}
-	l.bound.spread = light->kind == LIGHT_POINT         ? PI
+	l.bound.spread = light->kind == LIGHT_SPOT          ? 0
 			 : light->kind == LIGHT_DIRECTIONAL ? acos(1 - (double)light->spread)
-							    : 0;
+							    : PI;
 	l.bound.power = PI * luminance(light->intensity);
 	return l;
 }

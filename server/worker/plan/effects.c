@@ -5,13 +5,11 @@
 #include "protocol/names.h"
 #include "server/scene/blob.h"
 
-#define LIGHT_FACTS (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS)
-
 // For each effect the facts of a scene any of which calls for it. 0: the functions below decide.
 static const uint32_t calling_facts[EFFECT_COUNT] = {
     [candil_Effect_EFFECT_TEXTURES] = FACT_TEXTURES,
     [candil_Effect_EFFECT_EMITTERS] = FACT_EMITTERS,
-    [candil_Effect_EFFECT_LIGHTS] = LIGHT_FACTS,
+    [candil_Effect_EFFECT_LIGHTS] = FACT_LIGHTS,
     [candil_Effect_EFFECT_GLOSSY] = FACT_GLOSSY,
     [candil_Effect_EFFECT_NORMAL_MAPS] = FACT_NORMAL_MAPS,
     [candil_Effect_EFFECT_ALPHA_MASK] = FACT_ALPHA_MASK,
@@ -45,7 +43,7 @@ static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 static bool starts_light_paths(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
 	const bool emitters = facts & FACT_EMITTERS && allowed(candil_Effect_EFFECT_EMITTERS, r);
-	const bool lights = facts & LIGHT_FACTS && allowed(candil_Effect_EFFECT_LIGHTS, r);
+	const bool lights = facts & FACT_LIGHTS && allowed(candil_Effect_EFFECT_LIGHTS, r);
 	const bool sky = p->environment.power > 0 && p->environment.contrast >= PLAN_SKY_CONTRAST &&
 			 allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
 	return emitters || lights || sky;
