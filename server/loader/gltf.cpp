@@ -228,13 +228,9 @@ enum status pick_scene(const tinygltf::Model &model, const tinygltf::Scene **sce
 
 void list_ignored(gltf_reader *reader)
 {
-	for (const std::string &name : reader->model.extensionsUsed) {
-		bool known = false;
-		for (size_t i = 0; gltf_extensions_read[i]; i++)
-			known = known || name == gltf_extensions_read[i];
-		if (!known)
+	for (const std::string &name : reader->model.extensionsUsed)
+		if (!gltf_extension_is_read(name.c_str()))
 			import_ignore(reader->import, name.c_str());
-	}
 	if (reader->model.scenes.size() > 1)
 		import_ignore(reader->import, "scenes other than the default one");
 }

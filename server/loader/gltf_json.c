@@ -298,20 +298,27 @@ static enum status check_root(const json_t *root, struct error *err)
 	return check_object(root, &scene, 1, "the file", err);
 }
 
-const char *const gltf_extensions_read[] = {"EXT_materials_diffuse_roughness",
-					    "EXT_mesh_gpu_instancing",
-					    "KHR_lights_punctual",
-					    "KHR_materials_clearcoat",
-					    "KHR_materials_diffuse_roughness",
-					    "KHR_materials_emissive_strength",
-					    "KHR_materials_ior",
-					    "KHR_materials_specular",
-					    "KHR_materials_transmission",
-					    "KHR_materials_unlit",
-					    "KHR_materials_volume",
-					    "KHR_mesh_quantization",
-					    "KHR_texture_transform",
-					    NULL};
+bool gltf_extension_is_read(const char *name)
+{
+	// Beside those of the layers.
+	static const char *const others[] = {"EXT_mesh_gpu_instancing",
+					     "KHR_lights_punctual",
+					     "KHR_materials_emissive_strength",
+					     "KHR_materials_ior",
+					     "KHR_materials_specular",
+					     "KHR_materials_transmission",
+					     "KHR_materials_unlit",
+					     "KHR_materials_volume",
+					     "KHR_mesh_quantization",
+					     "KHR_texture_transform",
+					     NULL};
+	static const char *const *const lists[] = {others, gltf_layer_extensions};
+	for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+		for (const char *const *known = lists[i]; *known; known++)
+			if (strcmp(*known, name) == 0)
+				return true;
+	return false;
+}
 
 static enum status check_extensions(const json_t *root, struct error *err)
 {
@@ -321,10 +328,7 @@ static enum status check_extensions(const json_t *root, struct error *err)
 	json_array_foreach(required, i, item)
 	{
 		const char *name = json_string_value(item);
-		bool found = false;
-		for (size_t k = 0; gltf_extensions_read[k] && name; k++)
-			found = found || strcmp(gltf_extensions_read[k], name) == 0;
-		if (!found)
+		if (!name || !gltf_extension_is_read(name))
 			return error_set(err, STATUS_SCENE_UNSUPPORTED,
 					 "the file requires the extension %.80s, which is not supported; export it without",
 					 name ? name : "(not a string)");

@@ -21,8 +21,11 @@ struct gltf_text {
 	uint64_t bin_bytes; // GLB: size of the BIN chunk, 0 without one
 };
 
-// The names of the extensions that are read; NULL ends the list.
-extern const char *const gltf_extensions_read[];
+// Whether the extension of a name is read.
+bool gltf_extension_is_read(const char *name);
+
+// The names of those that gltf_layers.cpp reads; NULL ends the list.
+extern const char *const gltf_layer_extensions[];
 
 // Find the JSON in the file's bytes. STATUS_SCENE_INVALID if the container is broken.
 enum status gltf_find_json(const struct file_bytes *bytes, struct gltf_text *text, struct error *err);

@@ -2,6 +2,13 @@
 
 #include <cmath>
 
+extern "C" {
+#include "server/loader/gltf_json.h"
+}
+
+const char *const gltf_layer_extensions[] = {"EXT_materials_diffuse_roughness", "KHR_materials_clearcoat",
+					     "KHR_materials_diffuse_roughness", NULL};
+
 namespace
 {
 

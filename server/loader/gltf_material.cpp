@@ -25,13 +25,9 @@ void list_ignored(struct import *import, const tinygltf::Material &m)
 		import_ignore(import, "occlusionTexture");
 	if (m.alphaMode != "OPAQUE" && m.alphaMode != "MASK" && m.alphaMode != "BLEND")
 		import_ignore(import, ("alphaMode " + m.alphaMode).c_str());
-	for (const auto &extension : m.extensions) {
-		bool known = false;
-		for (size_t i = 0; gltf_extensions_read[i]; i++)
-			known = known || extension.first == gltf_extensions_read[i];
-		if (!known)
+	for (const auto &extension : m.extensions)
+		if (!gltf_extension_is_read(extension.first.c_str()))
 			import_ignore(import, extension.first.c_str());
-	}
 }
 
 // Set base colour, emission, metalness and roughness. False if a value had to be clamped.
