@@ -16,7 +16,7 @@ _Static_assert((int)TECHNIQUE_COUNT == (int)_candil_Technique_ARRAYSIZE, "candil
 	_Static_assert((int)candil_Effect_EFFECT_##NAME == (number), "candil.proto has another number");
 CANDIL_EFFECT_LIST(SAME_EFFECT)
 _Static_assert((int)EFFECT_COUNT == (int)_candil_Effect_ARRAYSIZE, "candil.proto has other effects");
-_Static_assert(EFFECT_COUNT <= LIMIT_EFFECTS, "an effect is a bit, and a report in Accepted");
+_Static_assert(EFFECT_COUNT <= LIMIT_EFFECTS && EFFECT_COUNT < 32, "an effect is a bit, and a report in Accepted");
 
 // Shaders and the scene blob have the same numbers.
 #define SAME_LIGHT_KIND(NAME, number, ...) \

@@ -31,7 +31,7 @@ static void words_put_names(struct words *w, const char *between, const char *co
 		const char *before = i == 0 ? "" : i == count - 1 ? " or " : between;
 		if (w->indent > 0 && w->column + strlen(before) + strlen(name) > COLUMNS) {
 			// The line ends in place of the space at the end of `before`.
-			words_put(w, before, strlen(before) - 1);
+			words_put(w, before, before[0] ? strlen(before) - 1 : 0);
 			fprintf(w->out, "\n%*s", (int)w->indent, "");
 			w->column = w->indent;
 		} else {

@@ -51,9 +51,9 @@ candil_status submit_message(candil_client *client, enum message_type type, cons
 static candil_status submit_plain(candil_client *client, enum message_type type, const pb_msgdesc_t *fields,
 				  const void *message, uint32_t *id, struct candil_error *error)
 {
-	struct request *request;
+	struct request *request = NULL;
 	candil_status status = submit_message(client, type, fields, message, -1, false, &request, error);
-	*id = status == CANDIL_STATUS_OK ? request->id : 0;
+	*id = request ? request->id : 0;
 	return status;
 }
 

@@ -117,7 +117,7 @@ struct channel {
 
 enum listener_result {
 	LISTENER_ACCEPTED,
-	LISTENER_NONE, // nobody waits
+	LISTENER_NONE, // nobody waits, or whoever did has gone
 	LISTENER_EXHAUSTED, // somebody waits, but the system has no descriptor or memory left: pause and try again later
 };
 

@@ -215,7 +215,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 static void add_metadata(const struct server *s, const struct job *job, struct frame *f)
 {
 	const struct plan *p = &job->plan;
-	char effects[160] = "";
+	char effects[512] = "";
 	for (uint32_t i = 0; i < p->report_count; i++)
 		if (plan_has(p, p->reports[i].effect))
 			snprintf(effects + strlen(effects), sizeof effects - strlen(effects), "%s%s", effects[0] ? "," : "",

@@ -20,8 +20,8 @@ def tool(name):
     told = subprocess.run([path, "--version"], capture_output=True, text=True, check=True).stdout
     major = re.search(r"version (\d+)", told)
     if not major or major[1] != MAJOR:
-        print(f"{path} is no {name} {MAJOR}, and nothing was judged:\n{told}", flush=True)
-        sys.exit(0)
+        print(f"skipped: {path} is no {name} {MAJOR}, and nothing was judged:\n{told}", flush=True)
+        sys.exit(SKIPPED)
     return path
 
 
