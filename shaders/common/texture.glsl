@@ -11,8 +11,9 @@ int wrap_index(int i, int n, uint mode)
 	if (mode == WRAP_CLAMP)
 		return clamp(i, 0, n - 1);
 	int period = mode == WRAP_MIRROR ? 2 * n : n;
-	int m = i % period;
-	m = m < 0 ? m + period : m;
+	// The remainder of a negative number is undefined. −1 − i counts backwards from the end of the period.
+	int m = (i < 0 ? -1 - i : i) % period;
+	m = i < 0 ? period - 1 - m : m;
 	return m < n ? m : period - 1 - m;
 }
 
