@@ -51,6 +51,7 @@ struct walker {
 	float rivals;  // with EFFECT_CAUSTICS: rivals_at, then rivals_beside of the first event; 0: it did not spread light
 	float aim;     // caster_density at the last event / cosine of the outgoing direction; negative: no caster
 	vec3 facing;   // with LIGHT_TREE: facing_of the surface at `origin`
+	bool plain;    // with EFFECT_UNLIT: no event so far spread light but clear glass and metals
 	uint taken;    // samples of this dispatch that are completed
 	bool alive;
 };
@@ -150,6 +151,8 @@ void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, o
 	if (EFFECT_CAUSTICS)
 		caustic_note(p, s);
 	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
+	bool image = p.pdf >= PDF_MIRROR || (EFFECT_GLASS && b.clear) || b.diffuse == vec3(0.0);
+	p.plain = p.plain && image;
 	float worth = 1.0;
 	if (EFFECT_GLASS) {
 		bool through = dot(p.direction, s.geometric) < 0.0;
@@ -194,8 +197,9 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 	if (EFFECT_CAUSTICS && p.event == 0u)
 		p.rivals = rivals_at(p.direction, hit.t, abs(dot(s.geometric, p.direction)), push.light_tiles * TILE_PIXELS);
 	if (EFFECT_UNLIT && s.unlit) {
-		// An unlit surface is seen by the camera alone; it neither receives nor gives light.
-		if (p.event == 0u)
+		// An unlit surface neither receives nor gives light. It is seen by the camera, and by way of what shows
+		// images: mirrors, clear glass and metals.
+		if (p.plain)
 			p.radiance += p.throughput * s.base;
 		return false;
 	}
@@ -250,6 +254,7 @@ void path_start(inout walker p, uvec2 pixel, uvec2 scrambles)
 	p.radiance = vec3(0.0);
 	p.pdf = 0.0;
 	p.event = 0u;
+	p.plain = true;
 	p.media = uvec2(0u);
 	p.rivals = 0.0;
 	p.aim = 0.0;
@@ -338,7 +343,8 @@ void path_load(uint slot, out walker p)
 {
 	path_state s = paths[slot];
 	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), to_vec3(s.radiance), s.pdf, s.event,
-		   uvec2(s.media[0], s.media[1]), s.rivals, s.aim, to_vec3(s.facing), s.taken, s.event != PATH_DONE);
+		   uvec2(s.media[0], s.media[1]), s.rivals, s.aim, to_vec3(s.facing), (s.taken & PATH_PLAIN) != 0u, s.taken & ~PATH_PLAIN,
+		   s.event != PATH_DONE);
 }
 
 void path_store(uint slot, walker p)
@@ -348,7 +354,7 @@ void path_store(uint slot, walker p)
 	paths[slot].direction = float[3](p.direction.x, p.direction.y, p.direction.z);
 	paths[slot].pdf = p.pdf;
 	paths[slot].throughput = float[3](p.throughput.r, p.throughput.g, p.throughput.b);
-	paths[slot].taken = p.taken;
+	paths[slot].taken = p.taken | (p.plain ? PATH_PLAIN : 0u);
 	paths[slot].media = uint[2](p.media.x, p.media.y);
 	paths[slot].rivals = p.rivals;
 	paths[slot].aim = p.aim;

@@ -82,7 +82,7 @@ struct path_state {
 	float direction[3];
 	float pdf; // density of the direction, 1/sr
 	float throughput[3];
-	uint taken; // samples completed
+	uint taken; // samples completed; PATH_PLAIN
 	float radiance[3];
 	uint media[2]; // clear bodies that the path is in, 16 bits each, lowest first: material + 1, or 0
 	float rivals; // see pt/caustic.glsl; of a light path: the bits of its walker's `backs`
@@ -91,5 +91,6 @@ struct path_state {
 };
 LAYOUT_ASSERT(path_state, 88)
 #define PATH_DONE 0xFFFFFFFFu
+#define PATH_PLAIN 0x80000000u // bit of `taken`: so far the path has met only what shows images
 
 #endif

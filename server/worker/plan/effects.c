@@ -49,6 +49,13 @@ static bool starts_light_paths(const candil_Render *r, const struct plan *p, uin
 	return emitters || lights || sky;
 }
 
+// Whether there is an unlit surface, and something in which or through which it may be seen.
+static bool shows_images(const candil_Render *r, uint32_t facts)
+{
+	return facts & FACT_UNLIT && facts & (FACT_GLOSSY | FACT_GLASS | FACT_CLEARCOAT) &&
+	       allowed(candil_Effect_EFFECT_UNLIT, r);
+}
+
 // Whether the scene and the request's own values call for an effect.
 static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts)
 {
@@ -57,7 +64,8 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	if (effect == candil_Effect_EFFECT_ENVIRONMENT)
 		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0 || p->environment.power > 0;
 	if (effect == candil_Effect_EFFECT_BOUNCES)
-		return p->depth > 1 && facts & (FACT_REFLECTS | FACT_GLOSSY) && shines(r, p, facts);
+		return p->depth > 1 && facts & (FACT_REFLECTS | FACT_GLOSSY) &&
+		       (shines(r, p, facts) || shows_images(r, facts));
 	if (effect == candil_Effect_EFFECT_CAUSTICS)
 		return p->depth > 1 && facts & FACT_POLISHED && starts_light_paths(r, p, facts) &&
 		       allowed(candil_Effect_EFFECT_BOUNCES, r);
