@@ -109,6 +109,36 @@ static void float_exr_is_exact_at_every_size(void **state)
 	check_float(300, 1);
 }
 
+// Whether a frame's float EXR has this compression, and its values.
+static void expect_compression(const struct frame *f, const char *compression)
+{
+	struct readback r = through(f, CODEC_EXR_FLOAT, CODEC_VIEW_NONE, 0);
+	const char *name[3] = {"R", "G", "B"};
+	assert_string_equal(readback_attribute(&r, "compression"), compression);
+	for (size_t i = 0; i < (size_t)f->width * f->height * 3; i++)
+		assert_true(readback_value(&r, (int)(i / 3 % f->width), (int)(i / 3 / f->width), name[i % 3]) ==
+			    (double)f->radiance[i]);
+	readback_close(&r);
+}
+
+static void noise_is_not_squeezed_in_vain(void **state)
+{
+	(void)state;
+	struct frame *f = NULL;
+	struct error err;
+	assert_int_equal(frame_create(64, 200, 0, &f, &err), STATUS_OK);
+	expect_compression(f, "zip");
+	uint32_t random = 1;
+	for (size_t i = 0; i < (size_t)f->width * f->height * 3; i++) {
+		random = random * 1664525u + 1013904223u;
+		f->radiance[i] = (float)(random >> 8) * 0x1p-24f;
+	}
+	expect_compression(f, "rle");
+	f->height = 20; // too few rows to try it on some of them
+	expect_compression(f, "zip");
+	frame_destroy(f);
+}
+
 static void half_exr_rounds_to_nearest_and_stays_finite(void **state)
 {
 	(void)state;
@@ -313,6 +343,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(float_exr_is_exact_at_every_size),
+	    cmocka_unit_test(noise_is_not_squeezed_in_vain),
 	    cmocka_unit_test(half_exr_rounds_to_nearest_and_stays_finite),
 	    cmocka_unit_test(only_the_aovs_that_were_asked_for_are_written),
 	    cmocka_unit_test(png_has_known_codes),

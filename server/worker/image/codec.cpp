@@ -19,8 +19,18 @@ extern "C" {
 namespace
 {
 
-// Rows packed at a time. It bounds the extra memory, and is a multiple of the 16 rows of a zip block.
+// Rows packed at a time. It bounds the extra memory, and is a multiple of the 16 rows of a zip block. The library compresses
+// a strip's blocks side by side.
 constexpr uint32_t STRIP_ROWS = 64;
+
+// Noise in floats hardly gets smaller, and zip takes long to find that out. So a sample of the rows is compressed both ways,
+// and the whole by run lengths if that makes it at most so many times as large. Measured: tests/bench/RESULTS.md.
+constexpr double RLE_GROWTH_MAX = 1.25;
+constexpr uint32_t SAMPLE_BANDS = 4, SAMPLE_BAND_ROWS = 2;
+constexpr uint32_t SAMPLED_ROWS_MIN = 16 * SAMPLE_BANDS * SAMPLE_BAND_ROWS; // of a frame, so that the sample costs little
+
+// Higher levels take longer and gain next to nothing on floats.
+constexpr const char *ZIP_OF_FLOATS = "zip:2";
 
 struct channel {
 	const char *name;
@@ -60,27 +70,29 @@ uint16_t to_half(float value)
 	return h.bits();
 }
 
-// Pack rows y0…y1-1 in the file's own layout: pixel by pixel, each channel in its own type.
+// Append rows y0…y1-1 in the file's own layout: pixel by pixel, each channel in its own type.
 void pack(const frame &f, const std::vector<channel> &channels, uint32_t y0, uint32_t y1, std::vector<unsigned char> &out)
 {
 	size_t pixel_bytes = 0;
 	for (const channel &c : channels)
 		pixel_bytes += c.type.size();
 	const size_t first = size_t(y0) * f.width, count = size_t(y1 - y0) * f.width;
-	out.resize(count * pixel_bytes);
-	size_t offset = 0;
+	const size_t before = out.size();
+	out.resize(before + count * pixel_bytes);
+	size_t offset = before;
 	for (const channel &c : channels) {
 		const unsigned char *from =
 		    static_cast<const unsigned char *>(c.plane) + (first * c.stride + c.component) * 4;
 		unsigned char *to = out.data() + offset;
-		for (size_t i = 0; i < count; i++, from += size_t(c.stride) * 4, to += pixel_bytes) {
-			if (c.type == OIIO::TypeDesc::HALF) {
+		if (c.type != OIIO::TypeDesc::HALF) {
+			for (size_t i = 0; i < count; i++, from += size_t(c.stride) * 4, to += pixel_bytes)
+				std::memcpy(to, from, 4);
+		} else {
+			for (size_t i = 0; i < count; i++, from += size_t(c.stride) * 4, to += pixel_bytes) {
 				float value;
 				std::memcpy(&value, from, sizeof value);
 				uint16_t bits = to_half(value);
 				std::memcpy(to, &bits, sizeof bits);
-			} else {
-				std::memcpy(to, from, 4);
 			}
 		}
 		offset += c.type.size();
@@ -93,15 +105,53 @@ void add_metadata(const frame &f, OIIO::ImageSpec &spec)
 		spec.attribute(std::string("candil/") + f.metadata[i].key, f.metadata[i].value);
 }
 
-OIIO::ImageSpec exr_spec(const frame &f, const std::vector<channel> &channels)
+OIIO::ImageSpec channel_spec(uint32_t width, uint32_t height, const std::vector<channel> &channels, const char *compression)
 {
-	OIIO::ImageSpec spec(int(f.width), int(f.height), int(channels.size()), channels.front().type);
+	OIIO::ImageSpec spec(int(width), int(height), int(channels.size()), channels.front().type);
 	spec.channelnames.clear();
 	for (const channel &c : channels) {
 		spec.channelnames.push_back(c.name);
 		spec.channelformats.push_back(c.type);
 	}
-	spec.attribute("compression", "zip");
+	spec.attribute("compression", compression);
+	return spec;
+}
+
+// How many bytes a file of these packed rows has; 0: the library refused.
+size_t compressed_bytes(uint32_t width, uint32_t rows, const std::vector<channel> &channels, const char *compression,
+			const std::vector<unsigned char> &packed)
+{
+	OIIO::Filesystem::IOVecOutput memory;
+	{
+		auto out = OIIO::ImageOutput::create("sample.exr", &memory);
+		if (!out || !out->open("sample.exr", channel_spec(width, rows, channels, compression)) ||
+		    !out->write_scanlines(0, int(rows), 0, OIIO::TypeDesc::UNKNOWN, packed.data()) || !out->close())
+			return 0;
+	}
+	return memory.buffer().size();
+}
+
+// Both choices keep every bit. Halves have too little noise for run lengths to be worth a try.
+const char *choose_compression(const frame &f, const std::vector<channel> &channels)
+{
+	constexpr uint32_t rows = SAMPLE_BANDS * SAMPLE_BAND_ROWS;
+	if (channels.front().type == OIIO::TypeDesc::HALF)
+		return "zip";
+	if (f.height < SAMPLED_ROWS_MIN)
+		return ZIP_OF_FLOATS;
+	std::vector<unsigned char> packed;
+	for (uint32_t i = 0; i < SAMPLE_BANDS; i++) {
+		const uint32_t y = uint32_t(uint64_t(f.height) * (2 * i + 1) / (2 * SAMPLE_BANDS));
+		pack(f, channels, y, y + SAMPLE_BAND_ROWS, packed);
+	}
+	const size_t rle = compressed_bytes(f.width, rows, channels, "rle", packed);
+	const size_t zip = compressed_bytes(f.width, rows, channels, ZIP_OF_FLOATS, packed);
+	return rle > 0 && double(rle) <= RLE_GROWTH_MAX * double(zip) ? "rle" : ZIP_OF_FLOATS;
+}
+
+OIIO::ImageSpec exr_spec(const frame &f, const std::vector<channel> &channels)
+{
+	OIIO::ImageSpec spec = channel_spec(f.width, f.height, channels, choose_compression(f, channels));
 	// The primaries and white point of Rec.709, which are EXR's default, are written all the same.
 	const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 	spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
@@ -138,6 +188,7 @@ template <typename Packer> bool write_rows(OIIO::ImageOutput &out, const frame &
 	std::vector<unsigned char> strip;
 	for (uint32_t y = 0; y < f.height; y += STRIP_ROWS) {
 		uint32_t end = std::min(f.height, y + STRIP_ROWS);
+		strip.clear();
 		packer(y, end, strip);
 		if (!out.write_scanlines(int(y), int(end), 0, type, strip.data()))
 			return false;
@@ -183,8 +234,10 @@ status to_memfd(const std::vector<unsigned char> &file, int *fd, size_t *bytes, 
 
 status encode(const frame &f, codec_format format, codec_view view, double exposure_ev, int *fd, size_t *bytes, error *err)
 {
-	// Declared before the output, which writes to it until the output is destroyed.
-	OIIO::Filesystem::IOVecOutput memory;
+	// Declared before the output, which writes to it until the output is destroyed. It would grow by copies.
+	std::vector<unsigned char> file;
+	file.reserve(size_t(f.width) * f.height * 3 * (format == CODEC_EXR_FLOAT ? 4 : 1));
+	OIIO::Filesystem::IOVecOutput memory(file);
 	{
 		auto out = OIIO::ImageOutput::create(format == CODEC_PNG ? "frame.png" : "frame.exr", &memory);
 		if (!out)
