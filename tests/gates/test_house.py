@@ -16,8 +16,7 @@ MEANT_CIRCLES = [{"server/worker/technique/voxel/voxel_build.c", "server/worker/
 STANDS_ON = {"vct": {"direct"}}
 
 # Lists that name every technique, from the checkout's root.
-LISTS = {"protocol/names.h", "protocol/candil.proto", "server/worker/technique/techniques.c", "server/worker/CMakeLists.txt",
-         "shaders/CMakeLists.txt"}
+LISTS = {"protocol/names.h", "protocol/candil.proto", "server/worker/technique/techniques.c", "shaders/CMakeLists.txt"}
 
 
 def read(path):

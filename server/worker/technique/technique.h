@@ -7,7 +7,7 @@
 // A technique owns its options with their defaults, the list of what it cannot do, and what `begin` makes, until `end`. The
 // resident scene outlives the job. Functions that return enum status fill `err` on failure; STATUS_DEVICE from any of them
 // that gets a job or `devices` means that the device failed. To add a technique: its folder, a line in protocol/names.h and
-// in candil.proto, techniques.c, the build's lists of files, README.
+// in candil.proto, techniques.c, README.
 //
 // Example: what can be asked of every technique without a device
 //	for (uint32_t i = 0; i < technique_count(); i++) {
