@@ -142,7 +142,7 @@ bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 
 	v.segment = q - origin;
 	float d2 = dot(v.segment, v.segment);
-	float d = sqrt(d2);
+	float d = sqrt(max(d2, 1e-37));
 	vec3 w = v.segment / d;
 	float cos_light = abs(dot(n, w));
 	v.radiance = vec3(0.0);
@@ -199,13 +199,14 @@ vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3
 {
 	vec3 to_light = to_vec3(light.position) - origin;
 	float d2 = dot(to_light, to_light);
+	float away2 = max(d2, 1e-37);
 	bool directional = light.kind == LIGHT_DIRECTIONAL;
-	w = directional ? -to_vec3(light.direction) : to_light / sqrt(d2);
+	w = directional ? -to_vec3(light.direction) : to_light / sqrt(away2);
 	segment = directional ? w : to_light;
 	t_max = directional ? INFINITY : 1.0;
 	vec3 irradiance = to_vec3(light.intensity);
 	if (!directional)
-		irradiance /= d2;
+		irradiance /= away2;
 	if (light.kind == LIGHT_SPOT)
 		irradiance *= spot_attenuation(light, w);
 	return directional || d2 > 0.0 ? irradiance : vec3(0.0);

@@ -21,10 +21,10 @@
 #ifndef SCENE_WITHOUT_TRACE
 #ifdef VULKAN
 SCENE_BUFFER(BIND_NODES) readonly buffer Nodes {
-	vec4 nodes[];   // struct bvh_node, four words at a time
+	uvec4 nodes[];   // struct bvh_node, four words at a time
 };
 SCENE_BUFFER(BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
-	vec4 leaf_triangles[];   // struct leaf_triangle, four words at a time
+	uvec4 leaf_triangles[];   // struct leaf_triangle, four words at a time
 };
 #define NODE_WORDS(i) nodes[i]
 #define LEAF_WORDS(i) leaf_triangles[i]
@@ -32,8 +32,8 @@ SCENE_BUFFER(BIND_LEAF_TRIANGLES) readonly buffer LeafTriangles {
 // OpenGL allows no more than sixteen storage blocks a stage, and software drivers fetch texels for all lanes at once.
 layout(binding = UNIT_NODES) uniform usamplerBuffer node_words;
 layout(binding = UNIT_LEAF_TRIANGLES) uniform usamplerBuffer leaf_words;
-#define NODE_WORDS(i) uintBitsToFloat(texelFetch(node_words, int(i)))
-#define LEAF_WORDS(i) uintBitsToFloat(texelFetch(leaf_words, int(i)))
+#define NODE_WORDS(i) texelFetch(node_words, int(i))
+#define LEAF_WORDS(i) texelFetch(leaf_words, int(i))
 #endif
 #endif
 SCENE_BUFFER(BIND_TRIANGLES) readonly buffer Triangles {

@@ -40,8 +40,10 @@ vec4 sample_texture(uint index, vec4 uv)
 	vec3 set = vec3((info.flags & TEXTURE_UV1) != 0u ? uv.zw : uv.xy, 1.0);
 	vec2 place = vec2(dot(to_vec3(info.row_u), set), dot(to_vec3(info.row_v), set));
 	vec2 size = vec2(info.width, info.height);
-	// Coordinates are held to a range that an int can take. Those beyond it have lost their fraction anyway.
-	vec2 at = clamp(place * size, vec2(-1e9), vec2(1e9));
+	// Coordinates are held to a range that an int can take. Those beyond it have lost their fraction anyway. Written as
+	// comparisons that a NaN fails: a transform of huge numbers may subtract infinities.
+	vec2 at = place * size;
+	at = vec2(at.x > -1e9 ? min(at.x, 1e9) : -1e9, at.y > -1e9 ? min(at.y, 1e9) : -1e9);
 	if (TEXTURE_UNFILTERED || (info.flags & TEXTURE_NEAREST) != 0u) {
 		ivec2 t = ivec2(floor(at));
 		return fetch_texel(info, t.x, t.y);
@@ -74,13 +76,14 @@ vec4 base_color_at(material m, triangle tri, vec3 bary, vec4 uv)
 	vec4 base = vec4(to_vec3(m.albedo), 1.0);
 	if (EFFECT_TEXTURES && m.albedo_texture != NONE)
 		base *= sample_texture(m.albedo_texture, uv);
-	if (EFFECT_VERTEX_COLORS) {
+	// The effect may be forced on a scene without colours, whose buffer is empty.
+	if (EFFECT_VERTEX_COLORS && job.has_colors != 0u) {
 		vec4 c = vec4(0.0);
 		for (uint i = 0u; i < 3u; i++) {
 			vertex_color k = colors[tri.vertex[i]];
 			c += bary[i] * vec4(k.rgba[0], k.rgba[1], k.rgba[2], k.rgba[3]);
 		}
-		base *= job.has_colors != 0u ? c : vec4(1.0);
+		base *= c;
 	}
 	return base;
 }

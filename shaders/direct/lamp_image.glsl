@@ -14,7 +14,7 @@ layout(binding = DIRECT_EXPECTED_UNIT, rgba32f) uniform image2D expected_image;
 // Maps a unit vector to the unfolded octahedron: Cigolle et al. 2014 (JCGT 3-2).
 vec2 octahedron(vec3 n)
 {
-	vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+	vec2 p = n.xy / max(abs(n.x) + abs(n.y) + abs(n.z), 1e-30);
 	vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
 	return n.z < 0.0 ? folded : p;
 }

@@ -316,6 +316,11 @@ vec3 direct_irradiance(vec3 position, vec3 normal, float offset, uint pattern)
 	s.f0 = vec3(0.0);
 	s.f90 = vec3(0.0);
 	s.roughness = 1.0;
+	s.diffuse_roughness = 0.0;
+	s.coat = 0.0;
+	s.coat_roughness = 0.0;
+	s.coat_normal = normal;
+	s.clear = false;
 	bsdf b = bsdf_make(s, -normal);
 	lamp_light lamps;
 	vec3 radiance = direct_light_parts(s, b, position + offset * normal, pattern & (DIRECT_BLOCK - 1u), lamps);

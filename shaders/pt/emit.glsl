@@ -25,6 +25,18 @@ struct launch {
 	uint target;      // triangle that was aimed at, or NONE
 };
 
+launch launch_none()
+{
+	return launch(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0.0, 0.0, 1.0, 0.0, false, NONE);
+}
+
+// The direction from a point to a target, or `otherwise` where the two are one.
+vec3 direction_to(vec3 target, vec3 from, vec3 otherwise)
+{
+	vec3 way = target - from;
+	return dot(way, way) > 0.0 ? normalize(way) : otherwise;
+}
+
 vec3 corner_mix(corners k, vec2 uv)
 {
 	return k.v0 + uv.x * (k.v1 - k.v0) + uv.y * (k.v2 - k.v0);
@@ -72,7 +84,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	vec3 x, y;
 	frame_make(n, x, y);
 	vec3 local = cosine_hemisphere(u);
-	l.direction = aims ? normalize(target - l.origin) : local.x * x + local.y * y + local.z * n;
+	l.direction = aims ? direction_to(target, l.origin, n) : local.x * x + local.y * y + local.z * n;
 	l.cos_lamp = max(dot(l.direction, n), 0.0);
 	l.power = front || both ? emitted_towards(m, tri, k.normal, uv, l.direction) * l.cos_lamp : vec3(0.0);
 	l.pdf_area = lamp.density * job.emitter_share;
@@ -103,7 +115,7 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 	if (aims) {
 		vec3 target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
 		l.origin = l.parallel ? target - axis * job.reach : l.origin;
-		l.direction = l.parallel ? axis : normalize(target - l.origin);
+		l.direction = l.parallel ? axis : direction_to(target, l.origin, l.direction);
 	}
 	if (light.kind == LIGHT_SPOT)
 		l.power *= spot_attenuation(light, -l.direction);
@@ -146,15 +158,13 @@ launch launch_make(sampler_state rnd)
 	bool afar = SKY && job.caster_count > 0u && ways.y >= lamps;
 	bool emissive = EFFECT_EMITTERS && job.emitter_count > 0u && (!EFFECT_LIGHTS || ways.y < share);
 	bool aims = ways.x < aimed_share(false);
-	launch l;
+	launch l = launch_none();
 	if (SKY && afar)
 		l = launch_sky(rnd, job.sky_paths);
 	else if (emissive)
 		l = launch_emitter(rnd, aims, share);
 	else if (EFFECT_LIGHTS && job.light_count > 0u)
 		l = launch_punctual(rnd, aims, lamps - share);
-	else
-		l.power = vec3(0.0);
 	return l;
 }
 
@@ -172,8 +182,9 @@ vec3 launch_power(launch l, uint id, float density, float cosine, float t)
 float launch_density(launch l, float density, float cosine, float t, float pdf)
 {
 	bool point = l.pdf_area > 0.0;
-	float spread = (point ? l.cos_lamp / PI : l.spread) / (t * t);
-	float inverse = point ? min(l.cos_lamp / (t * t * l.pdf_area), 1e18) : l.inverse;
+	float t2 = max(t * t, 1e-37);
+	float spread = (point ? l.cos_lamp / PI : l.spread) / t2;
+	float inverse = point ? min(l.cos_lamp / (t2 * l.pdf_area), 1e18) : l.inverse;
 	return lamp_density(arriving(spread, density / max(cosine, 1e-30), l.parallel), pdf, inverse);
 }
 

@@ -53,7 +53,7 @@ vec2 sample_filter(vec2 u)
 	if (FILTER == FILTER_GAUSSIAN) {
 		// Box and Muller's method, cut off at the radius.
 		float tail = exp(-0.5 * FILTER_RADIUS * FILTER_RADIUS / (FILTER_SIGMA * FILTER_SIGMA));
-		float r = FILTER_SIGMA * sqrt(-2.0 * log(1.0 - u.x * (1.0 - tail)));
+		float r = FILTER_SIGMA * sqrt(max(-2.0 * log(1.0 - u.x * (1.0 - tail)), 0.0));
 		return 0.5 + r * vec2(cos(2.0 * PI * u.y), sin(2.0 * PI * u.y));
 	}
 	return u;
@@ -107,7 +107,7 @@ float pixels_per_area(vec3 direction, float t, float cosine)
 }
 
 // The inverse of lens_ray: where in the image, in pixels, a point is seen through the point u of the lens, and the ray that
-// shows it, with its length t. False if the point is behind the camera.
+// shows it, with its length t. False if the point is behind the camera, or further beside the image than filters reach.
 bool lens_image(vec3 point, vec2 u, out vec2 at, out vec3 origin, out vec3 direction, out float t)
 {
 	vec3 forward = to_vec3(job.forward);
@@ -124,7 +124,8 @@ bool lens_image(vec3 point, vec2 u, out vec2 at, out vec3 origin, out vec3 direc
 	t = length(way);
 	direction = way / max(t, 1e-37);
 	if (CAMERA == CAMERA_PANORAMA) {
-		float longitude = atan(dot(direction, right), dot(direction, forward));
+		vec2 level = vec2(dot(direction, right), dot(direction, forward));
+		float longitude = level != vec2(0.0) ? atan(level.x, level.y) : 0.0;
 		float latitude = asin(clamp(dot(direction, up), -1.0, 1.0));
 		at = size * vec2(0.5 + longitude / (2.0 * PI), 0.5 - latitude / PI);
 		return t > 0.0;
@@ -141,7 +142,9 @@ bool lens_image(vec3 point, vec2 u, out vec2 at, out vec3 origin, out vec3 direc
 		seen = CAMERA == CAMERA_LENS ? way / along + aside / job.focus : way / along;
 	}
 	at = size * vec2(0.5 + 0.5 * dot(seen, right) / dot(right, right), 0.5 - 0.5 * dot(seen, up) / dot(up, up));
-	return along > 0.0 && t > 0.0;
+	// Just before the plane of the eye, positions leave the range of an int. A NaN fails the comparison.
+	bool beside = all(lessThan(abs(at - 0.5 * size), 0.5 * size + 2.0 * FILTER_RADIUS));
+	return along > 0.0 && t > 0.0 && beside;
 }
 
 // Density of sample_filter over the image, 1/pixel². `from` is in pixels from the pixel's middle.

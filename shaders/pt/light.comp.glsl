@@ -42,6 +42,9 @@ struct walker {
 	bool alive;
 };
 
+// Of a lamp without an area: more than a path has events.
+const uint BACKS_ANY = 0x10000u;
+
 // A ray from a light path to the camera, and its contribution.
 struct view {
 	vec3 origin;
@@ -187,7 +190,7 @@ void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd,
 	float pdf;
 	float lobe = EFFECT_GLOSSY || EFFECT_GLASS || EFFECT_CLEARCOAT ? sample_2d(rnd, set + SET_LOBE).x : 0.0;
 	p.direction = bsdf_sample(b, lobe, sample_2d(rnd, set + SET_BSDF), weight, pdf);
-	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0;
+	p.alive = max(weight.r, max(weight.g, weight.b)) > 0.0 && pdf > 0.0;
 	float reverse = 0.0;
 	p.power *= p.alive ? carried(s, b, from, p.direction, weight, pdf, reverse) : vec3(0.0);
 	if (p.event == 0u) {
@@ -207,14 +210,13 @@ void scatter(inout walker p, surface s, bsdf b, uvec2 beyond, sampler_state rnd,
 }
 
 // One event: the ray to the camera, and the next direction.
-void event_at(inout walker p, surface s, sampler_state rnd, launch l, float t, out view v)
+void event_at(inout walker p, surface s, sampler_state rnd, launch l, float t, inout view v)
 {
 	uvec2 beyond = p.media;
 	uint set = sets_of(p.event);
 	if (EFFECT_GLASS)
 		beyond = choose_clear(s, p.media, sample_2d(rnd, set + SET_CLEAR).x);
 	bsdf b = bsdf_make(s, p.direction);
-	v.t_max = -1.0;
 	if (p.event > 0u && !(EFFECT_GLASS && b.clear && b.glass.polished))
 		v = view_from(p, s, beyond, rnd);
 	scatter(p, s, b, beyond, rnd, l, t);
@@ -234,14 +236,13 @@ void light_round(inout walker p, uint place, inout tally account)
 	sampler_state rnd = sampler_of(place, p.taken);
 	uint key = hash_combine(hash_combine(rnd.scramble, rnd.index), p.event);
 	bool running = p.alive;
-	launch l;
-	l.target = NONE;
+	launch l = launch_none();
 	if (running && p.event == 0u) {
 		l = launch_make(rnd);
 		p.origin = l.origin;
 		p.direction = l.direction;
 		p.media = uvec2(0u);
-		p.backs = l.pdf_area > 0.0 ? 1u : NONE;
+		p.backs = l.pdf_area > 0.0 ? 1u : BACKS_ANY;
 		p.alive = max(l.power.r, max(l.power.g, l.power.b)) > 0.0;
 	}
 	ray_hit hit;
@@ -292,7 +293,7 @@ void path_load(uint slot, out walker p)
 {
 	path_state s = paths[slot];
 	p = walker(to_vec3(s.origin), to_vec3(s.direction), to_vec3(s.throughput), s.aim, s.pdf, s.event,
-		   uvec2(s.media[0], s.media[1]), floatBitsToUint(s.rivals), s.taken, s.event != PATH_DONE);
+		   uvec2(s.media[0], s.media[1]), uint(s.rivals), s.taken, s.event != PATH_DONE);
 }
 
 void path_store(uint slot, walker p)
@@ -305,7 +306,7 @@ void path_store(uint slot, walker p)
 	paths[slot].taken = p.taken;
 	paths[slot].media = uint[2](p.media.x, p.media.y);
 	paths[slot].aim = p.most;
-	paths[slot].rivals = uintBitsToFloat(p.backs);
+	paths[slot].rivals = float(p.backs);
 }
 
 void main()

@@ -118,7 +118,7 @@ void light_through(surface s, uvec2 media, uvec2 beyond, inout vec3 from, inout 
 
 // A scattering event: one light sample, then the next direction. `l.t_max` is -1 if no light can come; otherwise the shadow
 // ray starts at `from`.
-void scatter(inout walker p, surface s, sampler_state rnd, out light_sample l, out vec3 from)
+void scatter(inout walker p, surface s, sampler_state rnd, inout light_sample l, out vec3 from)
 {
 	uint set = p.event * SETS_PER_EVENT;
 	vec2 chance = sample_2d(rnd, set + SET_CHANCE);

@@ -85,7 +85,7 @@ struct path_state {
 	uint taken; // samples completed; PATH_PLAIN
 	float radiance[3];
 	uint media[2]; // clear bodies that the path is in, 16 bits each, lowest first: material + 1, or 0
-	float rivals; // see pt/caustic.glsl; of a light path: the bits of its walker's `backs`
+	float rivals; // see pt/caustic.glsl; of a light path: its walker's `backs`
 	float aim;
 	float facing[3]; // facing normal of the surface that the path left, for the light tree
 };

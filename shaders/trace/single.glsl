@@ -11,18 +11,21 @@
 // not depend on the order.
 void meet_triangle(uint i, sheared_ray ray, inout ray_hit hit)
 {
-	vec4 v0 = LEAF_WORDS(i * 3u);
-	vec4 v1 = LEAF_WORDS(i * 3u + 1u);
-	vec4 v2 = LEAF_WORDS(i * 3u + 2u);
-	uint id = floatBitsToUint(v0.w);
+	// Numbers stay words: as a float a small one is subnormal, which may be flushed to zero.
+	uvec4 w0 = LEAF_WORDS(i * 3u);
+	uvec4 w1 = LEAF_WORDS(i * 3u + 1u);
+	vec3 v0 = uintBitsToFloat(w0.xyz);
+	vec3 v1 = uintBitsToFloat(w1.xyz);
+	vec3 v2 = uintBitsToFloat(LEAF_WORDS(i * 3u + 2u).xyz);
+	uint id = w0.w;
 	float t;
 	vec2 uv;
-	if (hit_triangle(ray, v0.xyz, v1.xyz, v2.xyz, t, uv) && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE)) &&
-	    (!(EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND) || is_there(id, floatBitsToUint(v1.w), uv))) {
+	if (hit_triangle(ray, v0, v1, v2, t, uv) && (t < hit.t || (t == hit.t && id < hit.id && hit.id != NONE)) &&
+	    (!(EFFECT_ALPHA_MASK || EFFECT_ALPHA_BLEND) || is_there(id, w1.w, uv))) {
 		hit.t = t;
 		hit.id = id;
 		hit.uv = uv;
-		hit.material = floatBitsToUint(v1.w);
+		hit.material = w1.w;
 	}
 }
 
@@ -42,14 +45,18 @@ bool walk_single(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit
 	while (current != TRAVERSE_DONE) {
 		while (current <= LEAF_INDEX_MASK) {
 			trace_rounds++;
-			vec4 n0 = NODE_WORDS(current * 4u);
-			vec4 n1 = NODE_WORDS(current * 4u + 1u);
-			vec4 n2 = NODE_WORDS(current * 4u + 2u);
-			vec4 n3 = NODE_WORDS(current * 4u + 3u);
-			float d0 = hit_slabs(mix(n0.xyz, n1.xyz, upper), mix(n1.xyz, n0.xyz, upper), slabs, hit.t);
-			float d1 = hit_slabs(mix(n2.xyz, n3.xyz, upper), mix(n3.xyz, n2.xyz, upper), slabs, hit.t);
-			uint c0 = floatBitsToUint(n0.w) | floatBitsToUint(n1.w) << LEAF_COUNT_SHIFT;
-			uint c1 = floatBitsToUint(n2.w) | floatBitsToUint(n3.w) << LEAF_COUNT_SHIFT;
+			uvec4 w0 = NODE_WORDS(current * 4u);
+			uvec4 w1 = NODE_WORDS(current * 4u + 1u);
+			uvec4 w2 = NODE_WORDS(current * 4u + 2u);
+			uvec4 w3 = NODE_WORDS(current * 4u + 3u);
+			vec3 n0 = uintBitsToFloat(w0.xyz);
+			vec3 n1 = uintBitsToFloat(w1.xyz);
+			vec3 n2 = uintBitsToFloat(w2.xyz);
+			vec3 n3 = uintBitsToFloat(w3.xyz);
+			float d0 = hit_slabs(mix(n0, n1, upper), mix(n1, n0, upper), slabs, hit.t);
+			float d1 = hit_slabs(mix(n2, n3, upper), mix(n3, n2, upper), slabs, hit.t);
+			uint c0 = w0.w | w1.w << LEAF_COUNT_SHIFT;
+			uint c1 = w2.w | w3.w << LEAF_COUNT_SHIFT;
 			bool hit0 = d0 < INFINITY;
 			bool hit1 = d1 < INFINITY;
 			bool swapped = d1 < d0;

@@ -1,5 +1,5 @@
 // Indirect light at half resolution (every second pixel of every second row), in two textures: (irradiance / π, distance
-// along the pixel's ray) and (incoming radiance for the facets, bits of the shading normal). Distance 0: nothing there.
+// along the pixel's ray) and, as words, (incoming radiance for the facets, packed shading normal). Distance 0: nothing there.
 #ifndef VCT_HALF_GLSL
 #define VCT_HALF_GLSL
 

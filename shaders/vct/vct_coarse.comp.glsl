@@ -7,7 +7,7 @@
 
 layout(local_size_x = TILE_PIXELS) in;
 layout(binding = VCT_IRRADIANCE_IMAGE, rgba32f) uniform writeonly image2D irradiance_image;
-layout(binding = VCT_FACETS_IMAGE, rgba32f) uniform writeonly image2D facets_image;
+layout(binding = VCT_FACETS_IMAGE, rgba32ui) uniform writeonly uimage2D facets_image;
 
 void main()
 {
@@ -32,5 +32,5 @@ void main()
 		}
 	}
 	imageStore(irradiance_image, ivec2(texel), vec4(r.irradiance, t));
-	imageStore(facets_image, ivec2(texel), vec4(r.facets, uintBitsToFloat(normal)));
+	imageStore(facets_image, ivec2(texel), uvec4(floatBitsToUint(r.facets), normal));
 }

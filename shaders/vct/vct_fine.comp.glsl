@@ -9,18 +9,18 @@
 
 layout(local_size_x = TILE_PIXELS) in;
 layout(binding = VCT_IRRADIANCE_UNIT) uniform sampler2D irradiance_texture;
-layout(binding = VCT_FACETS_UNIT) uniform sampler2D facets_texture;
+layout(binding = VCT_FACETS_UNIT) uniform usampler2D facets_texture;
 
 const float PLANE_PART = 0.02;    // tolerated distance off the plane, as a share of the distance between the two points
 const float LEAST_WEIGHT = 0.05;
 
 // The weight, 0…1, of a neighbour's light for this surface.
-float kinship(surface s, vec3 normal, float breadth, uvec2 texel, vec4 irradiance, vec4 facets)
+float kinship(surface s, vec3 normal, float breadth, uvec2 texel, vec4 irradiance, uvec4 facets)
 {
 	visible_point v = visible_ray(half_pixel(texel));
 	vec3 apart = v.origin + irradiance.a * v.direction - s.position;
 	float off = abs(dot(apart, s.geometric)) / (0.25 * breadth + PLANE_PART * length(apart));
-	float turned = max(dot(normal, octahedral_unpack(floatBitsToUint(facets.a))), 0.0);
+	float turned = max(dot(normal, octahedral_unpack(facets.a)), 0.0);
 	turned *= turned;
 	turned *= turned;
 	turned *= turned;
@@ -42,10 +42,10 @@ bool blend(surface s, bsdf b, visible_point v, uvec2 pixel, out indirect r)
 		uvec2 texel = min(base + step, half_sides() - 1u);
 		vec2 part = mix(1.0 - f, f, bvec2(step));
 		vec4 irradiance = texelFetch(irradiance_texture, ivec2(texel), 0);
-		vec4 facets = texelFetch(facets_texture, ivec2(texel), 0);
+		uvec4 facets = texelFetch(facets_texture, ivec2(texel), 0);
 		float w = part.x * part.y * kinship(s, b.normal, breadth, texel, irradiance, facets);
 		r.irradiance += w * irradiance.rgb;
-		r.facets += w * facets.rgb;
+		r.facets += w * uintBitsToFloat(facets.rgb);
 		sum += w;
 	}
 	r.irradiance /= max(sum, 1e-6);

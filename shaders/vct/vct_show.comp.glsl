@@ -145,10 +145,12 @@ bool first_cell(uvec2 pixel, out uvec3 found, out vec3 direction)
 	float near = max(low.x, max(low.y, low.z));
 	float far = min(high.x, min(high.y, high.z));
 	ivec3 turn_up = ivec3(greaterThan(d, vec3(0.0)));
-	ivec3 cell = clamp(ivec3(floor(o + max(near, 0.0) * d)), ivec3(0), sides - 1);
+	// Far beside the grid a place may be beyond what an int can take.
+	ivec3 cell = ivec3(clamp(floor(o + max(near, 0.0) * d), vec3(0.0), vec3(sides - 1)));
 	bool look = near > 0.0;
 	bool inside = far > max(near, 0.0);
 	bool met = false;
+	found = uvec3(0u);
 	// No ray crosses more cells than this.
 	for (int i = sides.x + sides.y + sides.z; i > 0 && inside && !met; i--) {
 		met = look && occupied(uvec3(cell), direction);

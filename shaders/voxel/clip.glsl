@@ -29,7 +29,8 @@ void add_piece(inout integral r, vec2 p, vec2 q)
 {
 	vec2 y = clamp(vec2(p.y, q.y), 0.0, 1.0);
 	float dy = y.y - y.x;
-	float slope = p.y != q.y ? (q.x - p.x) / (q.y - p.y) : 0.0;
+	float rise = q.y - p.y;
+	float slope = abs(rise) > 1e-30 ? (q.x - p.x) / rise : 0.0;
 	vec2 x = vec2(p.x, p.x) + (y - p.y) * slope;
 	float dx = x.y - x.x;
 	// The part of the piece where x is between 0 and 1, as a range of its length. Before and after it, x is clamped.

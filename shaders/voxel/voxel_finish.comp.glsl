@@ -55,8 +55,9 @@ void finish_entry(uint e, uint bit)
 	uvec4 a = albedo[e];
 	uvec4 m = emission[e];
 	uvec4 c = coverage[e];
-	vec3 plus = vec3(a.w, c.x, c.z) * unit_sizes.x;
-	vec3 minus = vec3(m.w, c.y, c.w) * unit_sizes.x;
+	// Half floats end at 65504. Infinite coverage would make light of 0 × infinity.
+	vec3 plus = min(vec3(a.w, c.x, c.z) * unit_sizes.x, 65504.0);
+	vec3 minus = min(vec3(m.w, c.y, c.w) * unit_sizes.x, 65504.0);
 	float weight = float(p.x);
 	float inverse = p.x > 0u ? 1.0 / weight : 0.0;
 	vec3 within = p.x > 0u ? vec3(p.yzw) * inverse : vec3(0.5);

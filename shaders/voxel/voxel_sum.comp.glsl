@@ -61,7 +61,7 @@ vec4 edge_within(tile t, vec3 a)
 	d = third ? t.e3 : d;
 	vec3 other = (third ? a : first ? a + t.e2 : a + t.e1) - from;
 	float foot = clamp(dot(other, d) / max(dot(d, d), 1e-30), 0.0, 1.0);
-	vec3 inverse = 1.0 / mix(d, vec3(1e-20), equal(d, vec3(0.0)));
+	vec3 inverse = 1.0 / mix(d, vec3(1e-20), lessThan(abs(d), vec3(1e-20)));
 	vec3 t0 = -from * inverse;
 	vec3 t1 = (1.0 - from) * inverse;
 	vec3 near = min(t0, t1);

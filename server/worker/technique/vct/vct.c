@@ -181,10 +181,12 @@ static struct gl_texture_desc half_desc(const struct gl_device *gl, const struct
 static enum status make_half(struct technique_job *j, const struct plan *plan, struct error *err)
 {
 	const struct gl_texture_desc desc = half_desc(j->device, plan);
+	struct gl_texture_desc words = desc;
+	words.format = GL_RGBA32UI;
 	if (vct_settings(plan)->detail == VCT_DETAIL_FULL)
 		return STATUS_OK;
 	enum status s = gl_texture_init(&j->irradiance, j->device, &desc, err);
-	return s == STATUS_OK ? gl_texture_init(&j->facets, j->device, &desc, err) : s;
+	return s == STATUS_OK ? gl_texture_init(&j->facets, j->device, &words, err) : s;
 }
 
 static uint64_t vct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
