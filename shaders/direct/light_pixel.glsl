@@ -32,6 +32,7 @@ void light_pixel()
 		return;
 	}
 	bsdf b = bsdf_make(s, v.direction);
+	direct_place = pixel.y * turn.w + pixel.x;
 	lamp_light lamps;
 	vec3 radiance =
 		direct_light_parts(s, b, s.position + s.offset * s.geometric, direct_pattern(pixel), lamps) + s.emission;

@@ -9,8 +9,9 @@
 // visibility: it is the ratio of the visible points' light to the light of all points (Heitz, Hill and McGuire 2018,
 // "Combining analytic direct illumination and stochastic shadows"). So neither unshadowed nor fully shadowed places show
 // noise. Otherwise the points alone estimate the light. The points of 4 × 4 pixels form one set: the mean over any such
-// block (soften.comp.glsl) uses 16 times as many. Pictures of many samples have enough points in each pixel and use neither
-// the closed form nor the mean, so that shadows keep their edges.
+// block (soften.comp.glsl) uses 16 times as many. Pictures of many samples have enough points in each pixel and do without
+// the mean, so that shadows keep their edges. Such a ratio of few points is biased, and its mean over samples as much. So
+// they take the closed form and the points' differences instead (DIRECT_SHARP, lamp_points.glsl).
 //
 // Emissive triangles on microfacets: the same points, and one ray in a direction sampled from the facets, combined by the
 // power heuristic (Veach 1997, 9.2.4). A perfect mirror has only its one direction.
@@ -18,13 +19,14 @@
 #define DIRECT_LIGHTING_GLSL
 
 #include "deferred/area.glsl"
-#include "direct/lamps.glsl"
+#include "direct/lamp_points.glsl"
 #include "trace/single.glsl"
 
 // Options; macros that the program defines.
 #ifndef DIRECT_POINTS
-#define DIRECT_POINTS 2u        // points on emissive triangles, 1…16
+#define DIRECT_POINTS 2u        // points on emissive triangles, 1…16; with DIRECT_SHARP at least 2
 #define DIRECT_CLOSED false     // closed form: few emissive triangles, none textured
+#define DIRECT_SHARP false      // with DIRECT_CLOSED: each pixel has its own points
 #define DIRECT_SHADOWS true
 #define DIRECT_LAMPS true         // emissive triangles send light
 #define DIRECT_SOFT true        // keep the lamps' light for soften.comp.glsl
@@ -61,6 +63,9 @@ float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
 // Luminance of the diffuse reflection: with shadows (x) and without (y).
 vec2 direct_share = vec2(0.0);
 
+// With DIRECT_SHARP, a number that the pixel shares with none.
+uint direct_place = 0u;
+
 // Number of rays that this invocation traced.
 uint direct_rays = 0u;
 
@@ -78,7 +83,7 @@ vec3 lamp_radiance(lamp_light l)
 {
 	vec3 ratio = l.arrived / max(l.expected, 1e-30);
 	// The ratio slightly exceeds one where light is folded over a tilted normal.
-	if (DIRECT_CLOSED)
+	if (DIRECT_CLOSED && !DIRECT_SHARP)
 		ratio = min(ratio, 2.0);
 	return l.scale * vec3(l.expected.r > 0.0 ? ratio.r : 0.0, l.expected.g > 0.0 ? ratio.g : 0.0,
 			      l.expected.b > 0.0 ? ratio.b : 0.0);
@@ -209,6 +214,34 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 		r.t_max = -1.0;
 }
 
+// With DIRECT_SHARP. Unlike ray_to_lamp's, each point's light is an estimate by itself. Only the microfacets' is divided by the
+// number of points. False if the point is a later try.
+bool ray_to_point(bsdf b, vec3 origin, uint k, inout direct_ray r)
+{
+	// Each of the two groups has a sequence of its own, which goes on from sample to sample.
+	uint group = k & 1u;
+	uint each = (DIRECT_POINTS + 1u - group) / 2u;
+	uint scramble = hash_combine(hash_combine(direct_shift(), direct_place), group);
+	sampler_state rnd = sampler_state(DIRECT_TURN * each + k / 2u, scramble);
+	lamp_point p = lamp_point_make(rnd, origin, b.normal);
+	if (!(p.cosine > 0.0))
+		return false;
+	vec4 facets;
+	vec3 diffuse;
+	direct_eval(b, p.w, diffuse, facets);
+	vec3 light = p.radiance * p.inverse;
+	r.segment = p.segment;
+	r.t_max = 1.0;
+	r.diffuse = diffuse * light;
+	// Any weights that add up to one will do, so that they may be those of points that are chosen by power, as in lamp_met.
+	if (EFFECT_GLOSSY && p.first)
+		r.facets = facets.xyz * light * (power_weight(min(facets.w * p.by_power / float(DIRECT_POINTS), 1e18)) / float(DIRECT_POINTS));
+	r.expected = p.whole * (p.inverse * p.cosine * (1.0 / PI));
+	if (max(r.diffuse * b.diffuse + r.facets, vec3(0.0)) == vec3(0.0))
+		r.t_max = -1.0;
+	return p.first;
+}
+
 // Samples a direction from the microfacets; r.facets becomes BSDF × cosine / density. Returns the density, 1/sr.
 float ray_off_facets(bsdf b, uint pattern, inout direct_ray r)
 {
@@ -252,6 +285,11 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 	const uint end = lamp_end + (has_lamps && EFFECT_GLOSSY ? 1u : 0u);
 	vec3 radiance = vec3(0.0);
 	lamps = lamp_light(b.diffuse, vec3(0.0), vec3(0.0), vec3(0.0));
+	lamp_groups groups = lamp_groups_none();
+	vec3 closed = vec3(0.0);
+	if (EFFECT_EMITTERS && DIRECT_SHARP && has_lamps)
+		closed = lamps_survey(origin, b.normal) * (1.0 / PI);
+	bool some = closed != vec3(0.0);
 	for (uint i = 0u; i < end; i++) {
 		direct_ray r = direct_ray(vec3(0.0, 0.0, 1.0), -1.0, vec3(0.0), vec3(0.0), vec3(0.0), NONE);
 		float pdf = 0.0;
@@ -259,7 +297,10 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		bool to_lamp = EFFECT_EMITTERS && i >= light_count;
 		if (EFFECT_LIGHTS && !to_lamp)
 			ray_to_light(b, origin, i, r);
-		if (EFFECT_EMITTERS && to_lamp && !off_facets)
+		bool first = true;
+		if (EFFECT_EMITTERS && DIRECT_SHARP && some && to_lamp && !off_facets)
+			first = ray_to_point(b, origin, i - light_count, r);
+		if (EFFECT_EMITTERS && !DIRECT_SHARP && to_lamp && !off_facets)
 			ray_to_lamp(b, origin, pattern, i - light_count, r);
 		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
 			pdf = ray_off_facets(b, pattern, r);
@@ -285,12 +326,16 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		} else {
 			radiance += open * (r.facets + r.diffuse);
 		}
-		if (EFFECT_EMITTERS && to_lamp) {
+		if (EFFECT_EMITTERS && DIRECT_SHARP && to_lamp && !off_facets)
+			lamp_groups_take(groups, (i - light_count) & 1u, open * r.diffuse, r.expected, first);
+		if (EFFECT_EMITTERS && !DIRECT_SHARP && to_lamp) {
 			lamps.arrived += open * r.diffuse;
 			lamps.expected += r.expected;
 		}
 	}
-	if (EFFECT_EMITTERS && DIRECT_LAMPS && DIRECT_CLOSED)
+	if (EFFECT_EMITTERS && DIRECT_SHARP)
+		lamps.arrived = lamp_groups_light(groups, closed, DIRECT_POINTS);
+	if (EFFECT_EMITTERS && DIRECT_LAMPS && DIRECT_CLOSED && !DIRECT_SHARP)
 		lamps.scale = b.diffuse * lamps_irradiance(s.position, b.normal) * (1.0 / PI);
 	else
 		lamps.expected = vec3(1.0);

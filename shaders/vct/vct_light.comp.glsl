@@ -22,6 +22,8 @@ uint entry_turn;
 // points alone are unbiased, and a cone's mean over many entries shows little of their noise.
 #undef DIRECT_CLOSED
 #define DIRECT_CLOSED false
+#undef DIRECT_SHARP
+#define DIRECT_SHARP false
 #include "direct/lighting.glsl"
 #include "shared/vct.h"
 #include "shared/voxel.h"

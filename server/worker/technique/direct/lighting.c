@@ -8,6 +8,8 @@
 #include "shaders/shared/deferred.h"
 
 #define CLOSED_EMITTERS_MAX 32u
+// Points on lamps that a pixel with its own has at least, over all samples: as good as the shared ones of fewer samples.
+#define SHARP_POINTS 64u
 
 static const struct gl_source light_source = {.name = "light", .compute = source_light_comp};
 static const struct gl_source soften_source = {.name = "soften", .compute = source_soften_comp};
@@ -44,8 +46,11 @@ static const char *word(bool value)
 void lighting_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene,
 		     const struct lighting_wish *wish)
 {
-	gl_define(defines, "DIRECT_POINTS", "%uu", wish->points);
-	gl_define(defines, "DIRECT_CLOSED", "%s", word(lamps_are_plain(plan, scene) && plan->samples < DIRECT_SOFT_BELOW));
+	const bool closed = lamps_are_plain(plan, scene), sharp = closed && plan->samples >= DIRECT_SOFT_BELOW;
+	const uint32_t enough = (SHARP_POINTS - 1) / plan->samples + 1, least = !sharp ? 1 : enough > 2 ? enough : 2;
+	gl_define(defines, "DIRECT_POINTS", "%uu", wish->points > least ? wish->points : least);
+	gl_define(defines, "DIRECT_CLOSED", "%s", word(closed));
+	gl_define(defines, "DIRECT_SHARP", "%s", word(sharp));
 	gl_define(defines, "DIRECT_LAMPS", "%s", word(wish->lamps));
 	gl_define(defines, "DIRECT_SHADOWS", "%s", word(wish->shadows));
 	gl_define(defines, "DIRECT_SOFT", "%s", word(is_soft(plan, scene, wish)));
