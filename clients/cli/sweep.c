@@ -62,6 +62,7 @@ static const char *settle_source(struct sweep *sweep)
 // Parse the texts. Returns the sentence that says what does not fit together, or NULL.
 static const char *settle_texts(struct sweep *sweep)
 {
+	static char unknown[256];
 	const struct sweep_texts *t = &sweep->texts;
 	sweep->shard = sweep->shards = 1;
 	sweep->animation = sweep->job.options.edits.edits.animation;
@@ -71,6 +72,8 @@ static const char *settle_texts(struct sweep *sweep)
 		return wrong;
 	if (!strstr(sweep->job.options.output, "{index}"))
 		return "the output's name must have {index} in it: each image is a file of its own";
+	if (sweep_name_unknown(sweep->job.options.output, unknown, sizeof(unknown)))
+		return unknown;
 	if (t->orbit && !sweep_orbit_parse(t->orbit, &sweep->count, &sweep->elevation, &sweep->radius))
 		return "--orbit is N[,DEGREES[,METRES]]: 1 to 1000000 cameras, within 89 degrees, above 0 metres";
 	if (t->frames && (!cli_parse_u32(t->frames, &sweep->count) || sweep->count < 1 || sweep->count > SWEEP_CAMERAS_MAX))

@@ -183,9 +183,24 @@ bool sweep_shard_parse(const char *text, uint32_t *shard, uint32_t *shards)
 	return cli_parse_pair(text, '/', shard, shards) && *shard >= 1 && *shard <= *shards;
 }
 
+#define MARK "{index}"
+
+bool sweep_name_unknown(const char *pattern, char *out, size_t capacity)
+{
+	for (const char *at = pattern; (at = strchr(at, '{')); at++) {
+		const size_t inside = strcspn(at + 1, "{}");
+		if (at[1 + inside] != '}' || strncmp(at, MARK, strlen(MARK)) == 0)
+			continue;
+		snprintf(out, capacity, "the output's name has {%.*s} in it: a sweep knows {index} alone",
+			 (int)(inside < 64 ? inside : 64), at + 1);
+		return true;
+	}
+	return false;
+}
+
 char *sweep_name(const char *pattern, uint32_t index, uint32_t count)
 {
-	static const char mark[] = "{index}";
+	static const char mark[] = MARK;
 	char number[16], *name = NULL;
 	size_t bytes;
 	int width = snprintf(NULL, 0, "%u", count);

@@ -17,6 +17,9 @@ bool sweep_orbit_parse(const char *text, uint32_t *count, double *elevation, dou
 // Parse "I/N", 1 <= I <= N. false: the text is something else.
 bool sweep_shard_parse(const char *text, uint32_t *shard, uint32_t *shards);
 
+// Whether a name has a {word} that is not {index}: then the sentence that refuses it is in `out`.
+bool sweep_name_unknown(const char *pattern, char *out, size_t capacity);
+
 // `pattern` with each {index} replaced by the number, which gets zeros before it up to the width of `count`. The result is
 // the caller's, to be freed; NULL: no memory.
 char *sweep_name(const char *pattern, uint32_t index, uint32_t count);

@@ -228,6 +228,8 @@ class Sweep(unittest.TestCase):
                       ["--animation", "play", "--fps", "0"], ["--keys", "x.json"], ["--animation", "play", "--at", "1"]):
             self.sweep("r{index}.exr", *wrong, status=2)
         self.sweep("r.exr", "--orbit", "2", status=2)
+        for name in ("r{index}.{camera}.exr", "{frame}/r{index}.exr", "r{}{index}.exr", "r{index }{index}.exr"):
+            self.sweep(name, "--orbit", "2", status=2)
         self.sweep("nowhere/{index}.exr", "--orbit", "2", status=1)
         self.assertEqual([name for name in os.listdir(self.folder) if name != "cameras.json"], [])
 
