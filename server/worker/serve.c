@@ -2,12 +2,15 @@
 // the two never mix. A job is begun, stepped and read here in the order in which the front asks.
 #include "server/worker/serve.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "protocol/asked.h"
 #include "protocol/names.h"
+#include "server/base/angle.h"
 #include "server/base/clock.h"
 #include "server/base/ipc.h"
 #include "server/base/log.h"
@@ -22,6 +25,7 @@
 struct job {
 	struct job *next;
 	uint32_t id;
+	candil_Render request; // whose words go into the files
 	struct plan plan;
 	struct resident_scene *scene;
 	struct resident_scene *environment; // the picture of the surroundings; NULL: none
@@ -163,6 +167,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 		error_set(&answer.error, STATUS_MEMORY, "out of memory");
 	} else {
 		job->id = m->head.job;
+		job->request = m->render;
 		if (begin(s, m, job, &answer.error) == STATUS_OK) {
 			// Clear the reason that an attempt before the eviction may have left.
 			answer.error = (struct error){.code = STATUS_OK};
@@ -212,6 +217,31 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	return answer_front(s, &answer, sizeof answer);
 }
 
+static void add_asked(void *user, const char *key, const char *text)
+{
+	char whole[64];
+	snprintf(whole, sizeof whole, ASKED_KEY "%s", key);
+	frame_add_metadata(user, whole, "%s", text);
+}
+
+// The camera as the plan has it, wherever it came from.
+static void add_camera(const struct plan_camera *c, struct frame *f)
+{
+	const double half_height = sqrt(c->up[0] * c->up[0] + c->up[1] * c->up[1] + c->up[2] * c->up[2]);
+	frame_add_metadata(f, "camera_eye", "%.9g,%.9g,%.9g", c->eye[0], c->eye[1], c->eye[2]);
+	frame_add_metadata(f, "camera_forward", "%.9g,%.9g,%.9g", c->forward[0], c->forward[1], c->forward[2]);
+	frame_add_metadata(f, "camera_up", "%.9g,%.9g,%.9g", c->up[0] / half_height, c->up[1] / half_height,
+			   c->up[2] / half_height);
+	if (c->panorama)
+		frame_add_metadata(f, "camera_projection", "panorama");
+	else if (c->orthographic)
+		frame_add_metadata(f, "camera_projection", "orthographic %.9g", 2 * half_height);
+	else
+		frame_add_metadata(f, "camera_projection", "perspective %.9g", atan(half_height) * 360 / PI);
+	if (c->lens_radius > 0)
+		frame_add_metadata(f, "camera_lens", "%.9g,%.9g", c->lens_radius, c->focus);
+}
+
 static void add_metadata(const struct server *s, const struct job *job, struct frame *f)
 {
 	const struct plan *p = &job->plan;
@@ -220,6 +250,7 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 		if (plan_has(p, p->reports[i].effect))
 			snprintf(effects + strlen(effects), sizeof effects - strlen(effects), "%s%s", effects[0] ? "," : "",
 				 effect_name(p->reports[i].effect));
+	frame_add_metadata(f, "version", "%s", CANDIL_VERSION_STRING);
 	frame_add_metadata(f, "technique", "%s", technique_name(job->plan.technique));
 	frame_add_metadata(f, "effects", "%s", effects[0] ? effects : "none");
 	frame_add_metadata(f, "samples", "%u", f->samples);
@@ -237,6 +268,8 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 				   (unsigned long long)job->environment->blob->hash[0]);
 	if (job->scene->base)
 		frame_add_metadata(f, "edits", "%016llx", (unsigned long long)job->scene->edit_hash);
+	add_camera(&p->camera, f);
+	asked_words(&job->request, add_asked, f);
 	for (uint32_t i = 0; i < f->stage_count; i++) {
 		char key[40];
 		snprintf(key, sizeof key, "%s_us", f->stages[i].name);

@@ -35,7 +35,7 @@ PICTURES = (".exr", ".png")
 # Times, what they depend on, sizes that follow from them or from how a build lays out its memory, and names of files.
 UNSTEADY = {"image", "output", "file", "bytes", "job_bytes", "blob_bytes", "hash", "scene_hash", "elapsed_us", "load_us", "stages", "us",
             "cost_us", "share", "slices", "device"}
-METADATA = re.compile(r"candil/(?!device$|.*_us$|.*_hash$)")
+METADATA = re.compile(r"candil/(?!device$|version$|.*_us$|.*_hash$)")
 DIGEST = re.compile(r"pictures\.(.+)\.pixels\.(.+)\.2: ")  # what differences() says of a channel's
 SIZE = {"render": "64x48", "sweep": "32x24", "inspect": "32x32"}
 OUTPUT = {"render": "picture.{}", "sweep": "{{index}}.{}", "inspect": "voxels"}

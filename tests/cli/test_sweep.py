@@ -122,6 +122,25 @@ class Sweep(unittest.TestCase):
         result = run(CANDIL, "--connect", "/nowhere", "sweep", self.scene, "-o", self.path("n{index}.png"), *SIZE, "--orbit", "2")
         self.assertEqual(result.returncode, 0, result)
 
+    def test_metadata_tells_version_camera_and_request(self):
+        with open(self.path("cameras.json"), "w") as file:
+            json.dump([[0, 1, 4, 0, 1, 0, 0, 1, 0, 40]], file)
+        for extension in ("exr", "png"):
+            self.sweep("m{index}." + extension, "--cameras", self.path("cameras.json"), "--set", "pt.depth=4", "--set", "pt.sampler=blue")
+            said = images.metadata(self.path("m0." + extension))
+            self.assertRegex(said["candil/version"], r"^\d+\.\d+\.\d+$")
+            self.assertEqual(said["candil/camera_eye"], "0,1,4")
+            self.assertEqual(said["candil/camera_forward"], "0,0,-1")
+            self.assertEqual(said["candil/camera_up"], "0,1,0")
+            self.assertEqual(said["candil/camera_projection"], "perspective 40")
+            self.assertEqual(said["candil/request/camera"], "0,1,4,0,1,0,0,1,0,40")
+            self.assertEqual(said["candil/request/options"], "pt.depth=4,pt.sampler=blue")
+            self.assertEqual(said["candil/request/samples"], "4")
+        self.sweep("p{index}.exr", "--cameras", self.path("cameras.json"), "--orthographic", "2", "--lens", "0.1,3")
+        said = images.metadata(self.path("p0.exr"))
+        self.assertEqual(said["candil/camera_projection"], "orthographic 2")
+        self.assertEqual(said["candil/camera_lens"], "0.1,3")
+
     def test_shards_cover_each_once(self):
         seen = []
         for shard in (1, 2, 3):

@@ -6,10 +6,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "protocol/asked.h"
 #include "protocol/limits.h"
 #include "server/base/error.h"
 
-#define FRAME_METADATA_MAX 32u // entries of each list at most
+#define FRAME_METADATA_MAX 80u // entries of each list at most
 #define FRAME_STAGES_MAX (LIMIT_STAGES - 1u) // the front adds the wait
 #define FRAME_FIGURES_MAX 32u
 #define FRAME_NOTES_MAX 2u
@@ -51,7 +52,7 @@ struct frame {
 	// Each entry goes into the file as candil/KEY = VALUE.
 	struct {
 		char key[32];
-		char value[160];
+		char value[ASKED_TEXT_BYTES];
 	} metadata[FRAME_METADATA_MAX];
 	uint32_t metadata_count;
 };
