@@ -1,24 +1,34 @@
 // sweep: pictures of one scene from many cameras, or at many times of an animation, each in a file of its own.
 //
 // A run that was cut short can simply be started again. An image that it finished is on disk, whole, under its final name
-// (output.h); it is recognised (verify.h) and left alone.
+// (output.h); it is recognised as whole (verify.h) and as what would be made now (sweep_compare.h), and left alone.
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "clients/cli/interrupt.h"
 #include "clients/cli/job.h"
 #include "clients/cli/output.h"
 #include "clients/cli/sweep_cameras.h"
+#include "clients/cli/sweep_compare.h"
 #include "clients/cli/sweep_keys.h"
-#include "clients/cli/verify.h"
 #include "clients/cli/view.h"
 
 struct picture {
 	uint32_t index;
 	char *name;
-	bool there; // the file exists and is whole
+	bool there; // the file is whole, and what this call would write
 	bool written; // by this call
+	const char *why; // a file was there and is written anew; NULL: none was, or --force
+};
+
+#define REASONS_MAX 32u // sweep_compare has fewer
+
+// How many pictures are redone for a reason.
+struct reason {
+	const char *why;
+	uint32_t count;
 };
 
 struct sweep {
@@ -31,7 +41,9 @@ struct sweep {
 	double fps;
 	uint32_t shard, shards; // this one, from 1, and how many there are
 	struct picture *pictures; // of this shard
-	uint32_t picture_count, written, skipped;
+	uint32_t picture_count, written, skipped, redone;
+	struct reason reasons[REASONS_MAX];
+	uint32_t reason_count;
 	struct picture *batch[CANDIL_SWEEP_CAMERAS]; // of the request that is under way
 	uint32_t batch_count, written_before; // pictures of the request; `written` when it was submitted
 	uint32_t retries;
@@ -85,10 +97,9 @@ static const char *settle_texts(struct sweep *sweep)
 	return NULL;
 }
 
-// Name the images of this shard, and look which of them exist. false: no memory.
+// Name the images of this shard. false: no memory.
 static bool list_pictures(struct sweep *sweep)
 {
-	const struct candil_render_request *r = &sweep->job.options.request;
 	sweep->pictures = calloc((size_t)sweep->count / sweep->shards + 1, sizeof(*sweep->pictures));
 	if (!sweep->pictures)
 		return false;
@@ -98,22 +109,54 @@ static bool list_pictures(struct sweep *sweep)
 		p->name = sweep_name(sweep->job.options.output, p->index, sweep->count);
 		if (!p->name)
 			return false;
-		p->there = !sweep->texts.force && verify_image(p->name, r->format == CANDIL_FORMAT_PNG, r->width, r->height);
-		sweep->skipped += p->there;
 	}
 	return true;
 }
 
-// Find out before anything is computed whether the first image that is due can be written.
-static enum exit_code sweep_probe_output(struct sweep *sweep)
+static bool is_file_there(const struct sweep *sweep, const struct picture *p)
+{
+	return !sweep->texts.force && access(p->name, F_OK) == 0;
+}
+
+static void count_reason(struct sweep *sweep, const char *why)
 {
 	uint32_t i = 0;
-	while (i < sweep->picture_count && sweep->pictures[i].there)
+	while (i < sweep->reason_count && strcmp(sweep->reasons[i].why, why) != 0)
 		i++;
-	if (i == sweep->picture_count)
-		return EXIT_DONE;
-	const char *name = sweep->pictures[i].name;
-	return output_probe(name) ? EXIT_DONE : job_fail_output(&sweep->job, name);
+	sweep->redone++;
+	if (i == REASONS_MAX)
+		return;
+	sweep->reasons[i].why = why;
+	sweep->reasons[i].count++;
+	sweep->reason_count += i == sweep->reason_count;
+}
+
+// Look which pictures are there already, once the cameras are known.
+static void compare_pictures(struct sweep *sweep)
+{
+	for (uint32_t i = 0; i < sweep->picture_count; i++) {
+		struct picture *p = &sweep->pictures[i];
+		if (!is_file_there(sweep, p))
+			continue;
+		p->why = sweep_compare(p->name, &sweep->job.target, &sweep->job.options.request, &sweep->cameras[p->index]);
+		p->there = !p->why;
+		sweep->skipped += p->there;
+		if (p->why)
+			count_reason(sweep, p->why);
+	}
+}
+
+// Find out before anything is computed whether the first image that is due can be written. Before compare_pictures that is
+// the first that does not exist.
+static enum exit_code sweep_probe_output(struct sweep *sweep, bool compared)
+{
+	for (uint32_t i = 0; i < sweep->picture_count; i++) {
+		const struct picture *p = &sweep->pictures[i];
+		if (compared ? p->there : is_file_there(sweep, p))
+			continue;
+		return output_probe(p->name) ? EXIT_DONE : job_fail_output(&sweep->job, p->name);
+	}
+	return EXIT_DONE;
 }
 
 // ---- rendering -------------------------------------------------------------------------------------------------------
@@ -253,9 +296,7 @@ static enum exit_code render_pictures(struct sweep *sweep)
 {
 	static struct candil_camera cameras[CANDIL_SWEEP_CAMERAS];
 	uint32_t at = 0;
-	enum exit_code code = job_open(&sweep->job);
-	if (code == EXIT_DONE)
-		code = make_cameras(sweep);
+	enum exit_code code = EXIT_DONE;
 	sweep_draw_progress(sweep, 0);
 	while (code == EXIT_DONE && next_batch(sweep, &at, cameras)) {
 		code = sweep_see_through(sweep, cameras);
@@ -284,6 +325,8 @@ static json_t *sweep_picture_json(const struct sweep *sweep, const struct pictur
 		json_object_set_new(o, "camera", sweep_camera_json(c));
 	if (o && c && sweep->animation)
 		json_object_set_new(o, "time_s", json_real(c->time_s));
+	if (o && p->why)
+		json_object_set_new(o, "why", json_string(p->why));
 	return o;
 }
 
@@ -293,14 +336,14 @@ static json_t *sweep_summary_json(const struct sweep *sweep)
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < sweep->picture_count; i++)
 		json_array_append_new(images, sweep_picture_json(sweep, &sweep->pictures[i]));
-	return json_pack("{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output",
+	return json_pack("{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output",
 			 cli_json_text(sweep->job.options.output), "scene", cli_json_text(sweep->job.options.scene),
 			 "format", candil_format_name(r->format), "width", cli_json_u64(r->width), "height",
 			 cli_json_u64(r->height), "samples", cli_json_u64(r->samples), "cameras", cli_json_u64(sweep->count),
 			 "shard", cli_json_u64(sweep->shard), "shards", cli_json_u64(sweep->shards), "written",
-			 cli_json_u64(sweep->written), "skipped", cli_json_u64(sweep->skipped), "elapsed_us",
-			 cli_json_u64(sweep->elapsed_us), "rays", cli_json_u64(sweep->rays), "retries",
-			 cli_json_u64(sweep->retries), "images", images);
+			 cli_json_u64(sweep->written), "skipped", cli_json_u64(sweep->skipped), "redone",
+			 cli_json_u64(sweep->redone), "elapsed_us", cli_json_u64(sweep->elapsed_us), "rays",
+			 cli_json_u64(sweep->rays), "retries", cli_json_u64(sweep->retries), "images", images);
 }
 
 static enum exit_code sweep_say_summary(struct sweep *sweep)
@@ -313,6 +356,11 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 		return code;
 	printf("images     %u of %u cameras: %u written, %u there already\n", sweep->picture_count, sweep->count,
 	       sweep->written, sweep->skipped);
+	if (sweep->redone > 0)
+		printf("redone     %u that %s there and differed: ", sweep->redone, sweep->redone == 1 ? "was" : "were");
+	for (uint32_t i = 0; i < sweep->reason_count; i++)
+		printf("%s%s %u%s", i > 0 ? ", " : "", sweep->reasons[i].why, sweep->reasons[i].count,
+		       i + 1 == sweep->reason_count ? "\n" : "");
 	if (sweep->written > 0)
 		printf("time       %.1f ms, %.1f ms an image, on %s\n", (double)sweep->elapsed_us * 1e-3,
 		       (double)sweep->elapsed_us * 1e-3 / sweep->written, sweep->device);
@@ -365,9 +413,16 @@ static enum exit_code do_sweep(struct sweep *sweep)
 		errno = ENOMEM;
 		return cli_fail_errno(sweep->job.cli, "the list of images", stdout);
 	}
-	code = sweep_probe_output(sweep);
-	// If every image exists, neither a daemon nor the scene is needed.
-	if (code == EXIT_DONE && sweep->skipped < sweep->picture_count)
+	code = sweep_probe_output(sweep, false);
+	if (code == EXIT_DONE)
+		code = job_open(&sweep->job);
+	if (code == EXIT_DONE)
+		code = make_cameras(sweep);
+	if (code == EXIT_DONE) {
+		compare_pictures(sweep);
+		code = sweep_probe_output(sweep, true);
+	}
+	if (code == EXIT_DONE)
 		code = render_pictures(sweep);
 	return code == EXIT_DONE ? sweep_say_summary(sweep) : code;
 }
@@ -417,18 +472,20 @@ const struct command sweep_command = {
 	"                        scene's first, and follows its node. With --orbit, --cameras or --keys its time runs\n"
 	"                        evenly over those\n" EDIT_OPTIONS_HELP
 	"  --shard I/N           of N calls that share the work this is number I, from 1: cameras I-1, I-1+N, …\n"
-	"  --force               render images that are there already\n\n"
+	"  --force               render images that are there already, whatever they are\n\n"
 	"and the options of candil render but --at and --progressive.\n\n"
 	"An image appears under its name whole or not at all. One that is there, whole and of the size asked for, is\n"
-	"left alone: start a sweep that was cut short again, and it goes on. Whole is a PNG whose chunks lead to IEND at\n"
-	"its end, and an EXR whose offset table is filled and whose blocks end where the file ends. What the image\n"
-	"shows is not looked at: with another scene, cameras or samples use another name, or --force.\n\n"
+	"left alone if its metadata names this scene and this request: technique, camera, lens, samples, seed, end,\n"
+	"options, effects, edits, background, filter, AOVs, format and view. So start a sweep that was cut short again,\n"
+	"and it goes on; change anything, and it makes anew what differs, and says what that was. Whole is a PNG whose\n"
+	"chunks lead to IEND at its end, and an EXR whose offset table is filled and whose blocks end where the file\n"
+	"ends. Pixels are not looked at, nor which device or version made them.\n\n"
 	"--json: {\"output\", \"scene\", \"format\", \"width\", \"height\", \"samples\", \"cameras\", \"shard\", "
 	"\"shards\",\n"
-	"\"written\", \"skipped\", \"elapsed_us\", \"rays\", \"retries\", \"images\": [{\"index\", \"image\",\n"
-	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: the scene's first, or nothing was rendered), \"time_s\" "
-	"(of an\n"
-	"animation)}]}\n"
+	"\"written\", \"skipped\", \"redone\" (of those written), \"elapsed_us\", \"rays\", \"retries\", \"images\": "
+	"[{\"index\", \"image\",\n"
+	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: the scene's first), \"time_s\" (of an animation),\n"
+	"\"why\" (what differed in the image that was there)}]}\n"
 	"Exit codes: 0 every image of the call is there; others as in candil --help. Images already written stay.\n",
     .run = run_sweep,
 };

@@ -236,7 +236,7 @@ candil_status target_open(struct target *target, const char *address, const char
 
 candil_status target_surroundings(struct target *target, struct candil_render_request *request, struct candil_error *error)
 {
-	static struct candil_scene_info info; // static because it is large; nobody needs it
+	static struct candil_scene_info info; // static because it is large
 	const struct candil_load_request how = {0};
 	const char *picture = request->environment;
 	candil_status status = CANDIL_STATUS_SCENE_NOT_FOUND;
@@ -250,10 +250,12 @@ candil_status target_surroundings(struct target *target, struct candil_render_re
 	if (status == CANDIL_STATUS_SCENE_NOT_FOUND)
 		status = check_file(picture, &how, error);
 	else
-		return status;
-	if (status != CANDIL_STATUS_OK)
-		return status;
-	return load_temporary(target, picture, &how, target->picture, &target->picture_temporary, &info, error);
+		picture = NULL;
+	if (picture && status == CANDIL_STATUS_OK)
+		status = load_temporary(target, picture, &how, target->picture, &target->picture_temporary, &info, error);
+	if (status == CANDIL_STATUS_OK)
+		snprintf(target->picture_hash, sizeof(target->picture_hash), "%s", info.hash);
+	return status;
 }
 
 static void wait_private(pid_t pid)

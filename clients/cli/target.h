@@ -13,6 +13,7 @@ struct target {
 	char scene[64]; // name in the daemon
 	bool temporary; // the scene was loaded for this command
 	char picture[64]; // name of the picture of the surroundings; "": there is none
+	char picture_hash[40]; // "": there is none
 	bool picture_temporary; // the picture was loaded for this command
 	struct candil_scene_info info;
 };

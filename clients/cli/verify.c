@@ -8,6 +8,7 @@
 struct reader {
 	FILE *file;
 	uint64_t size;
+	struct metadata *metadata;
 };
 
 static bool verify_take(const struct reader *r, void *out, size_t bytes)
@@ -38,6 +39,21 @@ static uint32_t little_endian(const uint8_t *b)
 
 // ---- PNG -------------------------------------------------------------------------------------------------------------
 
+// Read a tEXt chunk: a name, a zero, a text without one. false: the file ends before.
+static bool take_png_text(const struct reader *r, uint32_t size)
+{
+	char both[TEXT_MAX + ASKED_TEXT_BYTES];
+	if (size == 0 || size > sizeof(both))
+		return verify_skip(r, size);
+	if (!verify_take(r, both, size))
+		return false;
+	const char *zero = memchr(both, 0, size);
+	const size_t bytes = zero ? size - (size_t)(zero + 1 - both) : 0;
+	if (zero && metadata_wants(r->metadata, both, bytes))
+		metadata_keep(r->metadata, both, zero + 1, bytes);
+	return true;
+}
+
 static bool verify_png(const struct reader *r, uint32_t width, uint32_t height)
 {
 	static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
@@ -48,7 +64,9 @@ static bool verify_png(const struct reader *r, uint32_t width, uint32_t height)
 	if (big_endian(head + 8) != 13 || big_endian(head + 16) != width || big_endian(head + 20) != height)
 		return false;
 	while (verify_take(r, chunk, sizeof(chunk))) {
-		if (!verify_skip(r, (uint64_t)big_endian(chunk) + 4))
+		const uint32_t size = big_endian(chunk);
+		const bool text = memcmp(chunk + 4, "tEXt", 4) == 0;
+		if (!(text ? take_png_text(r, size) : verify_skip(r, size)) || !verify_skip(r, 4))
 			return false;
 		if (memcmp(chunk + 4, "IEND", 4) == 0)
 			return data && (uint64_t)ftello(r->file) == r->size;
@@ -94,7 +112,13 @@ static bool take_attribute(const struct reader *r, const char *name, struct exr 
 	}
 	if (strcmp(name, "compression") == 0 && size == 1)
 		return exr->has_compression = verify_take(r, &exr->compression, 1);
-	return verify_skip(r, size);
+	char value[ASKED_TEXT_BYTES];
+	if (strcmp(type, "string") != 0 || !metadata_wants(r->metadata, name, size))
+		return verify_skip(r, size);
+	if (!verify_take(r, value, size))
+		return false;
+	metadata_keep(r->metadata, name, value, size);
+	return true;
 }
 
 static bool take_header(const struct reader *r, struct exr *exr)
@@ -151,9 +175,9 @@ static bool verify_exr(const struct reader *r, uint32_t width, uint32_t height)
 	return last == r->size;
 }
 
-bool verify_image(const char *path, bool png, uint32_t width, uint32_t height)
+bool verify_image(const char *path, bool png, uint32_t width, uint32_t height, struct metadata *metadata)
 {
-	struct reader r = {.file = fopen(path, "rbe")};
+	struct reader r = {.file = fopen(path, "rbe"), .metadata = metadata};
 	bool whole = false;
 	if (!r.file)
 		return false;

@@ -1,9 +1,10 @@
-"""candil sweep against a real daemon: the same bits as single renders, what is there is left alone, shards share; and the
-edits that sweep and render take."""
+"""candil sweep against a real daemon: the same bits as single renders, what is there is left alone unless another scene or
+request made it, shards share; and the edits that sweep and render take."""
 import json
 import os
 import tempfile
 import unittest
+import zlib
 
 import numpy
 
@@ -108,19 +109,90 @@ class Sweep(unittest.TestCase):
 
     def test_every_compression_is_understood(self):
         import OpenImageIO as oiio
+        self.sweep("c{index}.exr", "--orbit", "1", "--half")
+        said = images.metadata(self.path("c0.exr"))
         for compression in ("none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"):
             spec = oiio.ImageSpec(32, 24, 3, "half")
             spec.attribute("compression", compression)
+            for key in said:
+                if key.startswith("candil/"):
+                    spec.attribute(key, said[key])
             out = oiio.ImageOutput.create(self.path("c0.exr"))
             self.assertTrue(out.open(self.path("c0.exr"), spec), compression)
             self.assertTrue(out.write_image(numpy.random.default_rng(1).random((24, 32, 3)).astype(numpy.float32)))
             out.close()
-            self.assertEqual(self.states(self.sweep("c{index}.exr", "--orbit", "1")), ["skipped"], compression)
+            self.assertEqual(self.states(self.sweep("c{index}.exr", "--orbit", "1", "--half")), ["skipped"], compression)
 
-    def test_nothing_to_do_needs_no_daemon(self):
+    def differs(self, name, why, before=(), after=()):
+        """What `before` made is made anew by `after`, once, because of `why`."""
+        self.sweep(name, "--orbit", "2", *before, "--force")
+        summary = self.sweep(name, *(() if "--orbit" in after else ("--orbit", "2")), *after)
+        self.assertEqual([image.get("why") for image in summary["images"]], [why] * 2, after)
+        self.assertEqual((summary["written"], summary["skipped"], summary["redone"]), (2, 0, 2), after)
+        summary = self.sweep(name, *(() if "--orbit" in after else ("--orbit", "2")), *after)
+        self.assertEqual((summary["written"], summary["skipped"], summary["redone"]), (0, 2, 0), after)
+        self.assertNotIn("why", summary["images"][0])
+
+    def test_what_another_request_made_is_made_anew(self):
+        for why, after in (("camera", ["--orbit", "2,21"]), ("technique", ["--technique", "direct"]), ("samples", ["--spp", "5"]),
+                           ("options", ["--set", "pt.depth=3"]), ("seed", ["--seed", "7"]), ("first_sample", ["--first-sample", "4"]),
+                           ("format", ["--half"]), ("aovs", ["--aov", "depth"]), ("filter", ["--filter", "gauss"]),
+                           ("lens", ["--lens", "0.1,3"]), ("lens", ["--orthographic", "3"]), ("background", ["--background", "1,1,1"]),
+                           ("effects", ["--effects", "auto,-bounces"]), ("end", ["--error", "1e9", "--spp", "4"]),
+                           ("edits", ["--light", "point:at=0,1,0,intensity=1"])):
+            self.differs("d{index}.exr", why, after=after)
+        self.differs("d{index}.exr", "options", ["--set", "pt.depth=3", "--set", "pt.roulette=off"], ["--set", "pt.depth=3"])
+        self.differs("d{index}.exr", "edits", ["--material", "floor:color=1,0,0"], ["--material", "floor:color=1,0,.1"])
+        self.differs("d{index}.png", "view", ["--view", "filmic"], ["--view", "filmic", "--exposure", ".1"])
+
+    def test_what_another_scene_made_is_made_anew(self):
+        self.addCleanup(setattr, self, "scene", self.scene)
+        self.scene = write_scene(self.folder)
+        self.sweep("e{index}.exr", "--orbit", "2", "--background", "1,0,0")
+        with open(self.path("room.mtl"), "a") as file:
+            file.write("Ke 4 4 4\n")
+        summary = self.sweep("e{index}.exr", "--orbit", "2", "--background", "1,0,0")
+        self.assertEqual([image["why"] for image in summary["images"]], ["scene"] * 2)
+        for i, colour in enumerate(((1, 0, 0), (0, 1, 0))):
+            images.write(self.path(f"around{i}.exr"), numpy.full((4, 8, 3), colour, numpy.float32))
+        around = ["--background", self.path("around0.exr")]
+        self.differs("f{index}.exr", "background's picture", around, ["--background", self.path("around1.exr")])
+        self.differs("f{index}.exr", "background", around, [*around, "--background-turn", "10"])
+        self.differs("f{index}.exr", "background's picture", around)
+
+    def test_what_another_program_made_is_made_anew(self):
+        images.write(self.path("g0.exr"), numpy.zeros((24, 32, 3), numpy.float32))
+        with open(self.path("g1.exr"), "wb") as file:
+            file.write(b"no picture")
+        result = self.candil("sweep", self.scene, "-o", self.path("g{index}.exr"), *SIZE, "--orbit", "3")
+        self.assertEqual(result.returncode, 0, result)
+        self.assertIn("3 of 3 cameras: 3 written, 0 there already", result.stdout)
+        self.assertIn("redone     2 that were there and differed: no metadata 1, size, or not whole 1\n", result.stdout)
+
+    def test_odd_metadata_is_passed_over(self):
+        self.sweep("h{index}.png", "--orbit", "1")
+        with open(self.path("h0.png"), "rb") as file:
+            whole = file.read()
+        at = whole.index(b"tEXt") - 4
+
+        def text(body):
+            return len(body).to_bytes(4, "big") + b"tEXt" + body + zlib.crc32(b"tEXt" + body).to_bytes(4, "big")
+
+        for body, count, state in ((b"candil/request/seed\0" + b"1" * 5000, 1, "skipped"), (b"candil/" + b"k" * 90 + b"\0x", 1, "skipped"),
+                                   (b"candil/no zero", 1, "skipped"), (b"", 1, "skipped"), (b"candil/empty\0", 1, "skipped"),
+                                   (b"another/key\0x", 500, "skipped"), (b"candil/junk\0x", 500, "written"),
+                                   (b"candil/request/seed\0" + b"1", 1, "written")):
+            with open(self.path("h0.png"), "wb") as file:
+                file.write(whole[:at] + text(body) * count + whole[at:])
+            self.assertEqual(self.states(self.sweep("h{index}.png", "--orbit", "1")), [state], (body[:30], count))
+        with open(self.path("h0.png"), "wb") as file:
+            file.write(whole[:at] + (1 << 31).to_bytes(4, "big") + b"tEXt" + whole[at:])
+        self.assertEqual(self.states(self.sweep("h{index}.png", "--orbit", "1")), ["written"])
+
+    def test_what_is_there_is_compared_with_what_the_daemon_has(self):
         self.sweep("n{index}.png", "--orbit", "2")
         result = run(CANDIL, "--connect", "/nowhere", "sweep", self.scene, "-o", self.path("n{index}.png"), *SIZE, "--orbit", "2")
-        self.assertEqual(result.returncode, 0, result)
+        self.assertEqual(result.returncode, 3, result)
 
     def test_metadata_tells_version_camera_and_request(self):
         with open(self.path("cameras.json"), "w") as file:
@@ -191,6 +263,11 @@ class Sweep(unittest.TestCase):
         self.same(summary["images"][1], "--animation", "play", "--at", repr(1 / 1.5))
         summary = self.sweep("c{index}.exr", "--animation", "play", "--orbit", "2", "--node", "block:scale=2")
         self.assertEqual([image["time_s"] for image in summary["images"]], [0, 2])
+        self.assertEqual(self.sweep("b{index}.exr", "--animation", "#0", "--fps", "1.5", "--camera", "camera")["skipped"], 4)
+        same_times = ["--animation", "#0", "--frames", "4", "--camera", "camera"]
+        self.assertEqual(self.sweep("b{index}.exr", *same_times)["skipped"], 4)
+        summary = self.sweep("b{index}.exr", *same_times, "--node", "block:scale=3")
+        self.assertEqual([image.get("why") for image in summary["images"]], ["edits"] * 4)
 
     def test_keys_are_met_and_the_way_between_is_smooth(self):
         with open(self.path("keys.json"), "w") as file:
