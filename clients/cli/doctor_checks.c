@@ -23,12 +23,17 @@ const char *doctor_package_of(const char *library)
 	static const struct {
 		const char *begin, *package;
 	} known[] = {
-	    {"libassimp.so", "libassimp5"},    {"libOpenImageIO", "libopenimageio2.4"},
-	    {"libembree3.so", "libembree3-3"}, {"libtinygltf.so", "libtinygltf2d"},
-	    {"libseccomp.so", "libseccomp2"},  {"libvulkan.so", "libvulkan1"},
-	    {"libxxhash.so", "libxxhash0"},    {"libgomp.so", "libgomp1"},
-	    {"libjansson.so", "libjansson4"},  {"libstdc++.so", "libstdc++6"},
-	    {"libgcc_s.so", "libgcc-s1"},      {"libasan.so", "libasan8"},
+	    {"libOpenImageIO", "libopenimageio2.4"},
+	    {"libembree3.so", "libembree3-3"},
+	    {"libtinygltf.so", "libtinygltf2d"},
+	    {"libseccomp.so", "libseccomp2"},
+	    {"libvulkan.so", "libvulkan1"},
+	    {"libxxhash.so", "libxxhash0"},
+	    {"libgomp.so", "libgomp1"},
+	    {"libjansson.so", "libjansson4"},
+	    {"libstdc++.so", "libstdc++6"},
+	    {"libgcc_s.so", "libgcc-s1"},
+	    {"libasan.so", "libasan8"},
 	    {"libubsan.so", "libubsan1"},
 	};
 	for (size_t i = 0; i < sizeof(known) / sizeof(known[0]); i++) {

@@ -2,229 +2,313 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
+#include <xxhash.h>
 
-// Statements that are ignored, with a note, if present.
+#include "server/loader/import_parts.h"
+
+// Statements without effect here, which are told. Ka and map_Ka have none anywhere: no light is ambient.
 static const char *const left_out[] = {
-    "map_Ns", "map_d", "disp", "decal", "refl", "map_Ka", "Ps", "map_Pr", "map_Pm", "map_Ps", "aniso", "anisor",
+    "map_Ka",   "map_Ns",  "map_d",   "map_Tr",   "map_Tf", "map_opacity", "map_aat",   "disp",
+    "map_disp", "decal",   "refl",    "map_refl", "Ps",     "map_Pr",      "map_Pm",    "map_Ps",
+    "map_Pc",   "map_Pcr", "map_RMA", "map_ORM",  "aniso",  "anisor",      "sharpness", "Km",
 };
 
-// A line: its keyword and up to three numbers after it.
-struct line {
-	char keyword[16];
-	const char *rest;
-	size_t rest_bytes;
-	double numbers[3];
-	int number_count;
+static const struct {
+	const char *keyword;
+	enum mtl_map_kind kind;
+} map_keywords[] = {
+    {"map_Kd", MTL_DIFFUSE},  {"map_Ke", MTL_EMISSION}, {"map_emissive", MTL_EMISSION},
+    {"map_Ks", MTL_SPECULAR}, {"map_Bump", MTL_BUMPS},  {"bump", MTL_BUMPS},
+    {"norm", MTL_NORMALS},    {"map_Kn", MTL_NORMALS},  {"map_norm", MTL_NORMALS},
 };
 
-static bool is_blank(char c)
+// The file that is read.
+struct reader {
+	struct mtl_notes *notes;
+	struct import *import;
+	const char *file, *folder;
+	struct obj_text text;
+	struct obj_word keyword;
+	uint32_t current; // the material that statements belong to; NONE: none
+};
+
+// Names are told apart by 128 bits of hash.
+#define NAME_WORDS 4
+
+void mtl_notes_init(struct mtl_notes *notes)
 {
-	return c == ' ' || c == '\t' || c == '\r';
+	*notes = (struct mtl_notes){0};
+	key_table_init(&notes->names, NAME_WORDS);
 }
 
-static void read_numbers(struct line *line)
+void mtl_notes_finish(struct mtl_notes *notes)
 {
-	char text[96];
-	const size_t bytes = line->rest_bytes < sizeof text - 1 ? line->rest_bytes : sizeof text - 1;
-	memcpy(text, line->rest, bytes);
-	text[bytes] = 0;
-	char *at = text;
-	for (line->number_count = 0; line->number_count < 3; line->number_count++) {
-		char *end;
-		line->numbers[line->number_count] = strtod(at, &end);
-		if (end == at)
-			return;
-		at = end;
+	for (size_t i = 0; i < notes->count; i++) {
+		free(notes->notes[i].name);
+		for (int k = 0; k < MTL_MAPS; k++)
+			free(notes->notes[i].maps[k].file);
 	}
+	for (size_t i = 0; i < notes->folder_count; i++)
+		free(notes->folders[i]);
+	free(notes->folders);
+	free(notes->notes);
+	key_table_finish(&notes->names);
+	*notes = (struct mtl_notes){0};
 }
 
-static struct line split_line(const char *text, size_t bytes)
+static enum status add_note(struct mtl_notes *notes, const char *name, struct error *err)
 {
-	struct line line = {0};
-	size_t at = 0, used = 0;
-	while (at < bytes && is_blank(text[at]))
-		at++;
-	while (at < bytes && !is_blank(text[at])) {
-		if (used + 1 < sizeof line.keyword)
-			line.keyword[used++] = text[at];
-		at++;
-	}
-	while (at < bytes && is_blank(text[at]))
-		at++;
-	while (bytes > at && is_blank(text[bytes - 1]))
-		bytes--;
-	line.rest = text + at;
-	line.rest_bytes = bytes - at;
-	read_numbers(&line);
-	return line;
-}
-
-static enum status note_add(struct mtl_notes *notes, const struct line *line, struct error *err)
-{
-	if (notes->count >= LIMIT_MATERIALS)
-		return error_set(err, STATUS_SCENE_LIMIT, "the MTL files define more than %u materials", LIMIT_MATERIALS);
-	if (notes->count == notes->room) {
-		const size_t room = notes->room * 2 + 16;
-		struct mtl_note *bigger = realloc(notes->notes, room * sizeof *bigger);
-		if (!bigger)
-			return error_set(err, STATUS_MEMORY, "no memory for %zu materials", room);
-		notes->notes = bigger;
-		notes->room = room;
-	}
-	char *name = strndup(line->rest, line->rest_bytes);
-	if (!name)
+	void *items = import_grown(notes->notes, notes->count, 1, &notes->room, sizeof *notes->notes, LIMIT_MATERIALS,
+				   "materials", err);
+	if (!items)
+		return err->code;
+	notes->notes = items;
+	char *own = strdup(name);
+	if (!own)
 		return error_set(err, STATUS_MEMORY, "no memory for a material's name");
-	notes->notes[notes->count++] = (struct mtl_note){.name = name, .illum = -1, .bump = 1, .dissolve = 1};
+	notes->notes[notes->count++] = (struct mtl_note){.name = own, .illum = -1, .dissolve = 1};
 	return STATUS_OK;
 }
 
-static bool is_bump(const char *keyword)
+enum status mtl_notes_number(struct mtl_notes *notes, const char *name, uint32_t *number, struct error *err)
 {
-	return strcasecmp(keyword, "map_bump") == 0 || strcasecmp(keyword, "bump") == 0 || strcasecmp(keyword, "norm") == 0;
+	uint32_t key[NAME_WORDS];
+	const XXH128_hash_t hash = XXH3_128bits(name, strlen(name));
+	memcpy(key, &hash, sizeof key);
+	if (key_table_number(&notes->names, key, number, err) != STATUS_OK)
+		return err->code;
+	return *number < notes->count ? STATUS_OK : add_note(notes, name, err);
 }
 
-static bool is_map(const char *keyword)
+static void tell_malformed(struct reader *r, const char *what)
 {
-	return strcasecmp(keyword, "map_Kd") == 0 || strcasecmp(keyword, "map_Ke") == 0 ||
-	       strcasecmp(keyword, "map_Ks") == 0 || is_bump(keyword);
+	import_warn(r->import, "%.60s, line %zu: '%.*s' %s and is left out", r->file, r->text.line,
+		    r->keyword.size < 20 ? (int)r->keyword.size : 20, r->keyword.at, what);
 }
 
-// Whether a map has one of the options -o, -s and -t, which move, scale and rotate it.
-static bool has_map_option(const struct line *line)
+// The linear RGB of CIE's X, Y and Z, by sRGB's primaries.
+static void rgb_of_xyz(double c[3])
 {
-	for (size_t i = 0; i + 2 < line->rest_bytes; i++)
-		if (line->rest[i] == '-' && (i == 0 || is_blank(line->rest[i - 1])) && is_blank(line->rest[i + 2]) &&
-		    strchr("ost", line->rest[i + 1]))
-			return true;
-	return false;
+	const double x = c[0], y = c[1], z = c[2];
+	c[0] = 3.2404542 * x - 1.5371385 * y - 0.4985314 * z;
+	c[1] = -0.9692660 * x + 1.8760108 * y + 0.0415560 * z;
+	c[2] = 0.0556434 * x - 0.2040259 * y + 1.0572252 * z;
 }
 
-static void note_ignored(struct import *import, const struct line *line)
+// Read a colour: three numbers, or one that stands for all three. False, with a word about it, if there is none.
+static bool read_colour(struct reader *r, double out[3])
 {
-	const char *k = line->keyword;
-	if (is_map(k) && has_map_option(line))
-		import_ignore(import, "map options -o -s -t");
-	for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++)
-		if (strcasecmp(k, left_out[i]) == 0)
-			import_ignore(import, left_out[i]);
-}
-
-// The number after -bm.
-static double bump_multiplier(const struct line *line)
-{
-	for (size_t i = 0; i + 4 < line->rest_bytes; i++)
-		if ((i == 0 || is_blank(line->rest[i - 1])) && strncmp(line->rest + i, "-bm", 3) == 0 &&
-		    is_blank(line->rest[i + 3])) {
-			const struct line number = {.rest = line->rest + i + 4, .rest_bytes = line->rest_bytes - i - 4};
-			struct line read = number;
-			read_numbers(&read);
-			if (read.number_count > 0)
-				return read.numbers[0];
-		}
-	return 1.0;
-}
-
-// Read three numbers, or one that stands for all three.
-static void note_colour(const struct line *line, double out[3])
-{
-	for (int i = 0; i < 3; i++)
-		out[i] = line->number_count == 0 ? 0 : line->numbers[line->number_count == 3 ? i : 0];
-}
-
-// Ni, d, Tr and Tf. Many exporters write Tr 1 for opaque surfaces, so Tr 1 alone means nothing.
-static void note_clearness(struct mtl_note *note, const struct line *line)
-{
-	const char *k = line->keyword;
-	if (line->number_count == 0)
-		return;
-	if (strcasecmp(k, "Ni") == 0) {
-		note->ior = line->numbers[0];
-	} else if (strcmp(k, "d") == 0) {
-		note->dissolve = line->numbers[0];
-		note->has_dissolve = true;
-	} else if (strcasecmp(k, "Tr") == 0 && !note->has_dissolve && line->numbers[0] < 1) {
-		note->dissolve = 1 - line->numbers[0];
-	} else if (strcasecmp(k, "Tf") == 0) {
-		note->has_filter = true;
-		note_colour(line, note->filter);
+	struct obj_text ahead = r->text;
+	struct obj_word word;
+	const bool any = obj_text_word(&ahead, &word), xyz = any && obj_word_is(&word, "xyz");
+	if (any && obj_word_is(&word, "spectral")) {
+		tell_malformed(r, "names a file of a spectrum");
+		return false;
 	}
+	if (xyz)
+		r->text = ahead;
+	double numbers[3];
+	int count;
+	if (!obj_text_numbers(&r->text, 3, numbers, &count) || count == 0) {
+		tell_malformed(r, "has no colour");
+		return false;
+	}
+	for (int i = 0; i < 3; i++)
+		out[i] = numbers[count == 3 ? i : 0];
+	if (xyz)
+		rgb_of_xyz(out);
+	return true;
 }
 
-// The statements of physically based exporters. False for any other keyword.
-static bool note_physical(struct mtl_note *note, const struct line *line)
+static bool read_number(struct reader *r, double *out)
+{
+	int count;
+	double number;
+	if (!obj_text_numbers(&r->text, 1, &number, &count) || count == 0) {
+		tell_malformed(r, "has no number");
+		return false;
+	}
+	*out = number;
+	return true;
+}
+
+// Kd, Ke, Ks and Tf. False for any other keyword.
+static bool note_colours(struct reader *r, struct mtl_note *note)
 {
 	const struct {
 		const char *keyword;
 		double *value;
 		bool *has;
-	} keys[] = {{"Pr", &note->roughness, &note->has_roughness},
+	} keys[] = {{"Kd", note->diffuse, &note->has_diffuse},
+		    {"Ke", note->emission, &note->has_emission},
+		    {"Ks", note->specular, &note->has_specular},
+		    {"Tf", note->filter, &note->has_filter}};
+	for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+		if (obj_word_is(&r->keyword, keys[i].keyword)) {
+			*keys[i].has |= read_colour(r, keys[i].value);
+			return true;
+		}
+	return false;
+}
+
+// Single numbers, those of physically based exporters among them. False for any other keyword.
+static bool note_numbers(struct reader *r, struct mtl_note *note)
+{
+	const struct {
+		const char *keyword;
+		double *value;
+		bool *has;
+	} keys[] = {{"Ns", &note->exponent, &note->has_exponent},
+		    {"Ni", &note->ior, NULL},
+		    {"Pr", &note->roughness, &note->has_roughness},
 		    {"Pm", &note->metallic, &note->has_metallic},
 		    {"Pc", &note->coat, NULL},
 		    {"Pcr", &note->coat_roughness, NULL},
 		    {"Pdr", &note->diffuse_roughness, NULL},
 		    {"Pp", &note->priority, NULL}};
 	for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
-		if (strcasecmp(line->keyword, keys[i].keyword) == 0) {
-			*keys[i].value = line->number_count > 0 ? line->numbers[0] : 0;
-			if (keys[i].has)
-				*keys[i].has = line->number_count > 0;
+		if (obj_word_is(&r->keyword, keys[i].keyword)) {
+			if (read_number(r, keys[i].value) && keys[i].has)
+				*keys[i].has = true;
 			return true;
 		}
 	return false;
 }
 
-static void note_property(struct mtl_note *note, const struct line *line)
+// d and Tr. Many exporters write Tr 1 for opaque surfaces, so Tr 1 alone means nothing. A halo is denser towards the rim,
+// which is left out.
+static bool note_dissolve(struct reader *r, struct mtl_note *note)
 {
-	const char *k = line->keyword;
-	if (strcasecmp(k, "Kd") == 0) {
-		note->has_diffuse = true;
-	} else if (strcasecmp(k, "Ks") == 0) {
-		note_colour(line, note->specular);
-	} else if (strcasecmp(k, "Ns") == 0 && line->number_count > 0) {
-		note->exponent = line->numbers[0];
-		note->has_exponent = true;
-	} else if (strcasecmp(k, "illum") == 0 && line->number_count > 0) {
-		note->illum = line->numbers[0] >= 0 && line->numbers[0] <= 10 ? (int)line->numbers[0] : -1;
-	} else if (is_bump(k)) {
-		note->bump = bump_multiplier(line);
-	} else if (!note_physical(note, line)) {
-		note_clearness(note, line);
+	struct obj_text ahead = r->text;
+	struct obj_word word;
+	double number = 1;
+	if (!obj_word_is(&r->keyword, "d") && !obj_word_is(&r->keyword, "Tr"))
+		return false;
+	if (obj_text_word(&ahead, &word) && obj_word_is(&word, "-halo")) {
+		import_ignore(r->import, "d -halo");
+		r->text = ahead;
 	}
+	if (!read_number(r, &number))
+		return true;
+	if (obj_word_is(&r->keyword, "d")) {
+		note->dissolve = number;
+		note->has_dissolve = true;
+	} else if (!note->has_dissolve && number < 1) {
+		note->dissolve = 1 - number;
+	}
+	return true;
 }
 
-enum status mtl_notes_scan(struct mtl_notes *notes, struct import *import, const struct file_bytes *bytes, struct error *err)
+static bool note_illum(struct reader *r, struct mtl_note *note)
 {
-	const char *at = (const char *)bytes->data, *end = at + bytes->size;
-	while (at < end) {
-		const char *stop = memchr(at, '\n', (size_t)(end - at));
-		if (!stop)
-			stop = end;
-		const struct line line = split_line(at, (size_t)(stop - at));
-		if (strcasecmp(line.keyword, "newmtl") == 0) {
-			if (note_add(notes, &line, err) != STATUS_OK)
-				return err->code;
-		} else if (notes->count > 0) {
-			note_property(&notes->notes[notes->count - 1], &line);
-		}
-		note_ignored(import, &line);
-		at = stop + 1;
+	double number;
+	if (!obj_word_is(&r->keyword, "illum"))
+		return false;
+	if (read_number(r, &number)) {
+		note->illum = number >= 0 && number < 11 ? (int)number : -1;
+		if (note->illum < 0)
+			tell_malformed(r, "is no model from 0 to 10");
 	}
+	return true;
+}
+
+// A map; the last of a kind counts. *known becomes false if the statement is none.
+static enum status note_map(struct reader *r, struct mtl_note *note, bool *known, struct error *err)
+{
+	struct mtl_map map;
+	for (size_t i = 0; i < sizeof map_keywords / sizeof *map_keywords; i++) {
+		if (!obj_word_is(&r->keyword, map_keywords[i].keyword))
+			continue;
+		if (mtl_map_read(r->import, &r->text, &map, err) != STATUS_OK)
+			return err->code;
+		struct mtl_map *old = &note->maps[map_keywords[i].kind];
+		if (!map.file)
+			tell_malformed(r, "names no file");
+		else
+			free(old->file);
+		*old = map.file ? map : *old;
+		return STATUS_OK;
+	}
+	*known = false;
 	return STATUS_OK;
 }
 
-const struct mtl_note *mtl_notes_find(const struct mtl_notes *notes, const char *name)
+static void tell_left_out(struct reader *r)
 {
-	for (size_t i = notes->count; i-- > 0;)
-		if (strcmp(notes->notes[i].name, name) == 0)
-			return &notes->notes[i];
-	return NULL;
+	if (obj_word_is(&r->keyword, "Ka"))
+		return;
+	for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++)
+		if (obj_word_is(&r->keyword, left_out[i])) {
+			import_ignore(r->import, left_out[i]);
+			return;
+		}
+	tell_malformed(r, "is no statement of MTL that is known");
 }
 
-void mtl_notes_finish(struct mtl_notes *notes)
+static enum status start_material(struct reader *r, struct error *err)
 {
-	for (size_t i = 0; i < notes->count; i++)
-		free(notes->notes[i].name);
-	free(notes->notes);
-	*notes = (struct mtl_notes){0};
+	char *name = obj_text_rest(&r->text);
+	if (!name)
+		return error_set(err, STATUS_MEMORY, "no memory for a material's name");
+	enum status status = mtl_notes_number(r->notes, name, &r->current, err);
+	if (status == STATUS_OK && r->notes->notes[r->current].folder) {
+		import_warn(r->import, "%.60s, line %zu: material '%.60s' is defined again, and its first definition counts",
+			    r->file, r->text.line, name);
+		r->current = NONE;
+	} else if (status == STATUS_OK) {
+		r->notes->notes[r->current].folder = r->folder;
+	}
+	free(name);
+	return status;
+}
+
+static enum status read_statement(struct reader *r, struct error *err)
+{
+	if (obj_word_is(&r->keyword, "newmtl"))
+		return start_material(r, err);
+	bool known = true;
+	struct mtl_note *note = r->current == NONE ? NULL : &r->notes->notes[r->current];
+	if (!note)
+		return STATUS_OK;
+	if (note_colours(r, note) || note_numbers(r, note) || note_dissolve(r, note) || note_illum(r, note))
+		return STATUS_OK;
+	if (note_map(r, note, &known, err) != STATUS_OK)
+		return err->code;
+	if (!known)
+		tell_left_out(r);
+	return STATUS_OK;
+}
+
+// Keep the folder of a file.
+static enum status add_folder(struct mtl_notes *notes, const char *file, struct error *err)
+{
+	const char *slash = strrchr(file, '/');
+	void *items = import_grown(notes->folders, notes->folder_count, 1, &notes->folder_room, sizeof *notes->folders,
+				   LIMIT_MATERIALS, "material libraries", err);
+	if (!items)
+		return err->code;
+	notes->folders = items;
+	char *folder = strndup(file, slash ? (size_t)(slash - file) + 1 : 0);
+	if (!folder)
+		return error_set(err, STATUS_MEMORY, "no memory for a folder's name");
+	notes->folders[notes->folder_count++] = folder;
+	return STATUS_OK;
+}
+
+enum status mtl_notes_read(struct mtl_notes *notes, struct import *im, const char *file, const struct file_bytes *bytes,
+			   struct error *err)
+{
+	struct error why;
+	struct reader r = {.notes = notes, .import = im, .file = file, .current = NONE};
+	if (obj_text_start(&r.text, bytes, &why) != STATUS_OK) {
+		import_warn(im, "material library '%.100s' is left out: %s", file, why.text);
+		return STATUS_OK;
+	}
+	if (add_folder(notes, file, err) != STATUS_OK)
+		return err->code;
+	r.folder = notes->folders[notes->folder_count - 1];
+	while (obj_text_statement(&r.text, &r.keyword))
+		if (read_statement(&r, err) != STATUS_OK)
+			return err->code;
+	return STATUS_OK;
 }

@@ -10,8 +10,8 @@
 // those that are not finite.
 float mtl_roughness(double exponent);
 
-// Set the material from a note's statements; the albedo must have been set from Kd. Statements without effect are noted as
-// ignored. False if a value had to be clamped.
+// Set the material's lobes from a note's statements; mtl_material sets the albedo and the emission first. Statements without
+// effect are noted as ignored. False if a value had to be clamped.
 //
 // clang-format off
 // | illum | meaning in MTL | here |

@@ -37,10 +37,20 @@ static void exponents(void **state)
 	assert_true(mtl_roughness(1e30) > 0 && mtl_roughness(1e30) < 1e-6f);
 }
 
+// The material of a name that a file has defined.
+static const struct mtl_note *find(struct mtl_notes *notes, const char *name)
+{
+	uint32_t number;
+	const size_t count = notes->count;
+	assert_int_equal(mtl_notes_number(notes, name, &number, NULL), STATUS_OK);
+	assert_true(number < count);
+	return &notes->notes[number];
+}
+
 static struct material surface(int illum, double ks, double ns)
 {
 	const struct mtl_note note = {
-	    .illum = illum, .specular = {ks, ks / 2, 0}, .exponent = ns, .has_exponent = ns >= 0, .bump = 1, .dissolve = 1};
+	    .illum = illum, .specular = {ks, ks / 2, 0}, .exponent = ns, .has_exponent = ns >= 0, .dissolve = 1};
 	struct material m = import_plain_material(0.5f);
 	assert_true(mtl_set_surface(&import, &note, &m) == (ks <= 1));
 	return m;
@@ -121,12 +131,13 @@ static void priorities(void **state)
 	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
 	static const char *const names[] = {"glass", "high", "matt"};
 	static const uint32_t flags[] = {3u << MATERIAL_PRIORITY_SHIFT, LIMIT_PRIORITY << MATERIAL_PRIORITY_SHIFT, 0};
-	struct mtl_notes notes = {0};
+	struct mtl_notes notes;
+	mtl_notes_init(&notes);
 	(void)state;
-	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
+	assert_int_equal(mtl_notes_read(&notes, &import, "a.mtl", &bytes, NULL), STATUS_OK);
 	for (int i = 0; i < 3; i++) {
 		struct material m = import_plain_material(0.5f);
-		assert_true(mtl_set_surface(&import, mtl_notes_find(&notes, names[i]), &m) == (i != 1));
+		assert_true(mtl_set_surface(&import, find(&notes, names[i]), &m) == (i != 1));
 		assert_int_equal(m.flags, flags[i]);
 	}
 	mtl_notes_finish(&notes);
@@ -143,14 +154,15 @@ static void physical_keys(void **state)
 			     "newmtl glass\nillum 7\nNi 1.5\nPr 0.5\nPc 1\n"
 			     "newmtl empty\nPr\nPm\nPc\n";
 	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
-	struct mtl_notes notes = {0};
+	struct mtl_notes notes;
+	mtl_notes_init(&notes);
 	struct material m[6];
 	static const char *const names[] = {"metal", "coat", "dull", "wrong", "glass", "empty"};
 	(void)state;
-	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
+	assert_int_equal(mtl_notes_read(&notes, &import, "a.mtl", &bytes, NULL), STATUS_OK);
 	for (int i = 0; i < 6; i++) {
 		m[i] = import_plain_material(0.5f);
-		assert_true(mtl_set_surface(&import, mtl_notes_find(&notes, names[i]), &m[i]) == (i != 3));
+		assert_true(mtl_set_surface(&import, find(&notes, names[i]), &m[i]) == (i != 3));
 	}
 	mtl_notes_finish(&notes);
 	assert_true(m[0].metallic == 1 && m[0].roughness == 0.25f && m[0].specular[0] == 0.25f && m[0].specular_weight == 1);
@@ -171,15 +183,16 @@ static void dissolve(void **state)
 	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
 	static const char *const names[] = {"a", "b", "c", "e", "f"};
 	static const float alphas[] = {.25f, .75f, 1, 1, 1};
-	struct mtl_notes notes = {0};
+	struct mtl_notes notes;
+	mtl_notes_init(&notes);
 	(void)state;
-	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
+	assert_int_equal(mtl_notes_read(&notes, &import, "a.mtl", &bytes, NULL), STATUS_OK);
 	for (int i = 0; i < 5; i++) {
 		struct material m = import_plain_material(0.5f);
-		assert_true(mtl_set_surface(&import, mtl_notes_find(&notes, names[i]), &m) == (i != 3));
+		assert_true(mtl_set_surface(&import, find(&notes, names[i]), &m) == (i != 3));
 		assert_true(m.alpha == alphas[i] && m.flags == (alphas[i] < 1 ? MATERIAL_ALPHA_BLEND : 0));
 	}
-	const struct mtl_note *f = mtl_notes_find(&notes, "f");
+	const struct mtl_note *f = find(&notes, "f");
 	assert_true(f->ior == 2 && f->has_filter && f->filter[0] == .5 && f->filter[2] == .5);
 	mtl_notes_finish(&notes);
 }
@@ -190,19 +203,19 @@ static void statements(void **state)
 			     "newmtl b\nKs 0.5\nbump b.png\nmap_Ks x.png\nnorm n.png\n"
 			     "newmtl c\nillum -7\nbump -bm\n";
 	const struct file_bytes bytes = {(uint8_t *)text, sizeof text - 1};
-	struct mtl_notes notes = {0};
+	struct mtl_notes notes;
+	mtl_notes_init(&notes);
 	(void)state;
-	assert_int_equal(mtl_notes_scan(&notes, &import, &bytes, NULL), STATUS_OK);
-	const struct mtl_note *a = mtl_notes_find(&notes, "a"), *b = mtl_notes_find(&notes, "b"),
-			      *c = mtl_notes_find(&notes, "c");
+	assert_int_equal(mtl_notes_read(&notes, &import, "a.mtl", &bytes, NULL), STATUS_OK);
+	const struct mtl_note *a = find(&notes, "a"), *b = find(&notes, "b"), *c = find(&notes, "c");
 	assert_non_null(a);
 	assert_true(a->specular[0] == 0.25 && a->specular[1] == 0.5 && a->specular[2] == 1);
-	assert_true(a->exponent == 12 && a->illum == 2 && a->bump == 0.5 && a->has_diffuse);
+	assert_true(a->exponent == 12 && a->illum == 2 && a->maps[MTL_BUMPS].bump == 0.5 && a->has_diffuse);
 	assert_non_null(b);
 	assert_true(b->specular[0] == 0.5 && b->specular[1] == 0.5 && b->specular[2] == 0.5);
-	assert_true(b->illum == -1 && b->bump == 1 && !b->has_diffuse);
+	assert_true(b->illum == -1 && b->maps[MTL_NORMALS].bump == 1 && !b->has_diffuse);
 	assert_non_null(c);
-	assert_true(c->illum == -1 && c->bump == 1);
+	assert_true(c->illum == -1 && !c->maps[MTL_BUMPS].file);
 	assert_int_equal(info.ignored_count, 0);
 	mtl_notes_finish(&notes);
 }

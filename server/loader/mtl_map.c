@@ -1,0 +1,179 @@
+#include "server/loader/mtl_map.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// An option of a map: what follows it, and what it is by default.
+struct option {
+	const char *name;
+	int numbers; // the most that follow; 0: one word
+	const char *plain; // the word, or the number that each is, for which there is nothing to tell; NULL: never tell
+};
+
+static const struct option options[] = {{"-blendu", 0, "on"}, {"-blendv", 0, "on"},  {"-boost", 1, "0"}, {"-cc", 0, "off"},
+					{"-clamp", 0, NULL},  {"-bm", 1, NULL},      {"-o", 3, NULL},    {"-s", 3, NULL},
+					{"-t", 3, "0"},       {"-texres", 1, NULL},  {"-type", 0, ""},   {"-imfchan", 0, ""},
+					{"-mm", 2, "0"},      {"-colorspace", 0, ""}};
+
+static const struct option *find_option(const struct obj_word *word)
+{
+	for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+		if (obj_word_is(word, options[i].name))
+			return &options[i];
+	return NULL;
+}
+
+// Tell an option that asks for something. A range (-mm 0 1) is what a picture has anyway, and so is the channel of
+// brightness or, of a grey picture, of any colour.
+static void tell_option(struct import *im, const struct option *o, const struct obj_word *value, const double *numbers,
+			int count)
+{
+	bool plain = o->plain == NULL || (o->numbers == 0 && obj_word_is(value, o->plain));
+	if (o->plain && o->numbers > 0) {
+		plain = true;
+		for (int i = 0; i < count; i++)
+			plain = plain && (numbers[i] == 0 || (strcmp(o->name, "-mm") == 0 && i == 1 && numbers[i] == 1));
+	}
+	char text[32];
+	snprintf(text, sizeof text, "map option %s", o->name);
+	if (!plain)
+		import_ignore(im, text);
+}
+
+// Read the numbers of an option, fewer than `most` too. A number that is the statement's last word, while there is no file's
+// name yet, is that name.
+static int option_numbers(struct obj_text *t, int most, bool has_file, double *numbers)
+{
+	int count = 0;
+	for (struct obj_text ahead = *t; count < most; count++) {
+		struct obj_word word, after;
+		if (!obj_text_name_word(&ahead, &word) || !obj_word_number(&word, &numbers[count]))
+			break;
+		struct obj_text behind = ahead;
+		if (!has_file && !obj_text_name_word(&behind, &after))
+			break;
+		*t = ahead;
+	}
+	return count;
+}
+
+static void read_option(struct import *im, struct obj_text *t, const struct option *o, struct mtl_map *map)
+{
+	struct obj_word value = {"", 0};
+	double numbers[3] = {0, 0, 0};
+	const int count = o->numbers > 0 ? option_numbers(t, o->numbers, map->file != NULL, numbers) : 0;
+	if (o->numbers == 0)
+		obj_text_name_word(t, &value);
+	if (strcmp(o->name, "-clamp") == 0)
+		map->clamp = obj_word_is(&value, "on");
+	if (strcmp(o->name, "-bm") == 0 && count > 0)
+		map->bump = numbers[0];
+	for (int i = 0; i < 2 && i < count; i++) {
+		if (strcmp(o->name, "-o") == 0)
+			map->offset[i] = numbers[i];
+		if (strcmp(o->name, "-s") == 0)
+			map->scale[i] = numbers[i];
+	}
+	tell_option(im, o, &value, numbers, count);
+}
+
+// Read the file's name: words up to an option or the end. `first` is its first word.
+static char *read_name(struct obj_text *t, const struct obj_word *first)
+{
+	struct obj_word word;
+	const char *to = first->at + first->size;
+	for (struct obj_text ahead = *t; obj_text_name_word(&ahead, &word) && !find_option(&word); *t = ahead)
+		to = word.at + word.size;
+	char *name = obj_text_name(first->at, to);
+	for (char *c = name; c && *c; c++)
+		if (*c == '\\')
+			*c = '/';
+	return name;
+}
+
+enum status mtl_map_read(struct import *im, struct obj_text *t, struct mtl_map *map, struct error *err)
+{
+	struct obj_word word;
+	*map = (struct mtl_map){.scale = {1, 1}, .bump = 1};
+	while (obj_text_name_word(t, &word)) {
+		const struct option *o = find_option(&word);
+		if (o) {
+			read_option(im, t, o, map);
+			continue;
+		}
+		if (map->file)
+			continue;
+		map->file = read_name(t, &word);
+		if (!map->file)
+			return error_set(err, STATUS_MEMORY, "no memory for a map's name");
+	}
+	return STATUS_OK;
+}
+
+// The texture's v runs down, the map's up: 1 - v' = scale · (1 - v) + offset.
+static struct import_sampling sampling_of(const struct mtl_map *map, uint32_t flags)
+{
+	const uint32_t wrap = map->clamp ? WRAP_CLAMP : WRAP_REPEAT;
+	struct import_sampling s =
+	    import_plain_sampling(flags | wrap << TEXTURE_WRAP_S_SHIFT | wrap << TEXTURE_WRAP_T_SHIFT);
+	s.row_u[0] = (float)map->scale[0];
+	s.row_u[2] = (float)map->offset[0];
+	s.row_v[1] = (float)map->scale[1];
+	s.row_v[2] = (float)(1 - map->scale[1] - map->offset[1]);
+	return s;
+}
+
+// The name by which the file is found, or that which it ought to have.
+static enum status find_file(struct import *im, const char *file, const char *folder, char **name, struct error *err)
+{
+	const size_t bytes = strlen(folder) + strlen(file) + 1;
+	const char *last = strrchr(file, '/');
+	while (file[0] == '.' && file[1] == '/')
+		file += 2;
+	*name = malloc(bytes);
+	if (!*name)
+		return error_set(err, STATUS_MEMORY, "no memory for a map's name");
+	snprintf(*name, bytes, "%s%s", folder, file);
+	if (import_knows_image(im, *name) || files_exists(im->files, *name))
+		return STATUS_OK;
+	snprintf(*name, bytes, "%s", file);
+	if (import_knows_image(im, *name) || files_exists(im->files, *name) || !last || !files_exists(im->files, last + 1))
+		return STATUS_OK;
+	import_warn(im, "texture '%.100s' is taken from '%.60s' in the scene's folder", file, last + 1);
+	snprintf(*name, bytes, "%s", last + 1);
+	return STATUS_OK;
+}
+
+static bool is_finite(const struct import_sampling *s)
+{
+	for (int i = 0; i < 3; i++)
+		if (!(s->row_u[i] - s->row_u[i] == 0) || !(s->row_v[i] - s->row_v[i] == 0))
+			return false;
+	return true;
+}
+
+enum status mtl_map_texture(struct import *im, const struct mtl_map *map, const char *folder, uint32_t flags, char **key,
+			    uint32_t *texture, struct error *err)
+{
+	struct file_bytes file = {0};
+	struct error why;
+	*texture = NONE;
+	*key = NULL;
+	if (!map->file || !map->file[0])
+		return STATUS_OK;
+	if (find_file(im, map->file, folder, key, err) != STATUS_OK)
+		return err->code;
+	if (!import_knows_image(im, *key) && files_read(im->files, *key, &file, &why) != STATUS_OK &&
+	    import_missing_image(im, *key, why.text, err) != STATUS_OK)
+		return err->code;
+	struct import_sampling sampling = sampling_of(map, flags);
+	if (!is_finite(&sampling)) {
+		const struct mtl_map plain = {.scale = {1, 1}, .clamp = map->clamp};
+		import_warn(im, "texture '%.60s' has an offset or a scale that is not finite, which is left out", map->file);
+		sampling = sampling_of(&plain, flags);
+	}
+	enum status status = import_texture(im, *key, file.data, file.size, true, &sampling, texture, err);
+	file_bytes_finish(&file);
+	return status;
+}
