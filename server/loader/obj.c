@@ -240,16 +240,27 @@ static enum status read_faces(struct reader *r, struct error *err)
 	return status;
 }
 
+// Read the text in both passes. Whatever fails, its line is named.
+static enum status read_passes(struct reader *r, struct error *err)
+{
+	const struct obj_text start = r->text;
+	struct error why;
+	enum status status = read_lists(r, &why);
+	if (status == STATUS_OK) {
+		r->text = start;
+		status = read_faces(r, &why);
+	}
+	if (status != STATUS_OK)
+		return error_set(err, status, "line %zu of the OBJ file: %s", r->text.line, why.text);
+	return STATUS_OK;
+}
+
 static enum status read_all(struct reader *r, const struct file_bytes *bytes, struct error *err)
 {
 	struct error why;
 	if (obj_text_start(&r->text, bytes, &why) != STATUS_OK)
 		return error_set(err, why.code, "the OBJ file is not read: %s", why.text);
-	const struct obj_text start = r->text;
-	if (read_lists(r, err) != STATUS_OK)
-		return err->code;
-	r->text = start;
-	if (read_faces(r, err) != STATUS_OK)
+	if (read_passes(r, err) != STATUS_OK)
 		return err->code;
 	if (!r->has_statement)
 		return error_set(err, STATUS_SCENE_INVALID, "the OBJ file holds no statement of OBJ");

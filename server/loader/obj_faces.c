@@ -77,12 +77,11 @@ static enum status read_corner(struct obj_faces *f, const struct obj_word *word,
 		at++;
 	}
 	if (at != end)
-		return error_set(err, STATUS_SCENE_INVALID, "line %zu of the OBJ file: '%.*s' is no corner of a face", line,
+		return error_set(err, STATUS_SCENE_INVALID, "'%.*s' is no corner of a face",
 				 word->size < 40 ? (int)word->size : 40, word->at);
 	const struct obj_points *p = f->points;
 	if (!resolve(index[0], p->position_count, before->positions, &corner->position))
-		return error_set(err, STATUS_SCENE_INVALID,
-				 "line %zu of the OBJ file: a face names vertex %.*s, but the file has %zu", line,
+		return error_set(err, STATUS_SCENE_INVALID, "a face names vertex %.*s, but the file has %zu",
 				 word->size < 40 ? (int)word->size : 40, word->at, p->position_count);
 	corner->uv = attribute(f, index[1], p->uv_count, before->uvs, line);
 	corner->normal = attribute(f, index[2], p->normal_count, before->normals, line);

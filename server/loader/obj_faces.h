@@ -26,8 +26,8 @@ void obj_faces_init(struct obj_faces *faces, struct import *import, const struct
 void obj_faces_finish(struct obj_faces *faces);
 
 // Read a face behind its keyword and add its triangles. Corners that are equal in all that they name, in faces of the same
-// material and group, are one vertex. A face in a smoothing group whose corners lack normals is told. STATUS_SCENE_INVALID,
-// with the line: what is no index, or a vertex that is not there. STATUS_SCENE_LIMIT, STATUS_MEMORY.
+// material and group, are one vertex. A face in a smoothing group whose corners lack normals is told. STATUS_SCENE_INVALID:
+// what is no index, or a vertex that is not there. STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status obj_faces_read(struct obj_faces *faces, struct obj_text *text, const struct obj_counts *before,
 			   uint32_t material, uint32_t group, bool is_smooth, struct error *err);
 

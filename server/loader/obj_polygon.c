@@ -15,7 +15,8 @@ struct obj_polygon_work {
 	uint32_t before, after; // the corners beside it, of those that are left
 	uint32_t queue; // corners to be tried, a ring
 	uint32_t in_grid; // corners by cell: those that were not convex at first
-	bool is_queued, is_gone, blocks; // blocks: not convex, so an ear must not hold it
+	bool is_queued, is_late, is_gone; // is_late: to be tried after all others
+	bool blocks; // it is not convex, so an ear must not hold it
 };
 
 // The corners that were not convex at first, by place, so that an ear meets only those nearby.
@@ -157,13 +158,16 @@ static bool is_ear(struct obj_polygon *p, const struct grid *g, uint32_t i)
 {
 	const struct obj_polygon_work *w = p->work;
 	const uint32_t t[3] = {w[i].before, i, w[i].after};
+	double low[2], high[2];
 	uint32_t from[2], to[2];
 	if (!(turn(w, i) > 0))
 		return false;
 	for (int c = 0; c < 2; c++) {
 		const double a = w[t[0]].at[c], b = w[t[1]].at[c], d = w[t[2]].at[c];
-		const double low[2] = {fmin(a, fmin(b, d)), fmin(a, fmin(b, d))};
-		const double high[2] = {fmax(a, fmax(b, d)), fmax(a, fmax(b, d))};
+		low[c] = fmin(a, fmin(b, d));
+		high[c] = fmax(a, fmax(b, d));
+	}
+	for (int c = 0; c < 2; c++) {
 		from[c] = cell_of(g, low, c);
 		to[c] = cell_of(g, high, c);
 	}
@@ -173,7 +177,11 @@ static bool is_ear(struct obj_polygon *p, const struct grid *g, uint32_t i)
 		for (uint32_t k = g->first[y * g->side + from[0]]; k < last; k++) {
 			const uint32_t q = w[k].in_grid;
 			p->steps++;
-			if (w[q].blocks && !w[q].is_gone && q != t[0] && q != i && q != t[2] && is_in_the_way(w, t, q))
+			if (!w[q].blocks || w[q].is_gone || w[q].at[0] < low[0] || w[q].at[0] > high[0] ||
+			    w[q].at[1] < low[1] || w[q].at[1] > high[1])
+				continue;
+			p->steps += 8;
+			if (q != t[0] && q != i && q != t[2] && is_in_the_way(w, t, q))
 				return false;
 		}
 	}
@@ -250,10 +258,15 @@ static bool cut_ears(struct obj_polygon *p, const struct grid *g)
 		}
 		if (i == UINT32_MAX)
 			i = any_corner(p, start, p->count - made);
-		else if (p->work[i].is_gone || !is_ear(p, g, i))
+		else if (p->work[i].is_late && !p->work[i].is_gone) {
+			p->work[i].is_late = false;
+			enqueue(p, &ring, i);
+			continue;
+		} else if (p->work[i].is_gone || !is_ear(p, g, i))
 			continue;
 		cut_off(p, i, made++);
 		start = p->work[i].after;
+		p->work[start].is_late = p->work[start].is_queued;
 		enqueue(p, &ring, p->work[i].before);
 		enqueue(p, &ring, start);
 	}

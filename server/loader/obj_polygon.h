@@ -9,7 +9,7 @@
 
 // The steps that all faces of a file together may take beyond what their corners need: seconds. Only a polygon of tens of
 // thousands of corners that is all folds takes so many.
-#define OBJ_POLYGON_STEPS (1ull << 31)
+#define OBJ_POLYGON_STEPS (1ull << 30)
 
 struct obj_polygon {
 	double (*corners)[3]; // the caller fills them in, `count` of them
