@@ -1,5 +1,6 @@
 #include "server/loader/gltf_accessor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -36,26 +37,33 @@ enum status read_part(const gltf_reader *reader, const tinygltf::Node &node, con
 	return STATUS_OK;
 }
 
-// Limit the number of elements that all instances make the loader read: a file of a few bytes may ask for millions of
-// instances.
-enum status check_work(const gltf_reader *reader, const tinygltf::Node &node, size_t count, struct error *err)
+// The elements that one instance of a mesh makes the loader read.
+size_t elements_of(const tinygltf::Model &model, const tinygltf::Mesh &mesh)
 {
-	const std::vector<tinygltf::Accessor> &accessors = reader->model.accessors;
-	size_t elements = 1, all;
-	for (const tinygltf::Primitive &p : reader->model.meshes[(size_t)node.mesh].primitives) {
+	size_t elements = 1;
+	for (const tinygltf::Primitive &p : mesh.primitives) {
 		const auto positions = p.attributes.find("POSITION");
 		const int read[] = {p.indices, positions == p.attributes.end() ? -1 : positions->second};
 		elements++;
 		for (int a : read)
-			if (a >= 0 && a < (int)accessors.size() &&
-			    !checked_add(elements, accessors[(size_t)a].count, &elements))
-				elements = SIZE_MAX;
+			if (a >= 0 && a < (int)model.accessors.size() &&
+			    !checked_add(elements, model.accessors[(size_t)a].count, &elements))
+				return SIZE_MAX;
 	}
-	if (!checked_mul(elements, count, &all) || all > (size_t)LIMIT_TRIANGLES * 3 + LIMIT_VERTICES)
-		return error_set(err, STATUS_SCENE_LIMIT,
-				 "the %zu instances of node '%.60s' have more vertices than a scene may have", count,
-				 node.name.c_str());
-	return STATUS_OK;
+	return elements;
+}
+
+// The largest number of instances that a node's attributes speak of; gltf_add_instances finds out whether they agree.
+size_t instances_of(const tinygltf::Model &model, const tinygltf::Node &node)
+{
+	const tinygltf::Value &attributes = node.extensions.at("EXT_mesh_gpu_instancing").Get("attributes");
+	size_t count = 0;
+	for (const char *name : {"TRANSLATION", "ROTATION", "SCALE"}) {
+		const int a = attributes.Has(name) ? (int)gltf_number(attributes, name, -1) : -1;
+		if (a >= 0 && a < (int)model.accessors.size())
+			count = std::max(count, model.accessors[(size_t)a].count);
+	}
+	return count;
 }
 
 transform place_of(const instances &all, size_t i)
@@ -85,6 +93,24 @@ bool has_attributes(const tinygltf::Node &node)
 
 } // namespace
 
+enum status gltf_check_instances(const gltf_reader *reader, struct error *err)
+{
+	const tinygltf::Model &model = reader->model;
+	size_t sum = 0;
+	for (const tinygltf::Node &node : model.nodes) {
+		size_t all;
+		if (node.mesh < 0 || node.mesh >= (int)model.meshes.size() || !has_attributes(node))
+			continue;
+		if (!checked_mul(elements_of(model, model.meshes[(size_t)node.mesh]), instances_of(model, node), &all) ||
+		    !checked_add(sum, all, &sum) || sum > (size_t)LIMIT_TRIANGLES * 3 + LIMIT_VERTICES)
+			return error_set(
+			    err, STATUS_SCENE_LIMIT,
+			    "the instances up to those of node '%.60s' have more vertices than a scene may have",
+			    node.name.c_str());
+	}
+	return STATUS_OK;
+}
+
 enum status gltf_add_instances(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err)
 {
 	const tinygltf::Mesh &mesh = reader->model.meshes[(size_t)node.mesh];
@@ -93,8 +119,7 @@ enum status gltf_add_instances(gltf_reader *reader, const tinygltf::Node &node, 
 		return gltf_add_mesh(reader, mesh, world, err);
 	if (read_part(reader, node, "TRANSLATION", TINYGLTF_TYPE_VEC3, &all.translations, &all, err) != STATUS_OK ||
 	    read_part(reader, node, "ROTATION", TINYGLTF_TYPE_VEC4, &all.rotations, &all, err) != STATUS_OK ||
-	    read_part(reader, node, "SCALE", TINYGLTF_TYPE_VEC3, &all.scales, &all, err) != STATUS_OK ||
-	    check_work(reader, node, all.count, err) != STATUS_OK)
+	    read_part(reader, node, "SCALE", TINYGLTF_TYPE_VEC3, &all.scales, &all, err) != STATUS_OK)
 		return err->code;
 	for (size_t i = 0; i < all.count; i++) {
 		const transform local = place_of(all, i);

@@ -23,6 +23,10 @@ struct gltf_reader {
 // Add a mesh's vertices and triangles, transformed to world space. gltf_mesh.cpp
 enum status gltf_add_mesh(gltf_reader *reader, const tinygltf::Mesh &mesh, const transform &world, struct error *err);
 
+// Limit the elements that all instances of all nodes together make the loader read: a file of a few bytes may ask for
+// millions of instances, on each of many nodes. gltf_instances.cpp
+enum status gltf_check_instances(const gltf_reader *reader, struct error *err);
+
 // Add the mesh of a node, once or for each instance of EXT_mesh_gpu_instancing. The import's node must exist. All instances
 // belong to the node and move with it. gltf_instances.cpp
 enum status gltf_add_instances(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err);
