@@ -25,7 +25,7 @@ struct side_files {
 
 	~side_files()
 	{
-		free(externals.lengths);
+		gltf_externals_finish(&externals);
 	}
 };
 
@@ -43,9 +43,11 @@ std::string expand_path(const std::string &path, void *)
 bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::string &name, void *user)
 {
 	side_files *side = static_cast<side_files *>(user);
-	struct file_bytes bytes;
-	if (side->next >= side->externals.count ||
-	    files_read(side->files, name.c_str(), &bytes, &side->failure) != STATUS_OK)
+	if (side->next >= side->externals.count)
+		return false;
+	struct file_bytes bytes = side->externals.contents[side->next];
+	side->externals.contents[side->next] = {nullptr, 0};
+	if (!bytes.data && files_read(side->files, name.c_str(), &bytes, &side->failure) != STATUS_OK)
 		return false;
 	const uint64_t length = side->externals.lengths[side->next++];
 	const bool long_enough = bytes.size >= length;

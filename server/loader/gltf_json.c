@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/loader/data_uri.h"
+
 static uint32_t le32(const uint8_t *p)
 {
 	return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
@@ -343,7 +345,8 @@ static enum status list_externals(const json_t *root, const struct gltf_text *te
 	size_t i;
 	json_t *item;
 	externals->lengths = calloc(json_array_size(buffers) + 1, sizeof *externals->lengths);
-	if (!externals->lengths)
+	externals->contents = calloc(json_array_size(buffers) + 1, sizeof *externals->contents);
+	if (!externals->lengths || !externals->contents)
 		return error_set(err, STATUS_MEMORY, "no memory for the list of buffers");
 	json_array_foreach(buffers, i, item)
 	{
@@ -358,10 +361,23 @@ static enum status list_externals(const json_t *root, const struct gltf_text *te
 		if (!uri && (!text->binary || i > 0 || (uint64_t)length > text->bin_bytes))
 			return error_set(err, STATUS_SCENE_INVALID, "the glTF file is invalid: buffers[%zu] has no bytes",
 					 i);
-		if (uri && strncmp(uri, "data:", 5) != 0)
-			externals->lengths[externals->count++] = (uint64_t)length;
+		if (!uri || data_uri_is_plain(uri))
+			continue;
+		struct error why;
+		if (data_uri_is(uri) && data_uri_read(uri, &externals->contents[externals->count], &why) != STATUS_OK)
+			return error_set(err, why.code, "the glTF file is invalid: buffers[%zu]: %s", i, why.text);
+		externals->lengths[externals->count++] = (uint64_t)length;
 	}
 	return STATUS_OK;
+}
+
+void gltf_externals_finish(struct gltf_externals *externals)
+{
+	for (size_t i = 0; i < externals->count; i++)
+		file_bytes_finish(&externals->contents[i]);
+	free(externals->contents);
+	free(externals->lengths);
+	*externals = (struct gltf_externals){0};
 }
 
 enum status gltf_check_json(const struct gltf_text *text, struct gltf_externals *externals, struct error *err)

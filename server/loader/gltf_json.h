@@ -30,12 +30,16 @@ extern const char *const gltf_layer_extensions[];
 // Find the JSON in the file's bytes. STATUS_SCENE_INVALID if the container is broken.
 enum status gltf_find_json(const struct file_bytes *bytes, struct gltf_text *text, struct error *err);
 
-// The byteLength of each buffer with a URI that is not a data URI, in the file's order. A reader takes this many bytes of
-// its file.
+// The byteLength of each buffer with a URI that tinygltf takes for a file's name, in the file's order. A reader takes this
+// many bytes of its file, or of its content if that has data: it is a data URI of a form that tinygltf does not know.
 struct gltf_externals {
-	uint64_t *lengths; // the caller frees it
+	uint64_t *lengths;
+	struct file_bytes *contents;
 	size_t count;
 };
+
+// Free what gltf_check_json has filled in.
+void gltf_externals_finish(struct gltf_externals *externals);
 
 // Check the JSON. *externals is filled in on success. STATUS_SCENE_INVALID, STATUS_SCENE_UNSUPPORTED, STATUS_MEMORY.
 enum status gltf_check_json(const struct gltf_text *text, struct gltf_externals *externals, struct error *err);

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <string>
 
+extern "C" {
+#include "server/loader/data_uri.h"
+}
+
 namespace
 {
 
@@ -67,7 +71,7 @@ enum status image_texture(gltf_reader *reader, int number, const struct import_s
 {
 	struct import *import = reader->import;
 	const tinygltf::Image &image = reader->model.images[(size_t)number];
-	const bool in_file = image.uri.empty() || image.uri.compare(0, 5, "data:") == 0;
+	const bool in_file = image.uri.empty() || data_uri_is(image.uri.c_str());
 	const std::string key = in_file ? "image " + std::to_string(number) : percent_decoded(image.uri);
 	struct file_bytes file = {nullptr, 0};
 	struct error why;
@@ -75,7 +79,12 @@ enum status image_texture(gltf_reader *reader, int number, const struct import_s
 	const unsigned char *bytes = nullptr;
 
 	if (!import_knows_image(import, key.c_str())) {
-		if (in_file) {
+		if (in_file && !image.uri.empty()) { // of a form that tinygltf does not know
+			if (data_uri_read(image.uri.c_str(), &file, &why) == STATUS_OK) {
+				bytes = file.data;
+				size = file.size;
+			}
+		} else if (in_file) {
 			bytes = embedded_bytes(reader->model, image, &size);
 			error_set(&why, STATUS_SCENE_INVALID, "its bytes are not in the file");
 		} else if (files_read(import->files, key.c_str(), &file, &why) == STATUS_OK) {

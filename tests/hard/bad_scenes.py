@@ -21,6 +21,7 @@ CODES = {
     "accessor_count_huge": "scene-limit",
     "instances_too_many": "scene-limit",
     "instances_many_times_much": "scene-limit",
+    "instances_of_many_nodes": "scene-limit",
     "nodes_too_deep": "scene-limit",
     "missing_bin": "scene-file",
     "bin_is_a_fifo": "scene-file",

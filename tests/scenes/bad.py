@@ -68,6 +68,15 @@ def many_times_much(root, attributes):
     sparse_of(1 << 20)(root, attributes)
 
 
+def many_nodes_of_many(root, attributes):
+    """Each node's instances are within the limit, those of all nodes are not."""
+    sparse_of(1 << 19)(root, attributes)
+    node = root["nodes"][0]
+    for number in range(60):
+        root["nodes"].append(dict(node))
+        root["scenes"][0]["nodes"].append(len(root["nodes"]) - 1)
+
+
 def with_scale(root, attributes):
     root["accessors"].append({"componentType": 5126, "count": 3, "type": "VEC3"})
     attributes["SCALE"] = len(root["accessors"]) - 1
@@ -75,6 +84,11 @@ def with_scale(root, attributes):
 
 def text(data, name="scene.gltf"):
     return lambda folder: save(folder, name, data if isinstance(data, bytes) else data.encode())
+
+
+def buffer_of(uri):
+    buffers = [{"byteLength": 36, "uri": uri}]
+    return text(json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{}], "buffers": buffers}))
 
 
 def obj(lines, name="scene.obj", **others):
@@ -287,6 +301,10 @@ BAD = {
     "instances_differ_in_number": instanced([(0, 0, 0), (1, 0, 0)], with_scale),
     "instances_too_many": instanced([(0, 0, 0)], sparse_of(1 << 21)),
     "instances_many_times_much": instanced([(0, 0, 0)], many_times_much),
+    "instances_of_many_nodes": instanced([(0, 0, 0)], many_nodes_of_many),
+    "buffer_is_no_base64": buffer_of("data:;base64,AA*A"),
+    "buffer_without_a_comma": buffer_of("data:;base64"),
+    "buffer_is_short": buffer_of("data:;base64,AAAA"),
     "instances_of_a_wrong_type": instanced([(0, 0, 0)], lambda root, a: a.update(TRANSLATION=0, ROTATION=0)),
     "instances_not_there": instanced([(0, 0, 0)], lambda root, a: a.update(TRANSLATION=99)),
     "instances_no_number": instanced([(0, 0, 0)], lambda root, a: a.update(TRANSLATION="0")),

@@ -1,4 +1,5 @@
 """What the loader makes of sound scenes: counts, bounds, nodes, vertices, cameras, lights, units and orientation."""
+import base64
 import json
 import math
 import os
@@ -229,6 +230,29 @@ class Load(LoadCase):
         self.near(info["bounds_max"], (0.5, 1.5, 0))
         info, _ = self.load(path, "--up", "y")
         self.near(info["bounds_max"], (1, 2, 3))
+
+    def test_data_uris_of_every_form(self):
+        corners = b"".join(struct.pack("<3f", *c) for c in ((0, 0, 0), (1, 0, 0), (0, 1, 0)))
+        plain = base64.b64encode(corners).decode()
+        picture = png(1, 1, lambda x, y: (255, 0, 0))
+        percents = "".join("%%%02X" % b for b in picture)
+        heads = ("data:;base64,", "data:application/octet-stream;base64,", "DATA:Application/Octet-Stream;BASE64,",
+                 "data:application/gltf-buffer;charset=x;base64,", "data:model/x;a=b;c=d;base64,")
+        uris = [head + plain for head in heads]
+        uris += [heads[0] + plain.replace("=", ""), heads[0] + plain.replace("=", "%3D").replace("+", "%2B").replace("/", "%2F"),
+                 heads[0] + plain[:9] + " \n" + plain[9:], heads[0] + plain.replace("+", "-").replace("/", "_"),
+                 "data:," + "".join("%%%02x" % b for b in corners), heads[0] + base64.b64encode(corners + b"more").decode()]
+        pictures = ["data:image/png;base64," + base64.b64encode(picture).decode(), "data:image/png," + percents, "Data:," + percents,
+                    "data:image/PNG;x=y;base64," + base64.b64encode(picture).decode().replace("+", "%2b")]
+        for i, uri in enumerate(uris):
+            scene = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+                     "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}],
+                     "images": [{"uri": pictures[i % len(pictures)]}],
+                     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+                     "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": uri}]}
+            info, blob = self.load(save(self.folder, "uri.gltf", json.dumps(scene).encode()))
+            self.assertEqual((info["triangles"], blob.texels, info["warnings"]), (1, [(0xFF0000FF,)], []), uri)
 
     def test_vertex_colours(self):
         for width in (3, 4):
