@@ -84,7 +84,8 @@ static enum status sort_triangles(const struct obj_groups *g, struct import *im,
 	for (size_t i = 0; i < g->run_count; i++) {
 		const size_t first = g->runs[i].first;
 		const size_t last = i + 1 < g->run_count ? g->runs[i + 1].first : im->triangle_count;
-		memcpy(sorted + ends[g->runs[i].group], im->triangles + first, (last - first) * sizeof *sorted);
+		if (last > first)
+			memcpy(sorted + ends[g->runs[i].group], im->triangles + first, (last - first) * sizeof *sorted);
 		ends[g->runs[i].group] += last - first;
 	}
 	free(im->triangles);
