@@ -191,7 +191,7 @@ class OtherTechniques(unittest.TestCase):
         print(f"a room under a sky: {cones / whole:.3f} of pt's light by cones, {direct / whole:.3f} with none of the sky's")
         self.assertLess(abs(cones / whole - 1), 0.05)
         why = {e["name"]: e["why"] for e in pictures[1].report["effects"]}["environment"]
-        self.assertIn("only pt and vct take light from it", why)
+        self.assertIn("it is seen, and lights nothing", why)
 
 
 class NoScene(unittest.TestCase):
