@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <signal.h>
 #include <spawn.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -15,24 +14,12 @@
 #include "clients/cli/interrupt.h"
 #include "clients/cli/programs.h"
 #include "clients/cli/scene_options.h"
+#include "clients/libcandil/error.h"
 
 #define PRIVATE_FD 3
 #define ANSWER_MS 10000u
 #define END_MS 5000
 #define LOOK_MS 50 // between two looks whether a scene is loaded by now
-
-static candil_status target_fail(struct candil_error *error, candil_status code, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-static candil_status target_fail(struct candil_error *error, candil_status code, const char *format, ...)
-{
-	va_list args;
-	va_start(args, format);
-	error->code = code;
-	vsnprintf(error->text, sizeof(error->text), format, args);
-	va_end(args);
-	return code;
-}
 
 static bool is_file(const char *path)
 {
@@ -45,16 +32,15 @@ static candil_status check_file(const char *path, const struct candil_load_reque
 {
 	struct stat about;
 	if (stat(path, &about) != 0)
-		return errno == ENOENT || errno == ENOTDIR
-			   ? target_fail(error, CANDIL_STATUS_SCENE_NOT_FOUND,
-					 "there is no scene and no file named %.150s; candil "
-					 "scenes lists the scenes",
-					 path)
-			   : CANDIL_STATUS_OK;
+		return errno == ENOENT || errno == ENOTDIR ? error_set(error, CANDIL_STATUS_SCENE_NOT_FOUND,
+								       "there is no scene and no file named %.150s; candil "
+								       "scenes lists the scenes",
+								       path)
+							   : CANDIL_STATUS_OK;
 	if (S_ISDIR(about.st_mode))
-		return target_fail(error, CANDIL_STATUS_SCENE_FILE, "%.150s is a folder: name the scene file in it", path);
+		return error_set(error, CANDIL_STATUS_SCENE_FILE, "%.150s is a folder: name the scene file in it", path);
 	if (!scene_options_fit(path, how))
-		return target_fail(error, CANDIL_STATUS_BAD_ARGUMENT, SCENE_OPTIONS_ARE_FOR_OBJ);
+		return error_set(error, CANDIL_STATUS_BAD_ARGUMENT, SCENE_OPTIONS_ARE_FOR_OBJ);
 	return CANDIL_STATUS_OK;
 }
 
@@ -91,18 +77,18 @@ static candil_status connect_private(struct target *target, struct candil_error 
 {
 	int ends[2];
 	if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-		return target_fail(error, CANDIL_STATUS_CONNECT, "cannot make a socket pair: %s", strerror(errno));
+		return error_set(error, CANDIL_STATUS_CONNECT, "cannot make a socket pair: %s", strerror(errno));
 	int failure = spawn_private(ends[1], &target->private_daemon);
 	close(ends[1]);
 	if (failure != 0) {
 		close(ends[0]);
 		target->private_daemon = 0;
-		return target_fail(error, CANDIL_STATUS_CONNECT,
-				   "no daemon runs, and candild cannot be started for this call: %s", strerror(failure));
+		return error_set(error, CANDIL_STATUS_CONNECT,
+				 "no daemon runs, and candild cannot be started for this call: %s", strerror(failure));
 	}
 	candil_status status = candil_connect_fd(ends[0], &target->client, error);
 	if (status == CANDIL_STATUS_CONNECT)
-		target_fail(error, status, "candild was started for this call but ended at once; candil doctor may say why");
+		error_set(error, status, "candild was started for this call but ended at once; candil doctor may say why");
 	return status;
 }
 
@@ -127,15 +113,14 @@ static candil_status connect_any(struct target *target, const char *address, con
 	bool named = !strpbrk(scene, "./");
 	char nowhere[256];
 	if (!candil_default_address(nowhere, sizeof(nowhere)))
-		return target_fail(
+		return error_set(
 		    error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
 		    "there is no file %.120s, and no daemon to ask, for XDG_RUNTIME_DIR is not set; --connect names one",
 		    scene);
-	return target_fail(
-	    error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
-	    "there is no file %.120s, and no daemon at the default address that may have a scene of that name; "
-	    "--connect names another",
-	    scene);
+	return error_set(error, named ? CANDIL_STATUS_CONNECT : CANDIL_STATUS_SCENE_NOT_FOUND,
+			 "there is no file %.120s, and no daemon at the default address that may have a scene of that name; "
+			 "--connect names another",
+			 scene);
 }
 
 // Load the file under a name that no other process uses. *loaded: the daemon has it, even if the result is a failure.
@@ -157,7 +142,7 @@ static candil_status load_temporary(struct target *target, const char *file, con
 			break;
 		// A private daemon ends with its connection. Any other would keep the scene, so its answer is waited for.
 		if (status == CANDIL_STATUS_OK && target->private_daemon != 0)
-			return target_fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+			return error_set(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 	}
 	if (status == CANDIL_STATUS_OK && event.kind == CANDIL_EVENT_ERROR) {
 		*error = event.u.error;
@@ -168,7 +153,7 @@ static candil_status load_temporary(struct target *target, const char *file, con
 	*loaded = true;
 	*info = event.u.scene;
 	if (interrupt_seen())
-		return target_fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+		return error_set(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 	return CANDIL_STATUS_OK;
 }
 
@@ -199,16 +184,16 @@ static candil_status describe_named(struct target *target, const char *name, str
 		}
 		const struct candil_scene_entry *scene = find_scene(&list, name);
 		if (!scene && waited)
-			return target_fail(
-			    error, CANDIL_STATUS_SCENE_FILE,
-			    "%s was being loaded, and that failed or was cancelled; candil load FILE says why", name);
+			return error_set(error, CANDIL_STATUS_SCENE_FILE,
+					 "%s was being loaded, and that failed or was cancelled; candil load FILE says why",
+					 name);
 		if (!scene)
 			return CANDIL_STATUS_SCENE_NOT_FOUND;
 		waited = true;
 		if (scene->loading)
 			interrupt_pause(LOOK_MS);
 	}
-	return target_fail(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
+	return error_set(error, CANDIL_STATUS_CANCELLED, "cancelled while the scene was being loaded");
 }
 
 candil_status target_open(struct target *target, const char *address, const char *scene,
@@ -223,8 +208,8 @@ candil_status target_open(struct target *target, const char *address, const char
 		snprintf(target->scene, sizeof(target->scene), "%s", scene);
 		status = describe_named(target, scene, &target->info, error);
 		if (status == CANDIL_STATUS_OK && scene_options_given(how))
-			return target_fail(error, CANDIL_STATUS_BAD_ARGUMENT,
-					   "%s is loaded already: give --up and --unit to candil load", scene);
+			return error_set(error, CANDIL_STATUS_BAD_ARGUMENT,
+					 "%s is loaded already: give --up and --unit to candil load", scene);
 		if (status != CANDIL_STATUS_SCENE_NOT_FOUND)
 			return status;
 	}
