@@ -39,11 +39,7 @@ static const char *direct_simulates(const struct plan *plan, candil_Effect effec
 static struct lighting_wish wish_of(const struct plan *plan)
 {
 	const struct direct_settings *s = direct_settings(plan);
-	return (struct lighting_wish){.points = s->points,
-				      .shadows = s->shadows != DIRECT_SHADOWS_NONE,
-				      .map_side = s->shadows == DIRECT_SHADOWS_MAP ? s->map : 0,
-				      .lamps = true,
-				      .rows = s->rows};
+	return lighting_wish_of(s, s->shadows == DIRECT_SHADOWS_MAP, true);
 }
 
 static uint64_t direct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)

@@ -43,6 +43,16 @@ static const char *word(bool value)
 	return value ? "true" : "false";
 }
 
+struct lighting_wish lighting_wish_of(const struct direct_settings *s, bool maps, bool lamps)
+{
+	const bool shadows = s->shadows != DIRECT_SHADOWS_NONE;
+	return (struct lighting_wish){.points = s->points,
+				      .shadows = shadows,
+				      .map_side = shadows && maps ? s->map : 0,
+				      .lamps = lamps,
+				      .rows = s->rows};
+}
+
 void lighting_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene,
 		     const struct lighting_wish *wish)
 {

@@ -8,6 +8,7 @@
 
 #include "server/worker/technique/common/sky_map.h"
 #include "server/worker/technique/deferred/deferred.h"
+#include "server/worker/technique/direct/direct_options.h"
 #include "server/worker/technique/direct/shadow_maps.h"
 
 #define LIGHTING_PASSES_MAX 2u
@@ -35,6 +36,9 @@ struct lighting {
 	struct deferred_pass passes[LIGHTING_PASSES_MAX];
 	uint32_t pass_count;
 };
+
+// The wish of a technique with these settings. `maps`: shadows of lights come out of maps, as far as there are shadows.
+struct lighting_wish lighting_wish_of(const struct direct_settings *settings, bool maps, bool lamps);
 
 // Device memory of a job's lighting, in bytes, without its scene.
 uint64_t lighting_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,

@@ -65,21 +65,12 @@ static bool lamps_in_volume(const struct plan *plan, const struct resident_scene
 	       vct_settings(plan)->emitters == VCT_EMITTERS_CONES;
 }
 
-static bool wants_maps(const struct vct_settings *s)
-{
-	if (s->direct.shadows == DIRECT_SHADOWS_NONE)
-		return false;
-	return s->shadows == VCT_SHADOWS_MAP || (s->shadows == VCT_SHADOWS_RAYS && s->direct.shadows == DIRECT_SHADOWS_MAP);
-}
-
 static struct lighting_wish wish_of(const struct plan *plan, const struct resident_scene *scene)
 {
 	const struct vct_settings *s = vct_settings(plan);
-	return (struct lighting_wish){.points = s->direct.points,
-				      .shadows = s->direct.shadows != DIRECT_SHADOWS_NONE,
-				      .map_side = wants_maps(s) ? s->direct.map : 0,
-				      .lamps = !lamps_in_volume(plan, scene),
-				      .rows = s->direct.rows};
+	const bool maps =
+	    s->shadows == VCT_SHADOWS_MAP || (s->shadows == VCT_SHADOWS_RAYS && s->direct.shadows == DIRECT_SHADOWS_MAP);
+	return lighting_wish_of(&s->direct, maps, !lamps_in_volume(plan, scene));
 }
 
 static void options_of(const struct plan *plan, const struct resident_scene *scene, struct vct_volume_options *o)
