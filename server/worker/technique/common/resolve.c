@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "server/worker/technique/common/scene_params.h"
 #include "shaders/shared/bindings.h"
 #include "shaders/shared/scene_params.h"
 
@@ -51,7 +52,7 @@ static void resolve_pixel(struct resolver *r, const float *sums, const uint32_t 
 
 void resolve_sums(struct resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
 {
-	const uint32_t tiles_x = (frame->width + TILE_SIDE - 1) / TILE_SIDE;
+	const uint32_t tiles_x = tiles_over(frame->width);
 	const uint32_t *film = r->film;
 	for (uint32_t y = first_row; y < first_row + rows; y++)
 		for (uint32_t x = 0; x < frame->width; x++) {

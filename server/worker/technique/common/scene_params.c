@@ -87,7 +87,7 @@ void scene_params_fill(const struct plan *p, const struct blob_view *scene, bool
 	memset(out, 0, sizeof *out);
 	out->width = p->width;
 	out->height = p->height;
-	out->tiles_x = (p->width + TILE_SIDE - 1) / TILE_SIDE;
+	out->tiles_x = tiles_over(p->width);
 	out->depth = p->depth;
 	out->seed[0] = (uint32_t)p->seed;
 	out->seed[1] = (uint32_t)(p->seed >> 32);

@@ -5,6 +5,7 @@
 
 #include "server/worker/plan/plan.h"
 #include "server/worker/scenes/resident.h"
+#include "shaders/shared/bindings.h"
 #include "shaders/shared/scene_params.h"
 
 // Bindings (bits 1 << BIND_…) of the scene that shading by this plan reads. A pass that traces rays adds TRACE_BINDINGS.
@@ -33,5 +34,11 @@ double scene_light_power(const struct plan *plan, const struct blob_view *scene)
 
 // Whether some directional light shines from a disc rather than from one direction.
 bool scene_has_discs(const struct resident_scene *scene);
+
+// How many tiles of TILE_SIDE pixels cover so many pixels of an image's side.
+static inline uint32_t tiles_over(uint32_t pixels)
+{
+	return (pixels + TILE_SIDE - 1) / TILE_SIDE;
+}
 
 #endif

@@ -18,16 +18,6 @@ static const struct gl_source draw_source = {
 static const struct gl_source sum_source = {.name = "sum", .compute = source_sum_comp};
 static const struct gl_source aov_source = {.name = "deferred-aov", .compute = source_aov_comp};
 
-static uint32_t tile_columns(const struct plan *plan)
-{
-	return (plan->width + TILE_SIDE - 1) / TILE_SIDE;
-}
-
-static uint32_t tile_rows(const struct plan *plan)
-{
-	return (plan->height + TILE_SIDE - 1) / TILE_SIDE;
-}
-
 // Rows of tiles that a band works on. If they are fewer than the image's, one on either side belongs to the next band.
 static uint32_t band_tile_rows(const struct gl_device *device, const struct plan *plan, uint32_t rows)
 {
@@ -35,8 +25,8 @@ static uint32_t band_tile_rows(const struct gl_device *device, const struct plan
 	if (device && device->storage_bytes_max < most)
 		most = device->storage_bytes_max;
 	const uint64_t fit = most / ((uint64_t)plan->width * TILE_SIDE * ACCUMULATOR_FLOATS * sizeof(float));
-	const uint32_t all = tile_rows(plan);
-	const uint32_t asked = (rows + TILE_SIDE - 1) / TILE_SIDE + 2;
+	const uint32_t all = tiles_over(plan->height);
+	const uint32_t asked = tiles_over(rows) + 2;
 	const uint32_t wanted = rows && asked < all ? asked : all;
 	return fit < wanted ? (uint32_t)fit : wanted;
 }
@@ -52,7 +42,7 @@ uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan, 
 	const uint64_t pixels = (uint64_t)plan->width * plan->height;
 	const uint64_t texels = (uint64_t)plan->width * deferred_band_rows(devices->gl, plan, rows);
 	uint64_t bytes = sizeof(struct scene_params) + sizeof(struct pass_counters), summed = pixels;
-	const uint32_t most = band_tile_rows(devices->gl, plan, rows), all = tile_rows(plan);
+	const uint32_t most = band_tile_rows(devices->gl, plan, rows), all = tiles_over(plan->height);
 	if (most > 2 && most < all)
 		summed += 2ull * ((all - 1) / (most - 2)) * TILE_SIDE * plan->width; // rows that two bands work on
 	bytes += texels * 24; // id, depth, radiance
@@ -70,14 +60,14 @@ static struct deferred_rows rows_of(const struct plan *p, uint32_t first, uint32
 	const uint32_t low = first * TILE_SIDE, high = end * TILE_SIDE < p->height ? end * TILE_SIDE : p->height;
 	return (struct deferred_rows){.first_row = low,
 				      .rows = high - low,
-				      .first_tile = first * tile_columns(p),
-				      .tiles = (end - first) * tile_columns(p)};
+				      .first_tile = first * tiles_over(p->width),
+				      .tiles = (end - first) * tiles_over(p->width)};
 }
 
 static enum status deferred_cut_bands(struct deferred *d, struct error *err)
 {
 	const struct plan *p = &d->plan;
-	const uint32_t fit = band_tile_rows(d->device, p, d->rows), all = tile_rows(p);
+	const uint32_t fit = band_tile_rows(d->device, p, d->rows), all = tiles_over(p->height);
 	if (fit < all && fit < 3)
 		return error_set(err, STATUS_MEMORY, "this device cannot bind %u rows of %u pixels: render narrower",
 				 3 * TILE_SIDE, p->width);

@@ -25,22 +25,6 @@
 #define FIRST_TILES 16u
 #define AOV_TILES 16u // AOVs take one ray a pixel and a path many, so about so many times the tiles take the same time
 
-static void pt_bind(const struct technique_job *j, const struct pipeline *pipeline, const struct binding_set *set)
-{
-	VkCommandBuffer c = j->device->commands;
-	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
-	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set->set, 0, NULL);
-}
-
-static void dispatch(const struct technique_job *j, const struct pipeline *pipeline, const struct path_push *push)
-{
-	VkCommandBuffer c = j->device->commands;
-	vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof *push, push);
-	vkCmdDispatch(c, push->tile_count, 1, 1);
-	// The next dispatch may add to the same pixels, or continue the same paths.
-	command_barrier(j->device);
-}
-
 // How many of the `count` tiles from `tile` on one dispatch can take: those within the band, up to a limit.
 static uint32_t run_of_tiles(const struct pt_band *band, uint32_t tile, uint64_t count)
 {
@@ -57,19 +41,10 @@ static uint64_t record_paths(struct technique_job *j, uint64_t count)
 	for (uint32_t n = 0; n < DISPATCHES_PER_SUBMIT && recorded < count && j->tile < j->tiles; n += j->segments) {
 		const struct pt_band *band = pt_job_band(j, j->tile);
 		const uint64_t tiles = (count - recorded) / j->batch;
-		struct path_push push = {.first_tile = j->tile,
-					 .tile_count = run_of_tiles(band, j->tile, tiles > 0 ? tiles : 1),
-					 .first_row = band->first_row,
-					 .first_sample = j->plan.first_sample + j->sample,
-					 .sample_count = j->batch,
-					 .round_count = j->segment * j->batch,
-					 .band_rows = band->rows,
-					 .light_tiles = pt_light_tiles(band->tiles)};
-		pt_bind(j, j->path, &band->path_bindings);
-		for (uint32_t s = 0; s < j->segments; s++) {
-			push.resumes = s > 0;
-			dispatch(j, j->path, &push);
-		}
+		struct path_push push = pt_job_push(j, band);
+		push.first_tile = j->tile;
+		push.tile_count = run_of_tiles(band, j->tile, tiles > 0 ? tiles : 1);
+		pt_job_record(j, j->path, &band->path_bindings, push, j->segments);
 		recorded += (uint64_t)push.tile_count * j->batch;
 		j->tile += push.tile_count;
 	}
@@ -92,8 +67,7 @@ static void record_aov(struct technique_job *j, uint64_t count)
 	const struct pt_band *band = pt_job_band(j, j->aov_tile);
 	const struct path_push push = {
 	    .first_tile = j->aov_tile, .tile_count = run_of_tiles(band, j->aov_tile, count), .first_row = band->first_row};
-	pt_bind(j, j->aov, &band->aov_bindings);
-	dispatch(j, j->aov, &push);
+	pt_job_record(j, j->aov, &band->aov_bindings, push, 1);
 	j->aov_tile += push.tile_count;
 }
 

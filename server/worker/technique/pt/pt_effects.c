@@ -63,27 +63,13 @@ static enum status trace(struct technique_job *j, struct contestant *c, struct e
 {
 	const struct pt_band *band = &j->bands[0];
 	const uint32_t tiles = band->tiles < PROBE_TILES ? band->tiles : PROBE_TILES;
-	struct path_push push = {.first_tile = band->first_tile + (band->tiles - tiles) / 2,
-				 .tile_count = tiles,
-				 .first_row = band->first_row,
-				 .first_sample = j->plan.first_sample,
-				 .sample_count = j->batch,
-				 .round_count = j->segment * j->batch,
-				 .band_rows = band->rows,
-				 .light_tiles = pt_light_tiles(band->tiles)};
-	VkCommandBuffer commands = j->device->commands;
+	struct path_push push = pt_job_push(j, band);
+	push.first_tile = band->first_tile + (band->tiles - tiles) / 2;
+	push.tile_count = tiles;
 	enum status s = command_begin(j->device, err);
 	if (s != STATUS_OK)
 		return s;
-	vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, c->pipeline->handle);
-	vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, c->pipeline->layout, 0, 1, &c->bindings.set, 0,
-				NULL);
-	for (uint32_t i = 0; i < j->segments; i++) {
-		push.resumes = i > 0;
-		vkCmdPushConstants(commands, c->pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
-		vkCmdDispatch(commands, push.tile_count, 1, 1);
-		command_barrier(j->device);
-	}
+	pt_job_record(j, c->pipeline, &c->bindings, push, j->segments);
 	if (c->light)
 		pt_light_record(j, c->light, &c->light_bindings, band, push.first_tile, tiles);
 	const uint64_t start = clock_us();

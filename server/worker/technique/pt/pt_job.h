@@ -98,6 +98,14 @@ enum status pt_job_bind(struct technique_job *job, struct pipeline *pipeline, co
 enum status pt_job_warm_up(struct technique_job *job, struct pipeline *pipeline, const struct binding_set *set,
 			   struct error *err);
 
+// What all passes over a band tell their shader about the batch at the cursor. The caller adds which tiles.
+struct path_push pt_job_push(const struct technique_job *job, const struct pt_band *band);
+
+// Record so many dispatches of one pass over push.tile_count workgroups, each continuing the paths of the one before.
+// Between command_begin and command_finish.
+void pt_job_record(const struct technique_job *job, const struct pipeline *pipeline, const struct binding_set *set,
+		   struct path_push push, uint32_t dispatches);
+
 // Begin the image again, with dispatches of at most `segment` events and batches of at most `batch` samples. Forgets what
 // has been summed. STATUS_MEMORY, STATUS_DEVICE.
 enum status pt_job_restart(struct technique_job *job, uint32_t segment, uint32_t batch, struct error *err);

@@ -111,27 +111,14 @@ void pt_light_finish(struct technique_job *j)
 void pt_light_record(const struct technique_job *j, const struct pipeline *pipeline, const struct binding_set *set,
 		     const struct pt_band *band, uint32_t first_tile, uint32_t tiles)
 {
-	VkCommandBuffer c = j->device->commands;
 	const uint32_t from = pt_light_tiles(first_tile - band->first_tile);
 	const uint32_t to = pt_light_tiles(first_tile - band->first_tile + tiles);
 	if (from == to)
 		return;
-	struct path_push push = {.first_tile = band->first_tile + from,
-				 .tile_count = to - from,
-				 .first_row = band->first_row,
-				 .first_sample = j->plan.first_sample + j->sample,
-				 .sample_count = j->batch,
-				 .round_count = j->segment * j->batch,
-				 .band_rows = band->rows,
-				 .light_tiles = pt_light_tiles(band->tiles)};
-	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
-	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set->set, 0, NULL);
-	for (uint32_t i = 0; i < j->segments; i++) {
-		push.resumes = i > 0;
-		vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
-		vkCmdDispatch(c, to - from, 1, 1);
-		command_barrier(j->device);
-	}
+	struct path_push push = pt_job_push(j, band);
+	push.first_tile = band->first_tile + from;
+	push.tile_count = to - from;
+	pt_job_record(j, pipeline, set, push, j->segments);
 }
 
 // How many numbers below n have the last bit `half`.

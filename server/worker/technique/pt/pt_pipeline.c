@@ -3,6 +3,7 @@
 #include "protocol/names.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/pt/pt_job.h"
+#include "server/worker/technique/pt/pt_light.h"
 #include "server/worker/technique/pt/pt_light_tree.h"
 #include "server/worker/technique/pt/pt_options.h"
 #include "server/worker/vk/command.h"
@@ -84,4 +85,29 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 	constants_set(&c, SPEC_LIGHT_TREE, j->tree != NULL);
 	constants_set(&c, SPEC_PRIORITIES, effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene));
 	return pipeline_get(j->device, shader, &c, pipeline, err);
+}
+
+struct path_push pt_job_push(const struct technique_job *j, const struct pt_band *band)
+{
+	return (struct path_push){.first_row = band->first_row,
+				  .first_sample = j->plan.first_sample + j->sample,
+				  .sample_count = j->batch,
+				  .round_count = j->segment * j->batch,
+				  .band_rows = band->rows,
+				  .light_tiles = pt_light_tiles(band->tiles)};
+}
+
+void pt_job_record(const struct technique_job *j, const struct pipeline *pipeline, const struct binding_set *set,
+		   struct path_push push, uint32_t dispatches)
+{
+	VkCommandBuffer c = j->device->commands;
+	vkCmdBindPipeline(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
+	vkCmdBindDescriptorSets(c, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set->set, 0, NULL);
+	for (uint32_t i = 0; i < dispatches; i++) {
+		push.resumes = i > 0;
+		vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
+		vkCmdDispatch(c, push.tile_count, 1, 1);
+		// The next dispatch may add to the same pixels, or continue the same paths.
+		command_barrier(j->device);
+	}
 }

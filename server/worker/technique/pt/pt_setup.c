@@ -41,14 +41,9 @@ static const struct shader aov_shader = {.name = "aov",
 					 .texels = TRACE_TEXELS,
 					 .push_bytes = sizeof(struct path_push)};
 
-static uint32_t tile_columns(const struct plan *plan)
-{
-	return (plan->width + TILE_SIDE - 1) / TILE_SIDE;
-}
-
 static uint32_t tiles_of(const struct plan *plan)
 {
-	return tile_columns(plan) * ((plan->height + TILE_SIDE - 1) / TILE_SIDE);
+	return tiles_over(plan->width) * tiles_over(plan->height);
 }
 
 static uint64_t pixels_of(const struct plan *plan)
@@ -125,7 +120,7 @@ static enum status pt_cut_bands(struct technique_job *j, struct error *err)
 	const struct plan *p = &j->plan;
 	const uint64_t row_bytes = (uint64_t)p->width * TILE_SIDE * ACCUMULATOR_FLOATS * sizeof(float);
 	const uint64_t fit = j->device->limits.maxStorageBufferRange / row_bytes;
-	const uint32_t all = (p->height + TILE_SIDE - 1) / TILE_SIDE;
+	const uint32_t all = tiles_over(p->height);
 	if (fit == 0)
 		return error_set(err, STATUS_MEMORY, "this device cannot bind eight rows of %u pixels: render narrower",
 				 p->width);
@@ -139,8 +134,8 @@ static enum status pt_cut_bands(struct technique_job *j, struct error *err)
 		const uint32_t first = i * tile_rows, rows = all - first < tile_rows ? all - first : tile_rows;
 		b->first_row = first * TILE_SIDE;
 		b->rows = b->first_row + rows * TILE_SIDE <= p->height ? rows * TILE_SIDE : p->height - b->first_row;
-		b->first_tile = first * tile_columns(p);
-		b->tiles = rows * tile_columns(p);
+		b->first_tile = first * tiles_over(p->width);
+		b->tiles = rows * tiles_over(p->width);
 	}
 	return STATUS_OK;
 }
