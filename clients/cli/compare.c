@@ -36,7 +36,7 @@ const struct command compare_command = {
 	"Usage: candil compare A B [--mask-above RADIANCE] [--error-image OUT.png]\n"
 	"                      [--side-by-side OUT.png] [--json]\n\n"
 	"Prints the difference of image A from reference B: RMSE, relative MSE (mean of (a-b)²/(b²+0.01)), signed\n"
-	"mean, and pixels that an eye would tell apart. No daemon is needed.\n"
+	"mean, and FLIP: how much a person sees of the difference, 0 to 1 (blue for green). No daemon is needed.\n"
 	"The sizes are the same, or one is a whole multiple of the other (1024x1024 and 512x512), which is then\n"
 	"averaged down to it.\n\n"
 	"  --mask-above RADIANCE  leave out pixels where the reference is brighter\n"
@@ -44,7 +44,8 @@ const struct command compare_command = {
 	"  --side-by-side OUT.png draw A, B and the error beside one another\n\n"
 	"candil compare room.exr reference.exr --mask-above 10   leaves out the lamp that is seen itself\n\n"
 	"--json: {\"a\", \"b\", \"width\", \"height\", \"pixels\", \"masked\", \"non_finite_a\", \"non_finite_b\",\n"
-	"\"perceptual_failures\", \"rmse\", \"relmse\", \"mean_difference\", \"mean_difference_relative\", \"max_abs\",\n"
-	"\"mean_a\", \"mean_b\", \"mean_a_rgb\", \"mean_b_rgb\", \"mask_above\"}; a value that is not finite is null\n",
+	"\"rmse\", \"relmse\", \"mean_difference\", \"mean_difference_relative\", \"max_abs\", \"flip\",\n"
+	"\"flip_max\", \"flip_exposures\": null or {\"low\", \"high\", \"count\"}, \"mean_a\", \"mean_b\", \"mean_a_rgb\",\n"
+	"\"mean_b_rgb\", \"mask_above\"}; a value that is not finite is null\n",
     .run = run_compare,
 };

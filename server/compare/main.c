@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "server/compare/report.h"
 
@@ -20,9 +21,9 @@ static const char usage[] =
     "usage: candil-compare A B [--mask-above RADIANCE] [--error-image OUT.png] [--side-by-side OUT.png] [--json]\n"
     "\n"
     "Compare picture A with the reference B: RMSE, relMSE = mean((a-b)^2 / (b^2 + 0.01)), the signed mean difference,\n"
-    "the largest one, pixels that are not finite and pixels whose colour an observer would see differ (Yee's metric as\n"
-    "OpenImageIO has it, which does not see brightness). All on linear RGB; a PNG is decoded first. Where one picture is\n"
-    "a whole multiple of the other's size it is scaled down by a box filter.\n"
+    "the largest one, pixels that are not finite and FLIP, what a person sees of the difference (0: nothing, 1: blue for\n"
+    "green; of two PNG as they are shown, of radiance at every exposure that the reference calls for). All on linear RGB;\n"
+    "a PNG is decoded first. Where one picture is a whole multiple of the other's size it is scaled down by a box filter.\n"
     "\n"
     "  --mask-above RADIANCE   leave out pixels of which the reference, at the compared size, exceeds this in a channel\n"
     "  --error-image OUT.png   draw the error in false colours, and print their scale\n"
@@ -98,22 +99,21 @@ static enum status output(const struct arguments *args, const struct report *rep
 	return s;
 }
 
-// Yee's metric on copies in which the excluded pixels are blanked. The originals are still needed for drawing.
-static enum status perceptual(const struct picture *a, const struct picture *b, const float *error, uint64_t *failures,
-			      struct error *err)
+// FLIP of copies in which the excluded pixels are blanked. The originals are still needed for drawing.
+static enum status flip(const struct picture *a, const struct picture *b, const float *error, struct report *report,
+			struct error *err)
 {
-	size_t values = (size_t)a->width * a->height * 3;
+	const size_t bytes = (size_t)a->width * a->height * 3 * sizeof *a->rgb;
 	struct picture x = *a, r = *b;
-	x.rgb = malloc(values * sizeof *x.rgb);
-	r.rgb = malloc(values * sizeof *r.rgb);
+	x.rgb = malloc(bytes);
+	r.rgb = malloc(bytes);
 	enum status s = x.rgb && r.rgb ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory to compare");
+	report->high_range = !a->is_display || !b->is_display;
 	if (s == STATUS_OK) {
-		for (size_t i = 0; i < values; i++) {
-			x.rgb[i] = a->rgb[i];
-			r.rgb[i] = b->rgb[i];
-		}
+		memcpy(x.rgb, a->rgb, bytes);
+		memcpy(r.rgb, b->rgb, bytes);
 		metrics_blank(&x, &r, error);
-		s = picture_perceptual(&x, &r, failures, err);
+		s = flip_compare(&x, &r, error, report->high_range, &report->flip, err);
 	}
 	picture_finish(&x);
 	picture_finish(&r);
@@ -139,7 +139,7 @@ static enum status compare(const struct arguments *args, struct error *err)
 	}
 	s = metrics_compare(&a, &b, args->mask_above, &report.metrics, error, err);
 	if (s == STATUS_OK)
-		s = perceptual(&a, &b, error, &report.perceptual_failures, err);
+		s = flip(&a, &b, error, &report, err);
 	if (s == STATUS_OK)
 		s = output(args, &report, &a, &b, error, err);
 out:

@@ -1,5 +1,3 @@
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <cstdlib>
 #include <memory>
@@ -65,7 +63,7 @@ status read(const char *path, picture *out, error *err)
 			float v = all[i * span + size_t(index[c] - first)];
 			rgb[i * 3 + size_t(c)] = srgb ? float(view_srgb_decode(double(v))) : v;
 		}
-	*out = {uint32_t(spec.width), uint32_t(spec.height), rgb};
+	*out = {uint32_t(spec.width), uint32_t(spec.height), rgb, !spec.format.is_floating_point()};
 	return STATUS_OK;
 }
 
@@ -112,16 +110,4 @@ extern "C" enum status picture_write_png(const char *path, uint32_t width, uint3
 					 struct error *err)
 {
 	return guarded(path, err, [&] { return write(path, width, height, codes, err); });
-}
-
-extern "C" enum status picture_perceptual(const struct picture *a, const struct picture *b, uint64_t *failures,
-					  struct error *err)
-{
-	return guarded("the perceptual comparison", err, [&] {
-		OIIO::ImageSpec spec(int(a->width), int(a->height), 3, OIIO::TypeDesc::FLOAT);
-		OIIO::ImageBuf first(spec, a->rgb), second(spec, b->rgb);
-		OIIO::ImageBufAlgo::CompareResults result;
-		*failures = uint64_t(OIIO::ImageBufAlgo::compare_Yee(first, second, result));
-		return STATUS_OK;
-	});
 }

@@ -30,8 +30,11 @@ void report_print(const struct report *report)
 	print_mean("mean", m->mean_a, m->mean_a_rgb);
 	print_mean("mean of reference", m->mean_b, m->mean_b_rgb);
 	printf("%-22s %" PRIu64 " pixels, %" PRIu64 " in the reference\n", "not finite", m->non_finite_a, m->non_finite_b);
-	printf("%-22s %" PRIu64 " pixels (Yee's metric; of colour, not of brightness)\n", "perceptual failures",
-	       report->perceptual_failures);
+	printf("%-22s %.6g, at most %.6g", "FLIP", report->flip.mean, report->flip.max);
+	if (report->high_range)
+		printf("  (the largest of %u exposures, %+.2f to %+.2f stops)", report->flip.exposures,
+		       report->flip.exposure_low, report->flip.exposure_high);
+	putchar('\n');
 	if (isfinite(report->mask_above))
 		printf("%-22s %" PRIu64 " pixels (reference above %g)\n", "masked", m->masked, report->mask_above);
 }
@@ -45,11 +48,10 @@ static json_t *number(double value)
 enum status report_print_json(const struct report *report, struct error *err)
 {
 	const struct metrics *m = &report->metrics;
-	json_t *root =
-	    json_pack("{s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:I, s:I}", "a", report->name_a, "b", report->name_b, "width",
-		      (int)m->width, "height", (int)m->height, "pixels", (json_int_t)m->pixels, "masked",
-		      (json_int_t)m->masked, "non_finite_a", (json_int_t)m->non_finite_a, "non_finite_b",
-		      (json_int_t)m->non_finite_b, "perceptual_failures", (json_int_t)report->perceptual_failures);
+	json_t *root = json_pack("{s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:I}", "a", report->name_a, "b", report->name_b,
+				 "width", (int)m->width, "height", (int)m->height, "pixels", (json_int_t)m->pixels, "masked",
+				 (json_int_t)m->masked, "non_finite_a", (json_int_t)m->non_finite_a, "non_finite_b",
+				 (json_int_t)m->non_finite_b);
 	if (!root)
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "the file names are no UTF-8, which JSON needs; leave out --json");
@@ -59,6 +61,12 @@ enum status report_print_json(const struct report *report, struct error *err)
 	json_object_set_new(root, "mean_difference", number(m->mean_difference));
 	json_object_set_new(root, "mean_difference_relative", number(relative));
 	json_object_set_new(root, "max_abs", number(m->max_abs));
+	json_object_set_new(root, "flip", number(report->flip.mean));
+	json_object_set_new(root, "flip_max", number(report->flip.max));
+	json_object_set_new(root, "flip_exposures",
+			    report->high_range ? json_pack("{s:f, s:f, s:i}", "low", report->flip.exposure_low, "high",
+							   report->flip.exposure_high, "count", (int)report->flip.exposures)
+					       : json_null());
 	json_object_set_new(root, "mean_a", number(m->mean_a));
 	json_object_set_new(root, "mean_b", number(m->mean_b));
 	json_t *rgb_a = json_array(), *rgb_b = json_array();

@@ -2,11 +2,13 @@
 #ifndef CANDIL_COMPARE_REPORT_H
 #define CANDIL_COMPARE_REPORT_H
 
+#include "server/compare/flip.h"
 #include "server/compare/metrics.h"
 
 struct report {
 	struct metrics metrics;
-	uint64_t perceptual_failures; // number of pixels
+	struct flip flip;
+	bool high_range; // flip is of radiance at several exposures
 	const char *name_a, *name_b;
 	double mask_above; // radiance; +infinity: no mask
 };

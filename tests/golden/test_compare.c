@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "server/compare/flip.h"
 #include "server/compare/heat.h"
 #include "server/compare/metrics.h"
 #include "server/worker/image/view.h"
@@ -120,32 +121,62 @@ static void sizes_that_do_not_fit_are_refused(void **state)
 	}
 }
 
-static void the_perceptual_metric_sees_what_an_eye_sees(void **state)
+// One colour for another over a whole picture has no features, so FLIP is the mapped distance of the two alone.
+static void flip_of_even_pictures_is_that_of_their_colours(void **state)
 {
 	(void)state;
-	struct picture a = make(64, 64, NULL), b = make(64, 64, NULL);
-	for (size_t i = 0; i < 64 * 64 * 3; i++)
-		a.rgb[i] = b.rgb[i] = 0.25f;
-	struct error err;
-	uint64_t failures = 99;
-	assert_int_equal(picture_perceptual(&a, &b, &failures, &err), STATUS_OK);
-	assert_int_equal(failures, 0);
-	// A red square on the grey.
-	for (size_t y = 10; y < 30; y++)
-		for (size_t x = 20; x < 40; x++) {
-			const float red[3] = {1, 0, 0};
-			memcpy(a.rgb + 3 * (y * 64 + x), red, sizeof red);
+	static const struct {
+		float a[3], b[3];
+		double expected;
+	} cases[] = {
+	    {{0.2f, 0.5f, 0.7f}, {0.2f, 0.5f, 0.7f}, 0},
+	    {{0, 1, 0}, {0, 0, 1}, 1}, // what the scale ends with
+	    // L* 0 and 100, where green from blue is 203.302: above the knee, 0.95 + 0.05 ((100 / 203.302)^0.7 - 0.4) / 0.6.
+	    {{0, 0, 0}, {1, 1, 1}, 0.96738},
+	    // L* 53.38896 and 50.02772: below it, (3.36124 / 203.302)^0.7 · 0.95 / 0.4.
+	    {{0.2140411f, 0.2140411f, 0.2140411f}, {0.1844187f, 0.1844187f, 0.1844187f}, 0.13444},
+	};
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		struct picture a = make(20, 30, NULL), b = make(20, 30, NULL);
+		float counts[20 * 30] = {0};
+		for (size_t i = 0; i < 20 * 30; i++) {
+			memcpy(a.rgb + 3 * i, cases[k].a, sizeof cases[k].a);
+			memcpy(b.rgb + 3 * i, cases[k].b, sizeof cases[k].b);
 		}
-	assert_int_equal(picture_perceptual(&a, &b, &failures, &err), STATUS_OK);
-	assert_int_equal(failures, 400);
-	picture_finish(&a);
-	picture_finish(&b);
-	a = make(1, 1, (const float[3]){1, 1, 1});
-	b = make(1, 1, (const float[3]){1, 1, 1});
-	assert_int_equal(picture_perceptual(&a, &b, &failures, &err), STATUS_OK);
-	assert_int_equal(failures, 0);
-	picture_finish(&a);
-	picture_finish(&b);
+		struct error err;
+		struct flip flip;
+		assert_int_equal(flip_compare(&a, &b, counts, false, &flip, &err), STATUS_OK);
+		assert_true(fabs(flip.mean - cases[k].expected) <= 1e-4);
+		assert_true(fabs(flip.max - flip.mean) <= 1e-6);
+		assert_int_equal(flip.exposures, 1);
+		picture_finish(&a);
+		picture_finish(&b);
+	}
+}
+
+// A reference that is black, or has values of every size, leaves no NaN and no loop without end.
+static void flip_of_extreme_radiance_is_finite(void **state)
+{
+	(void)state;
+	static const float values[] = {0, 1e-30f, 1e-6f, 1, 1e8f, 3e38f, -1};
+	const size_t count = sizeof values / sizeof *values;
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < count; k++) {
+			struct picture a = make(3, 1, NULL), b = make(3, 1, NULL);
+			float counts[3] = {0};
+			for (size_t c = 0; c < 9; c++) {
+				a.rgb[c] = c < 6 ? values[i] : values[k];
+				b.rgb[c] = c < 3 ? values[k] : values[i];
+			}
+			struct error err;
+			struct flip flip;
+			assert_int_equal(flip_compare(&a, &b, counts, true, &flip, &err), STATUS_OK);
+			assert_true(flip.mean >= 0 && flip.max <= 1 && flip.mean <= flip.max);
+			assert_true(flip.exposures >= 1 && flip.exposures <= FLIP_EXPOSURES_MOST);
+			assert_true(isfinite(flip.exposure_low) && isfinite(flip.exposure_high));
+			picture_finish(&a);
+			picture_finish(&b);
+		}
 }
 
 static void the_scale_grows_brighter_and_is_logarithmic(void **state)
@@ -174,7 +205,8 @@ int main(void)
 	    cmocka_unit_test(masked_and_broken_pixels_are_left_out),
 	    cmocka_unit_test(the_larger_is_scaled_down_exactly),
 	    cmocka_unit_test(sizes_that_do_not_fit_are_refused),
-	    cmocka_unit_test(the_perceptual_metric_sees_what_an_eye_sees),
+	    cmocka_unit_test(flip_of_even_pictures_is_that_of_their_colours),
+	    cmocka_unit_test(flip_of_extreme_radiance_is_finite),
 	    cmocka_unit_test(the_scale_grows_brighter_and_is_logarithmic),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
