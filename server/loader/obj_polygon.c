@@ -154,6 +154,14 @@ static bool is_in_the_way(const struct obj_polygon_work *w, const uint32_t t[3],
 	return cross(at[0], at[1], w[q].at) >= 0 && cross(at[1], at[2], w[q].at) >= 0 && cross(at[2], at[0], w[q].at) >= 0;
 }
 
+// Whether the corner adds nothing: it is where one beside it is, or the side to it turns straight back.
+static bool is_idle(const struct obj_polygon_work *w, uint32_t i)
+{
+	const double *a = w[w[i].before].at, *b = w[i].at, *c = w[w[i].after].at;
+	const double ahead = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
+	return same(a, b) || same(b, c) || (turn(w, i) == 0 && ahead < 0);
+}
+
 static bool is_ear(struct obj_polygon *p, const struct grid *g, uint32_t i)
 {
 	const struct obj_polygon_work *w = p->work;
@@ -161,7 +169,7 @@ static bool is_ear(struct obj_polygon *p, const struct grid *g, uint32_t i)
 	double low[2], high[2];
 	uint32_t from[2], to[2];
 	if (!(turn(w, i) > 0))
-		return false;
+		return is_idle(w, i);
 	for (int c = 0; c < 2; c++) {
 		const double a = w[t[0]].at[c], b = w[t[1]].at[c], d = w[t[2]].at[c];
 		low[c] = fmin(a, fmin(b, d));
@@ -242,12 +250,29 @@ static uint32_t any_corner(struct obj_polygon *p, uint32_t start, uint32_t left)
 	return i;
 }
 
+// Cut off what is idle before any ear, because ears are told by the sides at a corner. Returns how many it cut off.
+static uint32_t cut_idle(struct obj_polygon *p, uint32_t *start)
+{
+	uint32_t made = 0, i = 0;
+	for (uint32_t seen = 0; seen < p->count && made + 3 < p->count;) {
+		const uint32_t before = p->work[i].before;
+		const bool idle = is_idle(p->work, i);
+		if (idle)
+			cut_off(p, i, made++);
+		// What lies before it may have become idle.
+		seen += idle ? 0 : 1;
+		i = idle ? before : p->work[i].after;
+	}
+	*start = i;
+	return made;
+}
+
 // Cut off ears until a triangle is left. False if it takes too many steps.
 static bool cut_ears(struct obj_polygon *p, const struct grid *g)
 {
 	struct ring ring = {0};
-	uint32_t made = 0, start = 0, made_before = UINT32_MAX;
-	for (uint32_t i = 0; i < p->count; i++)
+	uint32_t start, made = cut_idle(p, &start), made_before = UINT32_MAX;
+	for (uint32_t k = 0, i = start; k + made < p->count; k++, i = p->work[i].after)
 		enqueue(p, &ring, i);
 	while (made + 3 < p->count && p->steps <= OBJ_POLYGON_STEPS) {
 		uint32_t i = ring.count > 0 ? dequeue(p, &ring) : UINT32_MAX;

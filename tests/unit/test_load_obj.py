@@ -327,6 +327,11 @@ class Faces(ObjCase):
                 wanted = [area, area * math.sqrt(1.25), area] * (2 * len(shape))
                 self.check_areas(faces, wanted)
 
+            "holes": ([(0, 0), (6, 0), (6, 3), (0, 3), (0, 0), (1, 1), (1, 2), (2, 2), (2, 1), (1, 1), (4, 1), (4, 2), (5, 2), (5, 1), (4, 1),
+                       (1, 1)], 16),  # the second is reached along a side of the first
+            "twice": ([(0, 0), (1, 0), (1, 0), (2, 0), (3, 0), (3, 2), (1.5, 2), (1.5, 1), (1.5, 1), (1.5, .5), (1, .5), (1, 2), (0, 2)], 5.25),
+            "spike": ([(0, 0), (4, 0), (4, 2), (2, 2), (2, 5), (2, 4), (2, 2), (0, 2)], 8),
+            "slit": ([(0, 0), (4, 0), (4, 2), (2, 2), (2, 1), (2, 2), (0, 2)], 8),
     def test_stars(self):
         random.seed(3)
         faces, areas = [], []
