@@ -9,11 +9,15 @@ float mtl_roughness(double exponent)
 	return (float)sqrt(sqrt(2.0 / (ns + 2.0)));
 }
 
-// illum 4, 6, 7 and 9 mean glass if some statement says that light is transmitted.
+// illum 4, 6, 7 and 9 mean glass if some statement says that light is transmitted. A body of index 1 that lets all of it
+// through could not be seen: Maya writes illum 4, Ni 1 and Tf 1 1 1 of opaque surfaces.
 static bool is_glass(const struct mtl_note *note)
 {
+	const double *f = note->filter;
+	if (note->ior == 1 && (!note->has_filter || (f[0] == 1 && f[1] == 1 && f[2] == 1)))
+		return false;
 	const bool clear = note->illum == 4 || note->illum == 6 || note->illum == 7 || note->illum == 9;
-	const bool passes = note->filter[0] > 0 || note->filter[1] > 0 || note->filter[2] > 0;
+	const bool passes = f[0] > 0 || f[1] > 0 || f[2] > 0;
 	return clear && (note->has_filter ? passes : note->ior > 0 || note->dissolve < 1);
 }
 

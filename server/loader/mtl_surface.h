@@ -21,7 +21,7 @@ float mtl_roughness(double exponent);
 // | 2 | and highlights | and microfacets that reflect Ks at normal incidence and its largest component at grazing, as wide as Ns says |
 // | 3, 8 | and reflection, traced or not | as 2; without Ns a perfect mirror |
 // | 5 | the same by Fresnel | as 3, and all is reflected at grazing |
-// | 4, 6, 7, 9 | and what is behind, straight or refracted | solid glass, where a Tf above zero, or without Tf a Ni or a d below 1, says that light comes through; else as 2 |
+// | 4, 6, 7, 9 | and what is behind, straight or refracted | solid glass, where a Tf above zero, or without Tf a Ni or a d below 1, says that light comes through, but not where Ni 1 and a Tf of 1 or none would make it nothing; else as 2 |
 // | 10 | shadows on what is not seen | as 2, and noted as ignored |
 // clang-format on
 //

@@ -6,7 +6,7 @@ import random
 import subprocess
 import unittest
 
-from loaded import EMISSION, LOADER, NONE, NORMAL, SCALE, LoadCase
+from loaded import ALPHA, EMISSION, LOADER, NONE, NORMAL, SCALE, TRANSMISSION, LoadCase
 from writers import png, save
 
 SQUARE = ["v 0 0 0", "v 1 0 0", "v 1 1 0", "v 0 1 0"]
@@ -207,6 +207,14 @@ class Mtl(ObjCase):
 
     def test_defaults(self):
         self.near(self.material("illum 1")[:3], (.8,) * 3)
+        info, _ = self.obj(["mtllib a.mtl"] + SQUARE + ["f 1 2 3 4"], a="#\nKd 1 0 0\nnewmtl m\n")
+        self.assertIn("a.mtl, line 2: 'Kd' stands before any newmtl", info["warnings"][0])
+
+    def test_glass_of_nothing_is_what_maya_writes_of_what_is_opaque(self):
+        for statements, clear, alpha in (("Ni 1.00\nTf 1.00 1.00 1.00", 0, 1), ("Ni 1", 0, 1), ("Ni 1\nd .25", 0, .25), ("Ni 1.01\nTf 1", 1, 1),
+                                         ("Ni 1\nTf .9 1 1", 1, 1), ("Tf 1 1 1", 1, 1)):
+            m = self.material("illum 4\nKd .50 .50 .50\nKa 0.00 0.00 0.00\n" + statements)
+            self.assertEqual((m[TRANSMISSION], m[ALPHA]), (clear, alpha), statements)
         self.picture()
         self.assertEqual(self.material("map_Kd a.png")[:3], (1, 1, 1))
         self.assertEqual(self.material("map_Ke a.png")[EMISSION:EMISSION + 3], (1, 1, 1))
