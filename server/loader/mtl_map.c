@@ -4,17 +4,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define ON_OFF (-1)
+
 // An option of a map: what follows it, and what it is by default.
 struct option {
 	const char *name;
-	int numbers; // the most that follow; 0: one word
+	int numbers; // the most that follow; 0: one word; ON_OFF: on or off, which some exporters leave out
 	const char *plain; // the word, or the number that each is, for which there is nothing to tell; NULL: never tell
 };
 
-static const struct option options[] = {{"-blendu", 0, "on"}, {"-blendv", 0, "on"},  {"-boost", 1, "0"}, {"-cc", 0, "off"},
-					{"-clamp", 0, NULL},  {"-bm", 1, NULL},      {"-o", 3, NULL},    {"-s", 3, NULL},
-					{"-t", 3, "0"},       {"-texres", 1, NULL},  {"-type", 0, ""},   {"-imfchan", 0, ""},
-					{"-mm", 2, "0"},      {"-colorspace", 0, ""}};
+static const struct option options[] = {{"-blendu", ON_OFF, "on"}, {"-blendv", ON_OFF, "on"}, {"-boost", 1, "0"},
+					{"-cc", ON_OFF, "off"},    {"-clamp", ON_OFF, NULL},  {"-bm", 1, NULL},
+					{"-o", 3, NULL},           {"-s", 3, NULL},           {"-t", 3, "0"},
+					{"-texres", 1, NULL},      {"-type", 0, ""},          {"-imfchan", 0, ""},
+					{"-mm", 2, "0"},           {"-colorspace", 0, ""}};
 
 static const struct option *find_option(const struct obj_word *word)
 {
@@ -29,7 +32,7 @@ static const struct option *find_option(const struct obj_word *word)
 static void tell_option(struct import *im, const struct option *o, const struct obj_word *value, const double *numbers,
 			int count)
 {
-	bool plain = o->plain == NULL || (o->numbers == 0 && obj_word_is(value, o->plain));
+	bool plain = o->plain == NULL || (o->numbers <= 0 && obj_word_is(value, o->plain));
 	if (o->plain && o->numbers > 0) {
 		plain = true;
 		for (int i = 0; i < count; i++)
@@ -58,6 +61,17 @@ static int option_numbers(struct obj_text *t, int most, bool has_file, double *n
 	return count;
 }
 
+// Read "on" or "off". An option with neither is on.
+static struct obj_word read_on_off(struct obj_text *t)
+{
+	struct obj_text ahead = *t;
+	struct obj_word word;
+	if (!obj_text_name_word(&ahead, &word) || !(obj_word_is(&word, "on") || obj_word_is(&word, "off")))
+		return (struct obj_word){"on", 2};
+	*t = ahead;
+	return word;
+}
+
 static void read_option(struct import *im, struct obj_text *t, const struct option *o, struct mtl_map *map)
 {
 	struct obj_word value = {"", 0};
@@ -65,6 +79,8 @@ static void read_option(struct import *im, struct obj_text *t, const struct opti
 	const int count = o->numbers > 0 ? option_numbers(t, o->numbers, map->file != NULL, numbers) : 0;
 	if (o->numbers == 0)
 		obj_text_name_word(t, &value);
+	if (o->numbers == ON_OFF)
+		value = read_on_off(t);
 	if (strcmp(o->name, "-clamp") == 0)
 		map->clamp = obj_word_is(&value, "on");
 	if (strcmp(o->name, "-bm") == 0 && count > 0)

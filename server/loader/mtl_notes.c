@@ -30,6 +30,7 @@ struct reader {
 	struct obj_text text;
 	struct obj_word keyword;
 	uint32_t current; // the material that statements belong to; NONE: none
+	bool has_begun; // a material
 };
 
 // Names are told apart by 128 bits of hash.
@@ -109,8 +110,8 @@ static bool read_colour(struct reader *r, double out[3])
 		r->text = ahead;
 	double numbers[3];
 	int count;
-	if (!obj_text_numbers(&r->text, 3, numbers, &count) || count == 0) {
-		tell_malformed(r, "has no colour");
+	if (!obj_text_numbers(&r->text, 3, numbers, &count) || (count != 1 && count != 3)) {
+		tell_malformed(r, count == 2 ? "has two numbers, not one or three," : "has no colour");
 		return false;
 	}
 	for (int i = 0; i < 3; i++)
@@ -251,6 +252,7 @@ static enum status start_material(struct reader *r, struct error *err)
 	if (!name)
 		return error_set(err, STATUS_MEMORY, "no memory for a material's name");
 	enum status status = mtl_notes_number(r->notes, name, &r->current, err);
+	r->has_begun = true;
 	if (status == STATUS_OK && r->notes->notes[r->current].folder) {
 		import_warn(r->import, "%.60s, line %zu: material '%.60s' is defined again, and its first definition counts",
 			    r->file, r->text.line, name);
@@ -268,6 +270,8 @@ static enum status read_statement(struct reader *r, struct error *err)
 		return start_material(r, err);
 	bool known = true;
 	struct mtl_note *note = r->current == NONE ? NULL : &r->notes->notes[r->current];
+	if (!note && !r->has_begun)
+		tell_malformed(r, "stands before any newmtl");
 	if (!note)
 		return STATUS_OK;
 	if (note_colours(r, note) || note_numbers(r, note) || note_dissolve(r, note) || note_illum(r, note))

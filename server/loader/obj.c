@@ -260,6 +260,9 @@ static enum status read_all(struct reader *r, const struct file_bytes *bytes, st
 	struct error why;
 	if (obj_text_start(&r->text, bytes, &why) != STATUS_OK)
 		return error_set(err, why.code, "the OBJ file is not read: %s", why.text);
+	// ZBrush writes its vertex colours so.
+	if (memmem(r->text.at, (size_t)(r->text.end - r->text.at), "\n#MRGB ", 7))
+		import_ignore(r->import, "vertex colours in comments (#MRGB)");
 	if (read_passes(r, err) != STATUS_OK)
 		return err->code;
 	if (!r->has_statement)

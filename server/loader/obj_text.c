@@ -60,6 +60,13 @@ static void skip_blanks(struct obj_text *t)
 	}
 }
 
+// Whether a number as Microsoft's runtime has written it goes on at the # here: "1.#INF", "-1.#IND00", "1.#QNAN".
+static bool is_odd_tail(const char *at)
+{
+	return strncasecmp(at, "#INF", 4) == 0 || strncasecmp(at, "#IND", 4) == 0 || strncasecmp(at, "#QNAN", 5) == 0 ||
+	       strncasecmp(at, "#SNAN", 5) == 0;
+}
+
 static bool next_word(struct obj_text *t, struct obj_word *word, bool of_name)
 {
 	skip_blanks(t);
@@ -68,7 +75,7 @@ static bool next_word(struct obj_text *t, struct obj_word *word, bool of_name)
 	if (*t->at == '#' && !(of_name && t->at[1] >= '0' && t->at[1] <= '9'))
 		return false;
 	word->at = t->at;
-	while (!ends_word(t->at) && (of_name || *t->at != '#' || t->at[-1] == '.'))
+	while (!ends_word(t->at) && (of_name || *t->at != '#' || (t->at[-1] == '.' && is_odd_tail(t->at))))
 		t->at++;
 	word->size = (size_t)(t->at - word->at);
 	return true;
@@ -102,12 +109,12 @@ bool obj_word_is(const struct obj_word *word, const char *text)
 	return strncasecmp(word->at, text, word->size) == 0 && text[word->size] == 0;
 }
 
-// Infinite numbers and what is none, as Microsoft's runtime has written them: "1.#INF", "-1.#IND00", "1.#QNAN".
+// Infinite numbers and what is none, with such a tail.
 static bool is_odd_number(const char *at, double *number)
 {
 	const bool minus = *at == '-';
 	at += minus;
-	if (strncmp(at, "1.#", 3) != 0)
+	if (strncmp(at, "1.", 2) != 0 || !is_odd_tail(at + 2))
 		return false;
 	*number = strncasecmp(at + 3, "INF", 3) != 0 ? NAN : minus ? -INFINITY : INFINITY;
 	return true;

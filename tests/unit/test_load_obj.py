@@ -66,6 +66,7 @@ class Statements(ObjCase):
         text = "\n".join(["mtllib a.mtl # the library"] + SQUARE + ["v 5 5 5 # not used", "usemtl lamp # bright", "f 1 2 3 4%s"]) + "\n"
         for comment in (" # quad", "\t# quad", " #", "#quad", "# 5", " # 5 \\", " ## f 1 2 3"):
             self.lamp_square(text % comment)
+        self.lamp_square(text.replace("1 1 0\n", "1. 1 0.# third\n") % "")
         self.lamp_square("# head\n#\n  # indented\n" + text % "", a="#\nnewmtl lamp # a lamp\nKd 0 0 0 # black\nKe 2 3 4#bright\n")
 
     def test_a_comment_is_not_continued(self):
@@ -146,6 +147,8 @@ class Statements(ObjCase):
             self.assertIn(told, info["ignored"][0])
         info, _ = self.obj(SQUARE + ["s 1", "f 1 2 3 4"])
         self.assertEqual(info["ignored"], ["smoothing groups"])
+        info, _ = self.obj(square + ["#MRGB ff00ff00ffffffffff00ff00ffffffff", "# MRGB", "#MRGBA 1"])
+        self.assertEqual(info["ignored"], ["vertex colours in comments (#MRGB)"])
         for off in ("s off", "s 0", "s"):
             self.assertEqual(self.obj(SQUARE + [off, "f 1 2 3 4"])[0]["ignored"], [])
         info, _ = self.obj(square + ["", "wibble 1 2 3", "  @!"])
@@ -200,13 +203,10 @@ class Mtl(ObjCase):
         for statement, colour in (("Kd .5", (.5,) * 3), ("Kd 0.25 # grey", (.25,) * 3), ("Kd .25 .5 1", (.25, .5, 1)), ("Kd 1 0 0", (1, 0, 0)),
                                   ("Kd\t.5\t.5\t0", (.5, .5, 0)), ("Kd xyz .475232 .5 .544452", (.5,) * 3)):
             self.near(self.material(statement)[:3], colour, 3)
-        for statement in ("Kd", "Kd red", "Kd spectral file.rfl 1", "Ke", "Ns x", "d", "illum", "illum 11", "map_Kd", "wibble 3"):
+        for statement in ("Kd", "Kd red", "Kd .1 .2", "Kd spectral file.rfl 1", "Ke", "Ns x", "d", "illum", "illum 11", "map_Kd", "wibble 3"):
             self.material("Kd .5\n" + statement, warnings=1)
             self.assertIn("a.mtl, line 3: '%s'" % statement.split()[0], self.info["warnings"][0])
         self.assertEqual(self.material("Ka 1 1 1\nKd .5")[:3], (.5,) * 3)
-
-    def test_defaults(self):
-        self.near(self.material("illum 1")[:3], (.8,) * 3)
         info, _ = self.obj(["mtllib a.mtl"] + SQUARE + ["f 1 2 3 4"], a="#\nKd 1 0 0\nnewmtl m\n")
         self.assertIn("a.mtl, line 2: 'Kd' stands before any newmtl", info["warnings"][0])
 
@@ -215,6 +215,9 @@ class Mtl(ObjCase):
                                          ("Ni 1\nTf .9 1 1", 1, 1), ("Tf 1 1 1", 1, 1)):
             m = self.material("illum 4\nKd .50 .50 .50\nKa 0.00 0.00 0.00\n" + statements)
             self.assertEqual((m[TRANSMISSION], m[ALPHA]), (clear, alpha), statements)
+
+    def test_defaults(self):
+        self.near(self.material("illum 1")[:3], (.8,) * 3)
         self.picture()
         self.assertEqual(self.material("map_Kd a.png")[:3], (1, 1, 1))
         self.assertEqual(self.material("map_Ke a.png")[EMISSION:EMISSION + 3], (1, 1, 1))
@@ -270,8 +273,9 @@ class Mtl(ObjCase):
             self.near(self.rows(options + " a.png"), (1, 0, 0, 0, 1, 0))
         for options in ("-blendu off", "-blendv off", "-boost 2", "-cc on", "-mm .5 1", "-mm 0 2", "-t 1", "-imfchan r", "-type cube_top"):
             self.rows(options + " a.png", ignored=["map option " + options.split()[0]])
-        m = self.material("map_Kd -clamp on a.png")
-        self.assertEqual(self.blob.textures[m[3]][3] & 15, 5)
+        for options, clamp in (("-clamp on a.png", 5), ("-clamp a.png", 5), ("-clamp -s 1 1 a.png", 5), ("-clamp off a.png", 0)):
+            m = self.material("map_Kd " + options)
+            self.assertEqual(self.blob.textures[m[3]][3] & 15, clamp, options)
         for statement, scale in (("map_Bump -bm .25 a.png", .25), ("bump a.png -bm 2", 2), ("norm -bm -1 a.png", -1), ("bump a.png", 1),
                                  ("map_bump -o 1 0 0 -bm .5 a.png", .5), ("map_Bump -bm 3 gone.png\nmap_Bump -bm .5 a.png", .5)):
             m = self.material(statement)
@@ -323,6 +327,11 @@ class Faces(ObjCase):
             "on a line": ([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1)], 4),
             "comb": ([(x, 0 if x % 2 else 2) for x in range(8)] + [(7, -1), (0, -1)], 14),
             "hole": ([(0, 0), (3, 0), (3, 3), (0, 3), (0, 0), (1, 1), (1, 2), (2, 2), (2, 1), (1, 1)], 8),
+            "holes": ([(0, 0), (6, 0), (6, 3), (0, 3), (0, 0), (1, 1), (1, 2), (2, 2), (2, 1), (1, 1), (4, 1), (4, 2), (5, 2), (5, 1), (4, 1),
+                       (1, 1)], 16),  # the second is reached along a side of the first
+            "twice": ([(0, 0), (1, 0), (1, 0), (2, 0), (3, 0), (3, 2), (1.5, 2), (1.5, 1), (1.5, 1), (1.5, .5), (1, .5), (1, 2), (0, 2)], 5.25),
+            "spike": ([(0, 0), (4, 0), (4, 2), (2, 2), (2, 5), (2, 4), (2, 2), (0, 2)], 8),
+            "slit": ([(0, 0), (4, 0), (4, 2), (2, 2), (2, 1), (2, 2), (0, 2)], 8),
             "house": ([(0, 0), (1, 0), (1, .5), (2, .5), (2, 0), (3, 0), (3, 1), (1.5, 2), (0, 1)], 4),
         }
         for name, (shape, area) in shapes.items():
@@ -335,11 +344,6 @@ class Faces(ObjCase):
                 wanted = [area, area * math.sqrt(1.25), area] * (2 * len(shape))
                 self.check_areas(faces, wanted)
 
-            "holes": ([(0, 0), (6, 0), (6, 3), (0, 3), (0, 0), (1, 1), (1, 2), (2, 2), (2, 1), (1, 1), (4, 1), (4, 2), (5, 2), (5, 1), (4, 1),
-                       (1, 1)], 16),  # the second is reached along a side of the first
-            "twice": ([(0, 0), (1, 0), (1, 0), (2, 0), (3, 0), (3, 2), (1.5, 2), (1.5, 1), (1.5, 1), (1.5, .5), (1, .5), (1, 2), (0, 2)], 5.25),
-            "spike": ([(0, 0), (4, 0), (4, 2), (2, 2), (2, 5), (2, 4), (2, 2), (0, 2)], 8),
-            "slit": ([(0, 0), (4, 0), (4, 2), (2, 2), (2, 1), (2, 2), (0, 2)], 8),
     def test_stars(self):
         random.seed(3)
         faces, areas = [], []
