@@ -25,6 +25,21 @@ bool data_uri_is_plain(const char *uri)
 	return false;
 }
 
+void data_uri_hide(uint8_t *json, size_t size)
+{
+	static const char key[] = "\"uri\"", scheme[] = "\"data:";
+	uint8_t *end = json + size, *from = json;
+	for (uint8_t *at; (at = memmem(from, (size_t)(end - from), scheme, sizeof scheme - 1)); from = at + 1) {
+		const uint8_t *before = at;
+		bool colon = false;
+		for (; before > json && (isspace(before[-1]) || (!colon && before[-1] == ':')); before--)
+			colon |= before[-1] == ':';
+		if (colon && before - json >= (ptrdiff_t)sizeof key - 1 &&
+		    memcmp(before - (sizeof key - 1), key, sizeof key - 1) == 0)
+			at[1] = 'D';
+	}
+}
+
 static int hex(char c)
 {
 	return isdigit((unsigned char)c) ? c - '0' : isxdigit((unsigned char)c) ? tolower((unsigned char)c) - 'a' + 10 : -1;
@@ -70,6 +85,18 @@ static bool decode_base64(struct file_bytes *b)
 	return true;
 }
 
+// Whether the media type says so at its end. Blanks may stand before and behind the word, as browsers have it.
+static bool is_base64(const char *type, const char *end)
+{
+	while (end > type && end[-1] == ' ')
+		end--;
+	if (end - type < 7 || strncasecmp(end - 6, "base64", 6) != 0)
+		return false;
+	for (end -= 6; end > type && end[-1] == ' ';)
+		end--;
+	return end > type && end[-1] == ';';
+}
+
 enum status data_uri_read(const char *uri, struct file_bytes *out, struct error *err)
 {
 	const char *comma = strchr(uri, ',');
@@ -80,7 +107,7 @@ enum status data_uri_read(const char *uri, struct file_bytes *out, struct error 
 	if (!out->data)
 		return error_set(err, STATUS_MEMORY, "no memory for the bytes of a data URI");
 	decode_percents(comma + 1, out);
-	if (comma - uri >= 7 && strncasecmp(comma - 7, ";base64", 7) == 0 && !decode_base64(out)) {
+	if (is_base64(uri + 5, comma) && !decode_base64(out)) {
 		file_bytes_finish(out);
 		return error_set(err, STATUS_SCENE_INVALID, "its data URI is not base64");
 	}

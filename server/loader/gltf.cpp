@@ -8,6 +8,7 @@
 
 extern "C" {
 #include "protocol/text.h"
+#include "server/loader/data_uri.h"
 #include "server/loader/gltf_json.h"
 #include "server/scene/transform.h"
 }
@@ -82,7 +83,10 @@ enum status parse(gltf_reader *reader, const struct file_bytes *bytes, struct er
 	struct gltf_text text;
 	side_files side;
 	side.files = reader->import->files;
-	if (gltf_find_json(bytes, &text, err) != STATUS_OK || gltf_check_json(&text, &side.externals, err) != STATUS_OK)
+	if (gltf_find_json(bytes, &text, err) != STATUS_OK)
+		return err->code;
+	data_uri_hide(bytes->data + (text.json - reinterpret_cast<const char *>(bytes->data)), text.json_bytes);
+	if (gltf_check_json(&text, &side.externals, err) != STATUS_OK)
 		return err->code;
 
 	tinygltf::TinyGLTF parser;

@@ -232,18 +232,24 @@ class Load(LoadCase):
         self.near(info["bounds_max"], (1, 2, 3))
 
     def test_data_uris_of_every_form(self):
-        corners = b"".join(struct.pack("<3f", *c) for c in ((0, 0, 0), (1, 0, 0), (0, 1, 0)))
+        corners = b"".join(struct.pack("<3f", *c) for c in ((-1.4e-3, 3.7, -.37), (1.9991, .12, -77.1), (.33, -9.9, .77)))
         plain = base64.b64encode(corners).decode()
         picture = png(1, 1, lambda x, y: (255, 0, 0))
         percents = "".join("%%%02X" % b for b in picture)
         heads = ("data:;base64,", "data:application/octet-stream;base64,", "DATA:Application/Octet-Stream;BASE64,",
                  "data:application/gltf-buffer;charset=x;base64,", "data:model/x;a=b;c=d;base64,")
         uris = [head + plain for head in heads]
+        self.assertTrue("+" in plain and "/" in plain)
+        for head in ("data:; base64,", "data:x/y;base64 ,", heads[0], heads[1]):
+            uris += [head + plain.replace("+", "%2B").replace("/", "%2f"), head + plain.replace("+", "-").replace("/", "_"),
+                     head + plain[:9] + " \n" + plain[9:]]
         uris += [heads[0] + plain.replace("=", ""), heads[0] + plain.replace("=", "%3D").replace("+", "%2B").replace("/", "%2F"),
                  heads[0] + plain[:9] + " \n" + plain[9:], heads[0] + plain.replace("+", "-").replace("/", "_"),
                  "data:," + "".join("%%%02x" % b for b in corners), heads[0] + base64.b64encode(corners + b"more").decode()]
         pictures = ["data:image/png;base64," + base64.b64encode(picture).decode(), "data:image/png," + percents, "Data:," + percents,
-                    "data:image/PNG;x=y;base64," + base64.b64encode(picture).decode().replace("+", "%2b")]
+                    "data:image/PNG;x=y;base64," + base64.b64encode(picture).decode().replace("+", "%2b"),
+                    "data:image/jpeg;base64," + base64.urlsafe_b64encode(picture).decode(), "data:image/png;base64," +
+                    base64.encodebytes(picture).decode()]
         for i, uri in enumerate(uris):
             scene = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
                      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
@@ -253,6 +259,9 @@ class Load(LoadCase):
                      "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": uri}]}
             info, blob = self.load(save(self.folder, "uri.gltf", json.dumps(scene).encode()))
             self.assertEqual((info["triangles"], blob.texels, info["warnings"]), (1, [(0xFF0000FF,)], []), uri)
+            for k in range(3):
+                got = [blob.vertices[k][c] + info["origin"][c] for c in range(3)]
+                self.near(got, struct.unpack_from("<3f", corners, 12 * k), 4)
 
     def test_vertex_colours(self):
         for width in (3, 4):
