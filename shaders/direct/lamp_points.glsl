@@ -118,7 +118,7 @@ struct lamp_point {
 	vec3 segment;     // from the receiver; at t = 1 it ends in front of the lamp itself
 	vec3 w;           // its direction
 	vec3 radiance;    // towards the receiver
-	vec3 whole;       // the same, as the closed form has it: where the lamp is not cut out
+	vec3 whole;       // the same, as the closed form has it: without textures, and where the lamp is not cut out
 	float inverse;    // 1 / density, by solid angle, of the choice
 	float by_power;   // the same, had it been chosen by power and area
 	float cosine;     // to the surface's normal

@@ -75,7 +75,7 @@ vec3 triangle_irradiance(triangle tri, vec3 position, vec3 x, vec3 y, vec3 n)
 	return to_vec3(m.emission) * form;
 }
 
-// Irradiance, W/m², from all emissive triangles. Only used when they are few and their radiance is uniform.
+// Irradiance, W/m², from all emissive triangles as if they had no textures. Only used when they are few.
 vec3 lamps_irradiance(vec3 position, vec3 n)
 {
 	vec3 x, y;

@@ -4,10 +4,10 @@
 // that many are chosen at even steps of their cumulative power. With DIRECT_MAPS, a light that has a shadow map
 // (shadow_map.glsl) uses it instead of a ray.
 //
-// Emissive triangles on the diffuse part: where they are few and of uniform radiance, the unshadowed irradiance is known in
-// closed form (lamps.glsl). DIRECT_POINTS points on them, evenly distributed over their power, then estimate the
+// Emissive triangles on the diffuse part: where they are few, the unshadowed irradiance is known in closed form (lamps.glsl),
+// as if they had no textures. DIRECT_POINTS points on them, evenly distributed over their power, then estimate the
 // visibility: it is the ratio of the visible points' light to the light of all points (Heitz, Hill and McGuire 2018,
-// "Combining analytic direct illumination and stochastic shadows"). So neither unshadowed nor fully shadowed places show
+// "Combining analytic direct illumination and stochastic shadows"), here without their textures. So neither unshadowed nor fully shadowed places show
 // noise. Otherwise the points alone estimate the light. The points of 4 × 4 pixels form one set: the mean over any such
 // block (soften.comp.glsl) uses 16 times as many. Pictures of many samples have enough points in each pixel and do without
 // the mean, so that shadows keep their edges. Such a ratio of few points is biased, and its mean over samples as much. So
@@ -25,7 +25,7 @@
 // Options; macros that the program defines.
 #ifndef DIRECT_POINTS
 #define DIRECT_POINTS 2u        // points on emissive triangles, 1…16; with DIRECT_SHARP at least 2
-#define DIRECT_CLOSED false     // closed form: few emissive triangles, none textured
+#define DIRECT_CLOSED false     // closed form: few emissive triangles
 #define DIRECT_SHARP false      // with DIRECT_CLOSED: each pixel has its own points
 #define DIRECT_SHADOWS true
 #define DIRECT_LAMPS true         // emissive triangles send light
@@ -197,7 +197,8 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 	vec2 where;
 	emitter_view v;
 	direct_point(pattern, k, pick, where);
-	if (!view_emitter(origin, pick_emitter(pick), where, v))
+	lamp_pick lamp = pick_emitter(pick);
+	if (!view_emitter(origin, lamp, where, v))
 		return;
 	vec3 w = normalize(v.segment);
 	vec4 facets;
@@ -209,7 +210,9 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 	r.diffuse = diffuse * light;
 	if (EFFECT_GLOSSY)
 		r.facets = facets.xyz * light * power_weight(min(facets.w * v.inverse / float(DIRECT_POINTS), 1e18));
-	r.expected = light * (max(dot(w, b.normal), 0.0) * (1.0 / PI));
+	// The closed form knows no texture: the ratio tells what both the texture and what is in the way leave.
+	vec3 whole = EFFECT_TEXTURES ? to_vec3(materials[triangles[lamp.number].material].emission) : v.radiance;
+	r.expected = whole * (v.inverse / float(DIRECT_POINTS)) * (max(dot(w, b.normal), 0.0) * (1.0 / PI));
 	if (max(r.diffuse * b.diffuse + r.facets, vec3(0.0)) == vec3(0.0))
 		r.t_max = -1.0;
 }

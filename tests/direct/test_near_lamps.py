@@ -6,7 +6,7 @@ import unittest
 import numpy
 
 from render import Daemon
-from writers import Gltf, quad
+from writers import Gltf, png, quad
 
 daemon = Daemon()
 DISTANCES = (1, .1, .01, .001)
@@ -86,6 +86,36 @@ class Open(unittest.TestCase):
     def test_vct(self):
         for h in (.1, .01):
             self.check([(ceiling(h), 1)], h, samples=(1, 16), technique="vct", options={"vct.bounces": 0})
+
+
+class Textured(unittest.TestCase):
+    """A ceiling whose emission has a texture, over its middle."""
+
+    def errors(self, texel, share, h, samples):
+        g = Gltf()
+        floor(g)
+        lamp = g.material("lamp", (0, 0, 0), (1,) * 3)
+        g.json["materials"][lamp]["emissiveTexture"] = {"index": g.image(png(2, 2, texel), magFilter=9728, minFilter=9728)}
+        g.node(mesh=g.mesh(ceiling(h), [(0, 1, 2), (0, 2, 3)], lamp, uvs=[(0, 0), (1, 0), (1, 1), (0, 1)]))
+        scene = g.save(daemon.folder, "textured.gltf")
+        expected = lambert(ceiling(h), (0, 1, 0)) * .5 / math.pi * share
+        for spp in samples:
+            picture = daemon.render(scene, (8, 8), spp, (0, .4 * h, .1 * h, 0, 0, 0, 0, 1, 0, .5), None, ["--technique", "direct"])
+            yield float(numpy.sqrt(((picture.radiance.astype(numpy.float64) / expected - 1) ** 2).mean()))
+
+    def test_white_is_exact(self):
+        for h in DISTANCES:
+            for error in self.errors(lambda x, y: (255,) * 3, 1, h, (1, 4, 16, 64)):
+                self.assertLess(error, 2e-3, h)
+
+    def test_squares_of_a_board(self):
+        """Two quarters of the ceiling shine, and all four look alike from below its middle."""
+        for h in DISTANCES:
+            few, some, many = self.errors(lambda x, y: (255,) * 3 if x == y else (0, 0, 0), .5, h, (16, 64, 256))
+            print(f"{h} m: {few, some, many}")
+            self.assertLess(few, .2)
+            self.assertLess(some, few)
+            self.assertLess(many, .8 * some)
 
 
 class Behind(unittest.TestCase):

@@ -14,21 +14,10 @@
 static const struct gl_source light_source = {.name = "light", .compute = source_light_comp};
 static const struct gl_source soften_source = {.name = "soften", .compute = source_soften_comp};
 
-// Whether unshadowed light of the emissive triangles can be summed in closed form: they are few, and no emission has a
-// texture.
-static bool lamps_are_plain(const struct plan *plan, const struct resident_scene *scene)
+// Whether unshadowed light of the emissive triangles can be summed in closed form.
+static bool lamps_are_few(const struct resident_scene *scene)
 {
-	const struct emitter *emitters = scene_section(scene, BLOB_EMITTERS);
-	const struct triangle *triangles = scene_section(scene, BLOB_TRIANGLES);
-	const struct material *materials = scene_section(scene, BLOB_MATERIALS);
-	const uint32_t count = scene_count(scene, BLOB_EMITTERS);
-	if (count > CLOSED_EMITTERS_MAX)
-		return false;
-	for (uint32_t i = 0; i < count; i++)
-		if (plan_has(plan, candil_Effect_EFFECT_TEXTURES) &&
-		    materials[triangles[emitters[i].triangle].material].emission_texture != NONE)
-			return false;
-	return true;
+	return scene_count(scene, BLOB_EMITTERS) <= CLOSED_EMITTERS_MAX;
 }
 
 // Whether emissive triangles light the scene by points that neighbouring pixels share.
@@ -56,7 +45,7 @@ struct lighting_wish lighting_wish_of(const struct direct_settings *s, bool maps
 void lighting_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene,
 		     const struct lighting_wish *wish)
 {
-	const bool closed = lamps_are_plain(plan, scene), sharp = closed && plan->samples >= DIRECT_SOFT_BELOW;
+	const bool closed = lamps_are_few(scene), sharp = closed && plan->samples >= DIRECT_SOFT_BELOW;
 	const uint32_t enough = (SHARP_POINTS - 1) / plan->samples + 1, least = !sharp ? 1 : enough > 2 ? enough : 2;
 	gl_define(defines, "DIRECT_POINTS", "%uu", wish->points > least ? wish->points : least);
 	gl_define(defines, "DIRECT_CLOSED", "%s", word(closed));
