@@ -40,6 +40,32 @@ float triangle_form(vec3 a, vec3 b, vec3 c)
 	return 0.5 * (sum + arc_z(leave, enter));
 }
 
+// The same of a triangle whose area is so small, for its distance, that the arcs cancel: as one point, or, where it is long
+// for its distance, as a line of points, each of which has the triangle's breadth there. `normal` is twice its area.
+float thin_form(vec3 a, vec3 b, vec3 c, vec3 normal)
+{
+	vec3 middle = (a + b + c) * (1.0 / 3.0);
+	// The longest side runs from b to c.
+	vec3 sides = vec3(dot(c - b, c - b), dot(a - c, a - c), dot(b - a, b - a));
+	mat3 turned = sides.x >= max(sides.y, sides.z) ? mat3(a, b, c) : sides.y >= sides.z ? mat3(b, c, a) : mat3(c, a, b);
+	vec3 along = turned[2] - turned[1];
+	float l2 = max(dot(along, along), 1e-30);
+	float foot = clamp(dot(turned[0] - turned[1], along) / l2, 0.0, 1.0);
+	vec3 nearest = turned[1] + clamp(-dot(turned[1], along) / l2, 0.0, 1.0) * along;
+	float parts = clamp(ceil(8.0 * sqrt(l2 / max(dot(nearest, nearest), 1e-30))), 1.0, 64.0);
+	float sum = 0.0;
+	float whole = 0.0;
+	for (float i = 0.5; i < parts; i++) {
+		float at = i / parts;
+		float breadth = min(at / max(foot, 1e-6), (1.0 - at) / max(1.0 - foot, 1e-6));
+		vec3 p = parts > 1.0 ? turned[1] + at * along : middle;
+		float d2 = dot(p, p);
+		sum += breadth * max(p.z, 0.0) * 0.5 * abs(dot(normal, p)) / (d2 * d2);
+		whole += breadth;
+	}
+	return sum / whole;
+}
+
 // Irradiance, W/m², at a point from one triangle, without shadows. x, y, n are a frame whose n is the receiver's normal.
 vec3 triangle_irradiance(triangle tri, vec3 position, vec3 x, vec3 y, vec3 n)
 {
@@ -66,10 +92,9 @@ vec3 triangle_irradiance(triangle tri, vec3 position, vec3 x, vec3 y, vec3 n)
 	vec3 middle = (a + b + c) * (1.0 / 3.0);
 	float d2 = dot(middle, middle);
 	float form;
-	// For a small triangle far away the arcs cancel. It is then treated as a point, which is accurate to one part in
-	// 10⁴.
+	// Its area is taken before it was turned, because that rounds away what is thin.
 	if (length(normal) < 1e-4 * d2)
-		form = max(middle.z, 0.0) * 0.5 * abs(dot(normal, middle)) / (d2 * d2);
+		form = thin_form(a, b, c, into * cross(scale * (k.v1 - k.v0), scale * (k.v2 - k.v0)));
 	else
 		form = abs(triangle_form(a, b, c));
 	return to_vec3(m.emission) * form;

@@ -83,6 +83,12 @@ class Open(unittest.TestCase):
                  for i, x in enumerate((-.09, -.03, .03, .09))]
         self.check(lamps, .05, samples=(16,))
 
+    def test_as_thin_as_a_hair(self):
+        """Long for its distance, and hardly any area."""
+        for wide, h in ((1e-3, 3), (1e-4, 1), (1e-5, 1), (1e-5, .1), (1e-6, .3), (1e-7, .05)):
+            line = [(-.7, h, 0), (1.3, h, 0), (1.3, h, wide), (-.7, h, wide)]
+            self.check([(line, 1 / wide)], min(h, .3), samples=(1, 16), options={"direct.shadows": "none"}, tolerance=5e-3)
+
     def test_vct(self):
         for h in (.1, .01):
             self.check([(ceiling(h), 1)], h, samples=(1, 16), technique="vct", options={"vct.bounces": 0})
