@@ -31,7 +31,7 @@ static void print_library(void)
 	printf("\tCANDIL_LIGHT_%s = %d, // %s\n", #NAME, number, called);
 	CANDIL_LIGHT_KIND_LIST(LIGHT_KIND)
 	puts("};\n\n// An effect's bit in effects_on and effects_off is 1u << effect.\nenum candil_effect {");
-#define EFFECT(NAME, number, name, simulated, absent, substitute) \
+#define EFFECT(NAME, number, name, simulated, absent, inert, substitute) \
 	printf("\tCANDIL_EFFECT_%s = %d, // \"%s\"; switched off: %s\n", #NAME, number, name, substitute);
 	CANDIL_EFFECT_LIST(EFFECT)
 	printf("};\n#define CANDIL_EFFECT_COUNT %du\n\n#endif\n", EFFECT_COUNT);

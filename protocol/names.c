@@ -16,6 +16,14 @@ _Static_assert((int)TECHNIQUE_COUNT == (int)_candil_Technique_ARRAYSIZE, "candil
 	_Static_assert((int)candil_Effect_EFFECT_##NAME == (number), "candil.proto has another number");
 CANDIL_EFFECT_LIST(SAME_EFFECT)
 _Static_assert((int)EFFECT_COUNT == (int)_candil_Effect_ARRAYSIZE, "candil.proto has other effects");
+// What is said of an effect fits a report.
+#define WHOLE_WORDS(NAME, number, name, simulated, absent, inert, substitute) \
+	_Static_assert(sizeof(simulated) <= sizeof((candil_EffectReport){0}.why) && \
+			   sizeof(absent) <= sizeof((candil_EffectReport){0}.why) && \
+			   sizeof(inert) <= sizeof((candil_EffectReport){0}.why) && \
+			   sizeof(substitute) <= sizeof((candil_EffectReport){0}.why), \
+		       "a sentence is too long for EffectReport.why");
+CANDIL_EFFECT_LIST(WHOLE_WORDS)
 _Static_assert(EFFECT_COUNT <= LIMIT_EFFECTS && EFFECT_COUNT < 32, "an effect is a bit, and a report in Accepted");
 
 // Shaders and the scene blob have the same numbers.
@@ -33,7 +41,8 @@ struct technique_row {
 #define TECHNIQUE_ROW(NAME, number, name, traits) [number] = {name, traits},
 static const struct technique_row techniques[TECHNIQUE_COUNT] = {CANDIL_TECHNIQUE_LIST(TECHNIQUE_ROW)};
 
-#define EFFECT_ROW(NAME, number, name, simulated, absent, substitute) [number] = {name, simulated, absent, substitute},
+#define EFFECT_ROW(NAME, number, name, simulated, absent, inert, substitute) \
+	[number] = {name, simulated, absent, inert, substitute},
 static const struct effect_words effects[EFFECT_COUNT] = {CANDIL_EFFECT_LIST(EFFECT_ROW)};
 
 const char *technique_name(unsigned technique)
@@ -93,7 +102,7 @@ int technique_with(unsigned traits)
 
 const struct effect_words *effect_words(unsigned effect)
 {
-	static const struct effect_words none = {"", "", "", ""};
+	static const struct effect_words none = {"", "", "", "", ""};
 	return effect < EFFECT_COUNT ? &effects[effect] : &none;
 }
 

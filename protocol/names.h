@@ -45,35 +45,45 @@
 // An option that help texts take for an example.
 #define TECHNIQUE_OPTION_EXAMPLE "pt.depth=8"
 
-// X(NAME, number, "name", why it is simulated, why it is left out, what is drawn instead where it is switched off)
+// X(NAME, number, "name", why it is simulated, why it is left out, why it is left out although something has it by name,
+// what is drawn instead where it is switched off)
 #define CANDIL_EFFECT_LIST(X) \
 	X(TEXTURES, 0, "textures", "materials have textures", "no material has a texture", \
-	  "materials show their factors alone") \
-	X(EMITTERS, 1, "emitters", "surfaces emit light", "no surface emits light", "emissive surfaces are black") \
+	  "textures change nothing: white, on black, or of a part without weight", "materials show their factors alone") \
+	X(EMITTERS, 1, "emitters", "surfaces emit light", "no surface emits light", \
+	  "what emits light by name has a black texture or no area", "emissive surfaces are black") \
 	X(LIGHTS, 2, "lights", "the scene has point, spot or directional lights", \
-	  "the scene has no point, spot or directional light", "point, spot and directional lights are dark") \
-	X(ENVIRONMENT, 3, "environment", "the background is not black", "the background is black", \
+	  "the scene has no point, spot or directional light that shines", "", \
+	  "point, spot and directional lights are dark") \
+	X(ENVIRONMENT, 3, "environment", "the background is not black", "the background is black", "", \
 	  "whatever the background is, it is drawn black") \
 	X(BOUNCES, 4, "bounces", "light scatters more than once", \
-	  "light cannot scatter twice: pt.depth or vct.bounces says so, nothing reflects or nothing shines", \
+	  "light cannot scatter twice: pt.depth or vct.bounces says so, nothing reflects or nothing shines", "", \
 	  "direct light alone") \
 	X(GLOSSY, 5, "glossy", "some surface is glossy or metallic", "no surface is glossy or metallic", \
+	  "what is glossy or metallic by name is clear, unlit, nowhere there or zero by its texture", \
 	  "surfaces are diffuse with their base colour") \
 	X(NORMAL_MAPS, 6, "normal-maps", "materials have normal maps", "no material has a normal map", \
+	  "normal maps have a scale of zero or no coordinates, or lie where nothing reflects", \
 	  "surfaces have the mesh's own normals") \
 	X(ALPHA_MASK, 7, "alpha-mask", "materials are cut out by alpha", "no material is cut out by alpha", \
-	  "surfaces have no holes") \
-	X(VERTEX_COLORS, 8, "vertex-colors", "vertices have colours", "no vertex has a colour", "vertices are white") \
-	X(UNLIT, 9, "unlit", "materials are unlit", "no material is unlit", "unlit surfaces are lit like any other") \
+	  "the alpha of masks is nowhere below their cutoff", "surfaces have no holes") \
+	X(VERTEX_COLORS, 8, "vertex-colors", "vertices have colours", "no vertex has a colour", \
+	  "vertex colours change nothing: on black, or an alpha that nothing reads", "vertices are white") \
+	X(UNLIT, 9, "unlit", "materials are unlit", "no material is unlit", "what is unlit is nowhere there, by its alpha", \
+	  "unlit surfaces are lit like any other") \
 	X(GLASS, 10, "glass", "surfaces let light through", "no surface lets light through", \
+	  "what is clear by name is all metal, unlit, nowhere there, or its texture makes it opaque", \
 	  "clear surfaces are opaque with their base colour") \
 	X(ALPHA_BLEND, 11, "alpha-blend", "materials are partly there", "no material is partly there", \
-	  "blended surfaces are whole") \
-	X(CLEARCOAT, 12, "clearcoat", "materials have a clear coat", "no material has a clear coat", "coats are left out") \
+	  "the alpha of blended surfaces is 1 everywhere", "blended surfaces are whole") \
+	X(CLEARCOAT, 12, "clearcoat", "materials have a clear coat", "no material has a clear coat", \
+	  "coats are zero by their textures, or lie on what is clear, unlit or nowhere there", "coats are left out") \
 	X(ROUGH_DIFFUSE, 13, "rough-diffuse", "diffuse surfaces are rough", "no diffuse surface is rough", \
+	  "what is rough by name has no diffuse part: it is metal, clear, black or unlit", \
 	  "diffuse surfaces are smooth: Lambert's") \
 	X(CAUSTICS, 14, "caustics", "polished surfaces throw lamps' light about", \
-	  "light cannot come from a lamp by way of a polished surface and then scatter", \
+	  "light cannot come from a lamp by way of a polished surface and then scatter", "", \
 	  "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror")
 
 // What a light has beside its intensity: bits.
@@ -140,6 +150,7 @@ struct effect_words {
 	const char *name;
 	const char *simulated; // why it runs
 	const char *absent; // why it does not
+	const char *inert; // why it does not although something has it by name; "" where that cannot be
 	const char *substitute; // what is drawn instead where it is switched off
 };
 

@@ -14,6 +14,7 @@
 #include "server/loader/geometry.h"
 #include "server/scene/facts.h"
 #include "server/scene/lights.h"
+#include "server/scene/ranges.h"
 
 // All sections of a blob, before they are laid out.
 struct parts {
@@ -23,6 +24,8 @@ struct parts {
 	struct emitter *emitters;
 	struct punctual_light *lights;
 	struct scene_node *nodes;
+	struct texture_range *texture_ranges;
+	struct material_use *material_uses;
 	uint32_t emitter_count, light_count;
 	float emitter_power, light_power;
 };
@@ -35,6 +38,8 @@ static void parts_finish(struct parts *p)
 	free(p->emitters);
 	free(p->lights);
 	free(p->nodes);
+	free(p->texture_ranges);
+	free(p->material_uses);
 }
 
 static enum status make_leaves(struct parts *p, struct error *err)
@@ -104,6 +109,18 @@ static enum status make_lights_and_nodes(struct import *im, struct parts *p, str
 	return status;
 }
 
+static enum status make_ranges(const struct import *im, struct parts *p, struct error *err)
+{
+	const struct geometry *g = &p->geometry;
+	p->texture_ranges = calloc(im->texture_count + 1, sizeof *p->texture_ranges);
+	p->material_uses = calloc(im->material_count + 1, sizeof *p->material_uses);
+	if (!p->texture_ranges || !p->material_uses)
+		return error_set(err, STATUS_MEMORY, "no memory for %zu materials", im->material_count);
+	ranges_of_textures(im->textures, (uint32_t)im->texture_count, im->texels, p->texture_ranges);
+	ranges_of_materials(g->triangles, g->triangle_count, g->colors, g->tangents, (uint32_t)im->material_count, p->material_uses);
+	return STATUS_OK;
+}
+
 struct source {
 	const void *data;
 	size_t count;
@@ -133,6 +150,8 @@ static void list_sources(const struct import *im, const struct parts *p, struct 
 	const size_t texels = (size_t)im->environment_width * im->environment_height;
 	out[BLOB_ENVIRONMENT] = (struct source){im->environment, texels};
 	out[BLOB_ENVIRONMENT_ROWS] = (struct source){im->environment_rows, texels};
+	out[BLOB_TEXTURE_RANGES] = (struct source){p->texture_ranges, im->texture_count};
+	out[BLOB_MATERIAL_USES] = (struct source){p->material_uses, im->material_count};
 }
 
 static size_t aligned(size_t bytes)
@@ -308,6 +327,8 @@ static enum status make_parts(struct import *im, struct parts *p, struct error *
 	enum status status = geometry_build(im, &p->geometry, err);
 	if (status == STATUS_OK)
 		status = make_lights_and_nodes(im, p, err);
+	if (status == STATUS_OK)
+		status = make_ranges(im, p, err);
 	if (status == STATUS_OK)
 		status = bvh_build(p->geometry.vertices, p->geometry.triangles, p->geometry.triangle_count, &p->bvh, err);
 	return status == STATUS_OK ? make_leaves(p, err) : status;

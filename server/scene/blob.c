@@ -25,6 +25,8 @@ size_t blob_stride(enum blob_section section)
 	    [BLOB_CURVES] = sizeof(float),
 	    [BLOB_ENVIRONMENT] = sizeof(struct environment_texel),
 	    [BLOB_ENVIRONMENT_ROWS] = sizeof(struct environment_row),
+	    [BLOB_TEXTURE_RANGES] = sizeof(struct texture_range),
+	    [BLOB_MATERIAL_USES] = sizeof(struct material_use),
 	};
 	return strides[section];
 }

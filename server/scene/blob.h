@@ -33,7 +33,7 @@
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 10u // rises when the bytes of a blob change their meaning
+#define BLOB_FORMAT 11u // rises when the bytes of a blob change their meaning
 #define BLOB_ALIGN 256u // bytes
 #define BLOB_COLOR_MAX 1e3f // of a component of a vertex colour
 #define BLOB_LEAF_MAX 15u // triangles in a leaf: a shader keeps their number in four bits beside the first
@@ -53,13 +53,16 @@ enum blob_section {
 	BLOB_MATERIAL_NAMES, // struct blob_name, one for each material
 	BLOB_UV1, // struct vertex_uv1: none, or one for each vertex; there if a texture has TEXTURE_UV1
 	BLOB_COLORS, // struct vertex_color: none, or one for each vertex; there with FACT_VERTEX_COLORS
-	BLOB_TANGENTS, // struct vertex_tangent: none, or one for each vertex; there with FACT_NORMAL_MAPS
+	BLOB_TANGENTS, // struct vertex_tangent: none, or one for each vertex; there if a material that is used has a normal
+		       // map
 	BLOB_SCENE_NODES, // struct scene_node, parents before their children
 	BLOB_ANIMATIONS, // struct scene_animation
 	BLOB_CHANNELS, // struct scene_channel, those of an animation side by side
 	BLOB_CURVES, // float
 	BLOB_ENVIRONMENT, // struct environment_texel: none, or environment_width · environment_height
 	BLOB_ENVIRONMENT_ROWS, // struct environment_row, one for each texel
+	BLOB_TEXTURE_RANGES, // struct texture_range, one for each texture
+	BLOB_MATERIAL_USES, // struct material_use, one for each material
 	BLOB_SECTIONS
 };
 
@@ -69,25 +72,27 @@ struct blob_range {
 	uint64_t count; // elements
 };
 
-// Facts about a scene, bits: by them a plan finds the effects that the scene calls for. Made by facts_collect (facts.h).
+// Facts about a scene, bits: by them a plan finds the effects that the scene calls for. What is there by name alone and
+// cannot change a picture is no fact. Made by facts_collect (facts.h).
 enum fact {
-	FACT_TEXTURES = 1u << 0, // some material that is used has a texture
+	FACT_TEXTURES = 1u << 0, // some texture, other than a normal map, changes what it multiplies
 	FACT_EMITTERS = 1u << 1, // some triangle emits
 	FACT_POINT_LIGHTS = 1u << 2,
 	FACT_SPOT_LIGHTS = 1u << 3,
 	FACT_DIRECTIONAL_LIGHTS = 1u << 4,
-	FACT_REFLECTS = 1u << 5, // some lit surface has an albedo above zero or a specular lobe
-	FACT_GLOSSY = 1u << 6, // some surface has a specular lobe: metallic, specular or specular_weight above zero
-	FACT_NORMAL_MAPS = 1u << 7, // some material that is used has one
-	FACT_ALPHA_MASK = 1u << 8,
-	FACT_VERTEX_COLORS = 1u << 9, // some vertex has a colour other than white
+	FACT_REFLECTS = 1u << 5, // some lit surface has a lobe
+	FACT_GLOSSY = 1u << 6, // some lit surface that is not all clear is metallic or has a dielectric specular lobe
+	FACT_NORMAL_MAPS = 1u << 7, // some lit surface with a lobe has a normal map of a scale other than zero
+	FACT_ALPHA_MASK = 1u << 8, // somewhere a mask's alpha is below its cutoff
+	FACT_VERTEX_COLORS = 1u << 9, // some vertex colour changes what it multiplies
 	FACT_UNLIT = 1u << 10,
-	FACT_GLASS = 1u << 11, // some lit surface lets light through: transmission above zero
-	FACT_ALPHA_BLEND = 1u << 12,
-	FACT_CLEARCOAT = 1u << 13, // some lit surface has one
-	FACT_ROUGH_DIFFUSE = 1u << 14, // some lit surface has a diffuse_roughness above zero
+	FACT_GLASS = 1u << 11, // some lit surface that is not all metal lets light through
+	FACT_ALPHA_BLEND = 1u << 12, // somewhere a blended surface's alpha is below 1
+	FACT_CLEARCOAT = 1u << 13, // some lit surface has a coat of a weight above zero
+	FACT_ROUGH_DIFFUSE = 1u << 14, // some lit surface's diffuse part has a diffuse_roughness above zero
 	FACT_SURROUNDINGS = 1u << 15, // it is an environment: a picture of all directions
 	FACT_POLISHED = 1u << 16, // some lit surface reflects or transmits light nearly unspread: casters.h
+	FACT_DARK_NORMAL_MAPS = 1u << 17, // some lit surface without a lobe has a normal map: AOVs show it, light does not
 };
 #define FACT_LIGHTS (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS)
 
@@ -169,15 +174,29 @@ struct blob_name {
 	char text[LIMIT_NAME + 1];
 };
 
+// The least and the greatest code of each channel among a texture's texels, red first.
+struct texture_range {
+	uint8_t low[4], high[4];
+};
+
+// How triangles use a material: their number, that of those with a tangent, without which a normal map does nothing, and the
+// least and the greatest of their vertex colours, which are 1 where the scene has none.
+struct material_use {
+	uint32_t triangles;
+	uint32_t tangents;
+	float color_low[4], color_high[4];
+};
+
 // Bytes of one element of a section.
 size_t blob_stride(enum blob_section section);
 
 // Check a mapped blob of `bytes` completely: the magic and the bounds of sections; that every index is in its section; that
 // the BVH is a tree of at most LIMIT_BVH_DEPTH levels, whose leaves have at most BLOB_LEAF_MAX triangles and name each
 // triangle once; that textures are within the texels; that nodes are a forest whose transforms compose, and animations have
-// nodes; that all floats are finite; that the facts are those of its sections; and that the sections by vertex exist which
-// textures and facts need. A blob that passes cannot lead a reader outside of it. STATUS_SCENE_INVALID names the first
-// fault; STATUS_MEMORY.
+// nodes; that all floats are finite; that the facts are those of its ranges and sections; and that the sections by vertex
+// exist which textures, materials and facts need. That the ranges are those of the texels and colours is not checked: a
+// wrong one costs a wrong picture, and nothing else. A blob that passes cannot lead a reader outside of it.
+// STATUS_SCENE_INVALID names the first fault; STATUS_MEMORY.
 enum status blob_check(const void *blob, size_t bytes, struct error *err);
 
 // The elements of a section of a checked blob, in the blob's memory. BVH nodes are numbered depth first (a node, its first

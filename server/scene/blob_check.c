@@ -57,6 +57,8 @@ static const uint64_t section_limit[BLOB_SECTIONS] = {
     [BLOB_CURVES] = LIMIT_CURVE_FLOATS,
     [BLOB_ENVIRONMENT] = LIMIT_ENVIRONMENT_TEXELS,
     [BLOB_ENVIRONMENT_ROWS] = LIMIT_ENVIRONMENT_TEXELS,
+    [BLOB_TEXTURE_RANGES] = LIMIT_TEXTURES,
+    [BLOB_MATERIAL_USES] = LIMIT_MATERIALS,
 };
 
 static enum status check_sections(const struct blob_header *h, size_t bytes, struct error *err)
@@ -78,6 +80,9 @@ static enum status check_sections(const struct blob_header *h, size_t bytes, str
 		return bad(err, "leaf triangles and triangles differ in number");
 	if (h->sections[BLOB_MATERIAL_NAMES].count != h->sections[BLOB_MATERIALS].count)
 		return bad(err, "materials and their names differ in number");
+	if (h->sections[BLOB_MATERIAL_USES].count != h->sections[BLOB_MATERIALS].count ||
+	    h->sections[BLOB_TEXTURE_RANGES].count != h->sections[BLOB_TEXTURES].count)
+		return bad(err, "materials or textures and their ranges differ in number");
 	for (unsigned s = BLOB_UV1; s <= BLOB_TANGENTS; s++)
 		if (h->sections[s].count != 0 && h->sections[s].count != h->sections[BLOB_VERTICES].count)
 			return bad(err, "vertices and what goes with them differ in number");
@@ -396,22 +401,52 @@ static enum status check_lights_and_cameras(const struct blob_header *h, struct 
 	return STATUS_OK;
 }
 
+// Shaders that run normal maps read tangents, whatever the maps' scale.
+static bool lacks_tangents(const struct blob_header *h)
+{
+	const struct material *materials = blob_section(h, BLOB_MATERIALS);
+	const struct material_use *uses = blob_section(h, BLOB_MATERIAL_USES);
+	for (uint32_t i = 0; i < blob_count(h, BLOB_MATERIALS) && blob_count(h, BLOB_TANGENTS) == 0; i++)
+		if (uses[i].triangles > 0 &&
+		    (materials[i].normal_texture != NONE || materials[i].coat_normal_texture != NONE))
+			return true;
+	return false;
+}
+
+static enum status check_uses(const struct blob_header *h, struct error *err)
+{
+	const struct triangle *triangles = blob_section(h, BLOB_TRIANGLES);
+	const struct material_use *uses = blob_section(h, BLOB_MATERIAL_USES);
+	uint64_t used = 0;
+	for (uint32_t i = 0; i < blob_count(h, BLOB_MATERIALS); i++) {
+		used += uses[i].triangles;
+		for (int c = 0; c < 4; c++)
+			if (!(uses[i].color_low[c] >= 0 && uses[i].color_low[c] <= uses[i].color_high[c] &&
+			      uses[i].color_high[c] <= BLOB_COLOR_MAX))
+				return bad(err, "a range of vertex colours is none");
+	}
+	for (uint32_t i = 0; i < blob_count(h, BLOB_TRIANGLES); i++)
+		if (uses[triangles[i].material].triangles == 0)
+			return bad(err, "a material that is used counts as unused");
+	return used == blob_count(h, BLOB_TRIANGLES) ? STATUS_OK : bad(err, "its materials count other triangles");
+}
+
 // Runs last, because collecting the facts trusts everything else. A shader specialised for the facts reads what they
 // promise.
 static enum status check_facts(const struct blob_header *h, struct error *err)
 {
 	if (h->facts != facts_collect(h))
 		return bad(err, "its facts are not those of its contents");
-	if ((h->facts & FACT_NORMAL_MAPS) && blob_count(h, BLOB_TANGENTS) == 0)
-		return bad(err, "a normal map has no tangents");
-	return STATUS_OK;
+	if ((h->facts & FACT_VERTEX_COLORS) && blob_count(h, BLOB_COLORS) == 0)
+		return bad(err, "its vertex colours are not there");
+	return lacks_tangents(h) ? bad(err, "a normal map has no tangents") : STATUS_OK;
 }
 
 enum status blob_check(const void *blob, size_t bytes, struct error *err)
 {
 	static enum status (*const checks[])(const struct blob_header *, struct error *) = {
 	    check_geometry, check_vertex_parts,       check_materials,   check_textures,   check_leaf_triangles, check_bvh,
-	    check_emitters, check_lights_and_cameras, check_environment, blob_check_nodes, check_facts,
+	    check_emitters, check_lights_and_cameras, check_environment, blob_check_nodes, check_uses,           check_facts,
 	};
 	const struct blob_header *h = blob;
 	enum status status = check_header(h, bytes, err);

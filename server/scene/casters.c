@@ -6,6 +6,7 @@
 #include "server/base/luminance.h"
 #include "server/scene/alias.h"
 #include "server/scene/lights.h"
+#include "server/scene/ranges.h"
 
 // Number of texels sampled in each direction of a texture.
 #define LOOKS 32u
@@ -32,8 +33,24 @@ static double strength_at(const struct material *m, double roughness, double met
 	return fmin(fmax(fmax(glass, mirror), coat), 1);
 }
 
-double casters_strength(const struct blob_view *scene, const struct material *m)
+// A material without the lobes that its textures take away everywhere.
+static struct material what_is_left(const struct blob_view *scene, const struct material *from)
 {
+	struct material m = *from;
+	if (!(range_of_texture(scene, m.transmission_texture, 0).high > 0))
+		m.transmission = 0;
+	if (!(range_of_texture(scene, m.coat_texture, 0).high > 0))
+		m.coat = 0;
+	const bool weightless = !(range_of_texture(scene, m.specular_weight_texture, 3).high > 0);
+	for (int c = 0; c < 3; c++)
+		if (weightless || !(range_of_texture(scene, m.specular_texture, c).high > 0))
+			m.specular[c] = 0;
+	return m;
+}
+
+double casters_strength(const struct blob_view *scene, const struct material *material)
+{
+	const struct material left = what_is_left(scene, material), *const m = &left;
 	if (m->flags & MATERIAL_UNLIT)
 		return 0;
 	if (m->surface_texture >= scene->counts[BLOB_TEXTURES])
@@ -50,6 +67,11 @@ double casters_strength(const struct blob_view *scene, const struct material *m)
 					   (double)m->metallic * (texel >> 16 & 255u) / 255);
 		}
 	return sum / ((double)across * down);
+}
+
+bool casters_has(const struct blob_view *scene, uint32_t material)
+{
+	return casters_strength(scene, &((const struct material *)scene->sections[BLOB_MATERIALS])[material]) > 0;
 }
 
 // casters_strength of each material. The caller frees it. NULL if there is no memory or no material.

@@ -15,6 +15,9 @@
 // only spread light. With a texture of roughness and metalness, the mean over some of its texels.
 double casters_strength(const struct blob_view *scene, const struct material *material);
 
+// Whether triangles of a material, an index of the scene's, are casters.
+bool casters_has(const struct blob_view *scene, uint32_t material);
+
 // The number of triangles that are casters; 0 also if there is no memory.
 uint32_t casters_count(const struct blob_view *scene);
 

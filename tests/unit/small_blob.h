@@ -8,6 +8,7 @@
 
 #include "server/scene/blob.h"
 #include "server/scene/facts.h"
+#include "server/scene/ranges.h"
 
 #define SMALL_BLOB_ROOM 65536u
 
@@ -35,7 +36,8 @@ static inline void small_box(float min[3], float max[3], float x0, float x1)
 
 static inline void small_sections(struct small_blob *b)
 {
-	static const uint64_t counts[BLOB_SECTIONS] = {3, 4, 4, 12, 2, 1, 6, 2, 3, 1, 2, 12, 12, 12, 2, 1, 2, 24, 2, 2};
+	static const uint64_t counts[BLOB_SECTIONS] = {3,  4,  4,  12, 2, 1, 6,  2, 3, 1, 2,
+						       12, 12, 12, 2,  1, 2, 24, 2, 2, 1, 2};
 	struct blob_header *h = small_header(b);
 	uint64_t end = (sizeof *h + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
 	memset(b, 0, sizeof *b);
@@ -125,6 +127,9 @@ static inline void small_attributes(struct small_blob *b)
 	}
 	struct texture_info *texture = small_section(b, BLOB_TEXTURES);
 	texture[0] = (struct texture_info){0, 3, 2, TEXTURE_SRGB | TEXTURE_UV1, {1, 0, 0}, {0, 1, 0}};
+	uint32_t *texels = small_section(b, BLOB_TEXELS);
+	for (uint32_t i = 0; i < 6; i++)
+		texels[i] = i % 2 ? 0xFFFFFFFFu : 0;
 }
 
 static inline void small_lamps(struct small_blob *b)
@@ -186,6 +191,18 @@ static inline void small_surroundings(struct small_blob *b)
 	small_header(b)->environment_height = 1;
 }
 
+// Find the ranges again, of whatever a test has made of the rest.
+static inline void small_ranges(struct small_blob *b)
+{
+	const struct blob_header *h = small_header(b);
+	ranges_of_textures(small_section(b, BLOB_TEXTURES), blob_count(h, BLOB_TEXTURES), small_section(b, BLOB_TEXELS),
+			   small_section(b, BLOB_TEXTURE_RANGES));
+	ranges_of_materials(small_section(b, BLOB_TRIANGLES), blob_count(h, BLOB_TRIANGLES),
+			    blob_count(h, BLOB_COLORS) ? small_section(b, BLOB_COLORS) : NULL,
+			    blob_count(h, BLOB_TANGENTS) ? small_section(b, BLOB_TANGENTS) : NULL,
+			    blob_count(h, BLOB_MATERIALS), small_section(b, BLOB_MATERIAL_USES));
+}
+
 // Four triangles side by side along x, three nodes, two materials (glossy and masked with all maps, and a lamp), a texture
 // by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex. A root node
 // has the first two triangles and the camera, its child the others and the point light; an animation turns the root in two
@@ -204,6 +221,7 @@ static inline void small_make(struct small_blob *b)
 	small_surroundings(b);
 	h->bounds_max[0] = 3.5f;
 	h->bounds_max[1] = 1;
+	small_ranges(b);
 	h->facts = facts_collect(h);
 }
 

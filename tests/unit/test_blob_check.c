@@ -138,6 +138,8 @@ static void one_leaf(uint32_t count)
 	n[0] = (struct bvh_node){.max0 = {4, 4, 4}, .count0 = count};
 	for (int c = 0; c < 3; c++)
 		n[0].min1[c] = n[0].max1[c] = INFINITY;
+	small_ranges(&blob);
+	h->facts = facts_collect(h);
 }
 
 static void a_leaf_has_fifteen_triangles_at_most(void **state)
@@ -221,6 +223,7 @@ static void parts_of_vertices(void **state)
 	REFUSED(h->sections[BLOB_TANGENTS].count = 0); // so does a normal map
 	small_make(&blob);
 	h->sections[BLOB_COLORS].count = 0;
+	small_ranges(&blob);
 	h->facts = facts_collect(h);
 	assert_int_equal(check(), STATUS_OK);
 	SECTION(material, BLOB_MATERIALS)[0].normal_texture = NONE;
@@ -240,6 +243,20 @@ static void facts_are_those_of_the_contents(void **state)
 	for (unsigned bit = 0; bit < 32; bit++)
 		REFUSED(h->facts ^= 1u << bit);
 	REFUSED(h->sections[BLOB_COLORS].count = 0);
+}
+
+static void ranges_are_of_the_contents(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	struct material_use *uses = SECTION(material_use, BLOB_MATERIAL_USES);
+	(void)state;
+	REFUSED(h->sections[BLOB_TEXTURE_RANGES].count = 0);
+	REFUSED(h->sections[BLOB_MATERIAL_USES].count = 1);
+	REFUSED(uses[0].triangles = 0, h->facts = facts_collect(h));
+	REFUSED(uses[1].triangles = 3);
+	REFUSED(uses[0].color_low[1] = NAN);
+	REFUSED(uses[0].color_low[1] = 2, h->facts = facts_collect(h));
+	REFUSED(uses[1].color_high[3] = 1001, h->facts = facts_collect(h));
 }
 
 static void lights_and_cameras(void **state)
@@ -335,6 +352,7 @@ static void a_missing_child_is_fine_in_a_tiny_scene(void **state)
 	h->sections[BLOB_NODES].count = h->sections[BLOB_TRIANGLES].count = h->sections[BLOB_LEAF_TRIANGLES].count = 1;
 	h->sections[BLOB_EMITTERS].count = h->sections[BLOB_SCENE_NODES].count = h->sections[BLOB_CHANNELS].count = 0;
 	h->sections[BLOB_ANIMATIONS].count = 0;
+	small_ranges(&blob);
 	h->facts = facts_collect(h);
 	h->bvh_depth = 1;
 	n[0] = n[1];
@@ -359,6 +377,7 @@ int main(void)
 	    cmocka_unit_test_setup(surfaces, fresh),
 	    cmocka_unit_test_setup(parts_of_vertices, fresh),
 	    cmocka_unit_test_setup(facts_are_those_of_the_contents, fresh),
+	    cmocka_unit_test_setup(ranges_are_of_the_contents, fresh),
 	    cmocka_unit_test_setup(lights_and_cameras, fresh),
 	    cmocka_unit_test_setup(surroundings, fresh),
 	    cmocka_unit_test_setup(nodes, fresh),

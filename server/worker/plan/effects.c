@@ -2,8 +2,9 @@
 
 #include <stdio.h>
 
+#include "protocol/header.h"
 #include "protocol/names.h"
-#include "server/scene/blob.h"
+#include "server/scene/facts.h"
 
 // For each effect the facts of a scene any of which calls for it. 0: the functions below decide.
 static const uint32_t calling_facts[EFFECT_COUNT] = {
@@ -59,6 +60,8 @@ static bool shows_images(const candil_Render *r, uint32_t facts)
 // Whether the scene and the request's own values call for an effect.
 static bool called_for(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts)
 {
+	if (effect == candil_Effect_EFFECT_NORMAL_MAPS && p->aovs & AOV_NORMAL && facts & FACT_DARK_NORMAL_MAPS)
+		return true;
 	if (calling_facts[effect])
 		return facts & calling_facts[effect];
 	if (effect == candil_Effect_EFFECT_ENVIRONMENT)
@@ -112,9 +115,33 @@ static void explain(candil_EffectReport *report, candil_EffectState state, const
 	snprintf(report->why, sizeof report->why, "%s", why);
 }
 
+// The scene's facts where this technique does this request: without what it cannot or may not simulate, and with what it
+// must.
+static uint32_t facts_here(const candil_Render *r, const struct blob_view *scene, const struct technique *technique,
+			   const struct plan *p)
+{
+	uint32_t hidden = 0, forced = 0;
+	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
+		const bool off = cannot(technique, p, (candil_Effect)i) || !allowed((candil_Effect)i, r);
+		hidden |= off ? calling_facts[i] : 0;
+		forced |= !off && r->effects_on >> i & 1u ? calling_facts[i] : 0;
+	}
+	return facts_given(scene, hidden, forced);
+}
+
+// Why a scene does not call for an effect. `named`: what it has by name.
+static const char *why_absent(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts,
+			      uint32_t named)
+{
+	const struct effect_words *words = effect_words(effect);
+	if (effect == candil_Effect_EFFECT_CAUSTICS && facts & FACT_POLISHED && sky_shines(r, p, facts))
+		return "only the background shines, and evenly enough that chance finds its caustics as well";
+	return named & calling_facts[effect] ? words->inert : words->absent;
+}
+
 // Decide what becomes of an effect, and the reason to report.
-static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t facts, const struct technique *technique,
-		   const struct plan *p)
+static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t facts, uint32_t named,
+		   const struct technique *technique, const struct plan *p)
 {
 	const candil_Effect effect = report->effect;
 	const struct effect_words *words = effect_words(effect);
@@ -130,23 +157,21 @@ static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t
 		const char *how = technique->simulates ? technique->simulates(p, effect) : NULL;
 		explain(report, candil_EffectState_EFFECT_STATE_SIMULATED, how ? how : words->simulated);
 	} else {
-		const bool even =
-		    effect == candil_Effect_EFFECT_CAUSTICS && facts & FACT_POLISHED && sky_shines(r, p, facts);
 		explain(report,
 			r->effects_on & bit ? candil_EffectState_EFFECT_STATE_FORCED
 					    : candil_EffectState_EFFECT_STATE_ABSENT,
-			even ? "only the background shines, and evenly enough that chance finds its caustics as well"
-			     : words->absent);
+			why_absent(effect, r, p, facts, named));
 	}
 }
 
-void plan_effects(const candil_Render *r, uint32_t facts, const struct technique *technique, struct plan *p)
+void plan_effects(const candil_Render *r, const struct blob_view *scene, const struct technique *technique, struct plan *p)
 {
+	const uint32_t facts = facts_here(r, scene, technique, p), named = facts_by_name(scene);
 	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
 		candil_EffectReport *report = &p->reports[p->report_count++];
 		*report = (candil_EffectReport)candil_EffectReport_init_zero;
 		report->effect = (candil_Effect)i;
-		decide(report, r, facts, technique, p);
+		decide(report, r, facts, named, technique, p);
 		if (report->state == candil_EffectState_EFFECT_STATE_SIMULATED ||
 		    report->state == candil_EffectState_EFFECT_STATE_FORCED)
 			p->effects |= 1u << i;

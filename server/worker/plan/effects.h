@@ -3,11 +3,13 @@
 #ifndef CANDIL_WORKER_PLAN_EFFECTS_H
 #define CANDIL_WORKER_PLAN_EFFECTS_H
 
+#include "server/scene/blob.h"
 #include "server/worker/plan/plan.h"
 #include "server/worker/technique/technique.h"
 
-// Fill in plan->effects and plan->reports. The rest of the plan is set before, above all its depth and environment. `facts`:
-// FACT_… bits of the scene. Does not fail.
-void plan_effects(const candil_Render *request, uint32_t facts, const struct technique *technique, struct plan *plan);
+// Fill in plan->effects and plan->reports. The rest of the plan is set before, above all its depth and environment. Does
+// not fail.
+void plan_effects(const candil_Render *request, const struct blob_view *scene, const struct technique *technique,
+		  struct plan *plan);
 
 #endif

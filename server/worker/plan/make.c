@@ -130,6 +130,6 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 	if (s != STATUS_OK)
 		return s;
 	p->depth = technique->depth(p);
-	plan_effects(r, scene->facts, technique, p);
+	plan_effects(r, scene, technique, p);
 	return STATUS_OK;
 }
