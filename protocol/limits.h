@@ -24,7 +24,7 @@
 #define LIMIT_OPTION_VALUE 31u
 #define LIMIT_OPTIONS 16u
 #define LIMIT_TEXT 255u // an error's sentence, a warning
-#define LIMIT_WARNINGS 32u
+#define LIMIT_WARNINGS 32u // in a SceneInfo, and in an Accepted
 #define LIMIT_CAMERA_LIST 32u
 #define LIMIT_NODE_LIST 64u // names of nodes in a SceneInfo
 #define LIMIT_MATERIAL_LIST 64u // names of materials

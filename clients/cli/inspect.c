@@ -23,7 +23,6 @@ struct inspect {
 	struct job job;
 	struct inspect_list list;
 	uint32_t done; // pictures that are written
-	struct candil_accepted accepted; // of the first picture
 	bool framed; // the scene has no camera
 	char own[OWN_OPTIONS][LIMIT_OPTION_NAME + 1]; // names of the own options: the technique's name, a dot, a word
 	char wrong[256]; // the sentence that says what inspect cannot take
@@ -54,8 +53,7 @@ static bool inspect_take_event(void *user, const struct candil_event *event)
 	struct inspect_picture *p = &inspect->list.pictures[inspect->done];
 	switch (event->kind) {
 	case CANDIL_EVENT_ACCEPTED:
-		if (inspect->done == 0)
-			inspect->accepted = event->u.accepted;
+		job_take_accepted(&inspect->job, &event->u.accepted);
 		return true;
 	case CANDIL_EVENT_PROGRESS:
 		progress_images(&inspect->job.progress, (inspect->done + event->u.progress.fraction) / inspect->list.count,
@@ -148,12 +146,14 @@ static json_t *inspect_answer_json(const struct inspect *inspect)
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < inspect->list.count; i++)
 		json_array_append_new(images, inspect_picture_json(inspect, &inspect->list.pictures[i]));
-	return json_pack("{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->job.options.scene),
-			 "scene_hash", cli_json_text(inspect->job.target.info.hash), "technique",
-			 candil_technique_name(inspect->accepted.technique), "device", cli_json_text(first->device),
-			 "format", candil_format_name(inspect->job.options.request.format), "figures",
-			 report_figures_json(first), "stages", report_stages_json(first), "elapsed_us",
-			 cli_json_u64(first->elapsed_us), "images", images);
+	json_t *answer = json_pack(
+	    "{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->job.options.scene), "scene_hash",
+	    cli_json_text(inspect->job.target.info.hash), "technique",
+	    candil_technique_name(inspect->job.accepted.technique), "device", cli_json_text(first->device), "format",
+	    candil_format_name(inspect->job.options.request.format), "figures", report_figures_json(first), "stages",
+	    report_stages_json(first), "elapsed_us", cli_json_u64(first->elapsed_us), "images", images);
+	job_put_warnings(&inspect->job, answer);
+	return answer;
 }
 
 // Write PREFIX.json, whole or not at all.
@@ -322,9 +322,8 @@ const struct command inspect_command = {
 	"\"unit\"}],\n"
 	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\", \"images\": [{\"image\", \"kind\": \"view\"|\"level\"|\"slice\", "
 	"\"show\",\n"
-	"\"level\", \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", \"elapsed_us\", \"stages\"}]}. "
-	"Stages "
-	"beside\n"
+	"\"level\", \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", \"elapsed_us\", \"stages\"}],\n"
+	"\"warnings\": [] (about the scene), \"warnings_more\"}. Stages beside\n"
 	"the figures are the first image's, for which the voxels were made, if the daemon had none yet. Figures: grid.x,\n"
 	"grid.y, grid.z (cells), low.x, low.y, low.z (the grid's low corner), voxel (a cell's side), entries (voxels of\n"
 	"surface, two at most a cell: by the way they face), occupied.0, occupied.1… (share of a level's cells), bytes.…,\n"

@@ -1,6 +1,7 @@
 #include "clients/cli/job.h"
 
 #include <errno.h>
+#include <inttypes.h>
 
 #include "clients/cli/interrupt.h"
 
@@ -50,6 +51,30 @@ enum exit_code job_open(struct job *job)
 		status = target_surroundings(&job->target, &job->options.request, &error);
 	job->options.request.scene = job->target.scene;
 	return status == CANDIL_STATUS_OK ? EXIT_DONE : job_fail(job, &error);
+}
+
+void job_take_accepted(struct job *job, const struct candil_accepted *accepted)
+{
+	if (job->is_accepted)
+		return;
+	job->is_accepted = true;
+	job->accepted = *accepted;
+	if (job->cli->json || accepted->warning_count == 0)
+		return;
+	progress_clear(&job->progress);
+	for (uint32_t i = 0; i < accepted->warning_count; i++)
+		fprintf(stderr, "warning    %s\n", accepted->warnings[i]);
+	if (accepted->warnings_more > 0)
+		fprintf(stderr, "warning    %" PRIu32 " more\n", accepted->warnings_more);
+}
+
+void job_put_warnings(const struct job *job, json_t *answer)
+{
+	json_t *warnings = json_array();
+	for (uint32_t i = 0; i < job->accepted.warning_count; i++)
+		json_array_append_new(warnings, cli_json_text(job->accepted.warnings[i]));
+	json_object_set_new(answer, "warnings", warnings);
+	json_object_set_new(answer, "warnings_more", cli_json_u64(job->accepted.warnings_more));
 }
 
 enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event),

@@ -18,6 +18,8 @@ struct job {
 	const char *output; // the file that is being written, which job_follow names if that fails
 	struct target target;
 	struct progress progress;
+	bool is_accepted; // a request was
+	struct candil_accepted accepted; // the first that was
 };
 
 // Begin a job whose options are parsed, and hold interrupts back (interrupt.h). job_end must follow in any case.
@@ -34,6 +36,13 @@ enum exit_code job_fail_between(struct job *job);
 
 // Find a daemon, the scene, and the picture of its surroundings, or print why not. A second call does nothing.
 enum exit_code job_open(struct job *job);
+
+// Take the acceptance of a request. The first is kept, and its warnings about the scene are printed to stderr, also with
+// --quiet, but not with --json: then job_put_warnings puts them into the answer.
+void job_take_accepted(struct job *job, const struct candil_accepted *accepted);
+
+// Put "warnings" and "warnings_more" into an answer; [] and 0 if no request was accepted.
+void job_put_warnings(const struct job *job, json_t *answer);
 
 // Hand each event of request `id` to `take`, until the request ends; print its failure. `take` returns false if `output`
 // cannot be written, with errno: then, as after an interrupt, the daemon is asked to cancel, and the end is waited for.

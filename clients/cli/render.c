@@ -34,6 +34,7 @@ static bool render_take_event(void *user, const struct candil_event *event)
 	struct render *render = user;
 	switch (event->kind) {
 	case CANDIL_EVENT_ACCEPTED:
+		job_take_accepted(&render->job, &event->u.accepted);
 		render->report.accepted = event->u.accepted;
 		return true;
 	case CANDIL_EVENT_PROGRESS:
@@ -72,8 +73,11 @@ static enum exit_code render_say_report(struct render *render)
 	render->report.options = &render->job.options;
 	render->report.scene = &render->job.target.info;
 	render->report.images = render->output.count;
-	if (render->job.cli->json)
-		return cli_print_json(report_json(&render->report), render->job.stream, code);
+	if (render->job.cli->json) {
+		json_t *answer = report_json(&render->report);
+		job_put_warnings(&render->job, answer);
+		return cli_print_json(answer, render->job.stream, code);
+	}
 	if (render->job.options.quiet)
 		return code;
 	report_print(&render->report, render->job.stream);
@@ -162,10 +166,12 @@ const struct command render_command = {
 	"  --set NAME=VALUE      an option of a technique: " TECHNIQUE_OPTION_EXAMPLE "; may be repeated\n"
 	"  --up y|z              OBJ: which axis points up; default y\n"
 	"  --unit METRES         OBJ: length of a unit; default 1\n"
-	"  --quiet               no progress, no summary\n\n"
+	"  --quiet               no progress, no summary; warnings about the scene alone\n\n"
 	"Ctrl-C cancels the request; what --progressive has written stays.\n"
 	"A progress bar is drawn if standard error is a terminal. The summary, or with --json one object, goes to\n"
-	"standard output, or to standard error with -o -.\n\n"
+	"standard output, or to standard error with -o -. What was mended or left out of the scene and shows in the "
+	"picture\n"
+	"is told on standard error, or with --json as \"warnings\".\n\n"
 	"--json: " REPORT_JSON_HELP "\n" EXIT_CODES_HELP,
     .run = run_render,
 };

@@ -114,11 +114,6 @@ void report_print(const struct report *r, FILE *stream)
 		fprintf(stream, "note       %s\n", r->accepted.notes[i]);
 	for (uint32_t i = 0; i < done->note_count; i++)
 		fprintf(stream, "note       %s\n", done->notes[i]);
-	if (r->scene->warning_count == 1 && r->scene->warnings_more == 0)
-		fputs("warning    1 about the scene; see candil describe\n", stream);
-	else if (r->scene->warning_count > 0)
-		fprintf(stream, "warnings   %" PRIu32 " about the scene; see candil describe\n",
-			r->scene->warning_count + r->scene->warnings_more);
 }
 
 // The camera of the scene that was used; NULL: the list that the daemon sent does not reach to it.
@@ -228,7 +223,6 @@ json_t *report_json(const struct report *r)
 	put_number(o, "seed", request->seed);
 	put_text(o, "scene", r->options->scene);
 	put_text(o, "scene_hash", r->scene->hash);
-	put_number(o, "scene_warnings", (uint64_t)r->scene->warning_count + r->scene->warnings_more);
 	json_object_set_new(o, "camera", report_camera_json(r));
 	put_text(o, "technique", candil_technique_name(r->accepted.technique));
 	put_number(o, "depth", r->accepted.depth);

@@ -16,11 +16,12 @@ struct report {
 
 #define REPORT_JSON_HELP \
 	"{\"image\", \"format\", \"width\", \"height\", \"bytes\", \"images\", \"samples\", \"first_sample\", \"seed\",\n" \
-	"\"scene\", \"scene_hash\", \"scene_warnings\", \"camera\": {\"source\": \"scene\"|\"given\"|\"framed\", " \
+	"\"scene\", \"scene_hash\", \"camera\": {\"source\": \"scene\"|\"given\"|\"framed\", " \
 	"\"name\", \"eye\",\n" \
 	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
 	"\"effects\": [{\"name\", \"state\", \"why\", where measured \"cost_us\", \"share\"}],\n" \
-	"\"notes\": [], \"stages\": [{\"name\", \"us\"}], \"elapsed_us\",\n" \
+	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"stages\": [{\"name\", \"us\"}], " \
+	"\"elapsed_us\",\n" \
 	"\"estimated_relmse\" (null: unknown), \"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
 	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
 

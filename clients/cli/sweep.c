@@ -237,6 +237,9 @@ static bool sweep_take_event(void *user, const struct candil_event *event)
 {
 	struct sweep *sweep = user;
 	switch (event->kind) {
+	case CANDIL_EVENT_ACCEPTED:
+		job_take_accepted(&sweep->job, &event->u.accepted);
+		return true;
 	case CANDIL_EVENT_PROGRESS: {
 		// The progress is over the images of this request. Those that are written are counted already.
 		double done = event->u.progress.fraction * sweep->batch_count - (sweep->written - sweep->written_before);
@@ -350,8 +353,11 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 {
 	const enum exit_code code = sweep->late ? EXIT_DEADLINE : EXIT_DONE;
 	progress_clear(&sweep->job.progress);
-	if (sweep->job.cli->json)
-		return cli_print_json(sweep_summary_json(sweep), stdout, code);
+	if (sweep->job.cli->json) {
+		json_t *answer = sweep_summary_json(sweep);
+		job_put_warnings(&sweep->job, answer);
+		return cli_print_json(answer, stdout, code);
+	}
 	if (sweep->job.options.quiet)
 		return code;
 	printf("images     %u of %u cameras: %u written, %u there already\n", sweep->picture_count, sweep->count,
@@ -485,7 +491,7 @@ const struct command sweep_command = {
 	"\"written\", \"skipped\", \"redone\" (of those written), \"elapsed_us\", \"rays\", \"retries\", \"images\": "
 	"[{\"index\", \"image\",\n"
 	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: the scene's first), \"time_s\" (of an animation),\n"
-	"\"why\" (what differed in the image that was there)}]}\n"
+	"\"why\" (what differed in the image that was there)}], \"warnings\": [] (about the scene), \"warnings_more\"}\n"
 	"Exit codes: 0 every image of the call is there; others as in candil --help. Images already written stay.\n",
     .run = run_sweep,
 };

@@ -326,6 +326,9 @@ struct candil_accepted {
 	uint32_t depth; // scattering events at most
 	uint32_t note_count;
 	char notes[4][192]; // sentences on what may surprise
+	uint32_t warning_count;
+	char warnings[32][256]; // sentences on what of the scene's files was mended or left out, and shows in the picture
+	uint32_t warnings_more; // that did not fit
 };
 
 // How far a job is. It begins anew if the worker process was lost.

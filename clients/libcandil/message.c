@@ -335,6 +335,11 @@ static void read_accepted(const candil_Accepted *from, struct candil_accepted *t
 	to->note_count = from->notes_count;
 	for (size_t i = 0; i < from->notes_count; i++)
 		TEXT(to->notes[i], from->notes[i]);
+	_Static_assert(COUNT(to->warnings) == COUNT(from->warnings), "candil_types.h and candil.options differ");
+	to->warning_count = from->warnings_count;
+	for (size_t i = 0; i < from->warnings_count; i++)
+		TEXT(to->warnings[i], from->warnings[i]);
+	to->warnings_more = from->warnings_more;
 }
 
 static void read_progress(const candil_Progress *from, struct candil_progress *to)

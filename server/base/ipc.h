@@ -13,6 +13,7 @@
 
 #include "candil.pb.h"
 #include "server/base/error.h"
+#include "server/base/remarks.h"
 
 #define IPC_FD 3
 #define IPC_SCENE_DIR_FD 4 // loader: the scene's folder, O_PATH|O_DIRECTORY or readable
@@ -105,6 +106,7 @@ struct ipc_loaded {
 	char build[64];
 	struct error error;
 	candil_SceneInfo info; // without name and load_us, which the front knows
+	struct scene_remarks remarks;
 };
 
 // The identification of a build: version and message sizes. Static storage. Any thread.

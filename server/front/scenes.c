@@ -113,11 +113,12 @@ void scenes_unload(struct scene *scene)
 }
 
 // Keep what the loader found, and add what only the front knows.
-static void scene_keep(struct scene *scene, const candil_SceneInfo *info, int blob)
+static void scene_keep(struct scene *scene, const struct ipc_loaded *message, int blob)
 {
 	char name[sizeof scene->info.name];
 	memcpy(name, scene->info.name, sizeof name);
-	scene->info = *info;
+	scene->info = message->info;
+	scene->remarks = message->remarks;
 	memcpy(scene->info.name, name, sizeof name);
 	scene->info.load_us = clock_us() - scene->asked_us;
 	scene->blob = blob;
@@ -154,7 +155,7 @@ static void scene_loaded(void *owner, const struct ipc_loaded *message, int blob
 		scenes_stop_load(scene, &err);
 		return;
 	}
-	scene_keep(scene, &message->info, blob);
+	scene_keep(scene, message, blob);
 	scene->state = SCENE_READY;
 	if (old)
 		scene_unlist(old);

@@ -32,6 +32,7 @@ struct scene {
 	unsigned users;
 	int blob; // sealed memfd; -1: not loaded
 	candil_SceneInfo info;
+	struct scene_remarks remarks; // those that a render's reply passes over
 	// the load under way
 	struct session *session; // who asked; NULL: the daemon itself, or gone
 	bool own; // the daemon itself asked

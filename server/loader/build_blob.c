@@ -117,7 +117,8 @@ static enum status make_ranges(const struct import *im, struct parts *p, struct 
 	if (!p->texture_ranges || !p->material_uses)
 		return error_set(err, STATUS_MEMORY, "no memory for %zu materials", im->material_count);
 	ranges_of_textures(im->textures, (uint32_t)im->texture_count, im->texels, p->texture_ranges);
-	ranges_of_materials(g->triangles, g->triangle_count, g->colors, g->tangents, (uint32_t)im->material_count, p->material_uses);
+	ranges_of_materials(g->triangles, g->triangle_count, g->colors, g->tangents, (uint32_t)im->material_count,
+			    p->material_uses);
 	return STATUS_OK;
 }
 
@@ -271,7 +272,7 @@ static void warn_all(struct import *im, const struct blob_header *h)
 {
 	const candil_SceneInfo *info = im->info;
 	if (info->dropped_degenerate)
-		import_warn(im, "triangles left out because they have no area: %u", info->dropped_degenerate);
+		import_remark(im, "triangles left out because they have no area: %u", info->dropped_degenerate);
 	if (info->dropped_non_finite)
 		import_warn(im, "triangles left out because a position is not finite or beyond 1e12 m: %u",
 			    info->dropped_non_finite);

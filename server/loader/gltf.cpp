@@ -238,7 +238,7 @@ void list_ignored(gltf_reader *reader)
 		if (!gltf_extension_is_read(name.c_str()))
 			import_ignore(reader->import, name.c_str());
 	if (reader->model.scenes.size() > 1)
-		import_ignore(reader->import, "scenes other than the default one");
+		import_pass_over(reader->import, "scenes other than the default one");
 }
 
 // An accessor without a buffer view is all zeros except for its sparse part. So a few bytes of text can stand for

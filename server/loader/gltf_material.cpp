@@ -22,7 +22,7 @@ template <typename info> gltf_slot slot_of(const info &texture)
 void list_ignored(struct import *import, const tinygltf::Material &m)
 {
 	if (m.occlusionTexture.index >= 0)
-		import_ignore(import, "occlusionTexture");
+		import_pass_over(import, "occlusionTexture"); // light is traced, not baked
 	if (m.alphaMode != "OPAQUE" && m.alphaMode != "MASK" && m.alphaMode != "BLEND")
 		import_ignore(import, ("alphaMode " + m.alphaMode).c_str());
 	for (const auto &extension : m.extensions)

@@ -237,34 +237,71 @@ enum status import_add_channel(struct import *im, const struct scene_channel *ch
 	return STATUS_OK;
 }
 
-void import_warn(struct import *im, const char *format, ...)
+_Static_assert(LIMIT_WARNINGS <= 32 &&
+		   sizeof((candil_SceneInfo){0}.ignored) / sizeof((candil_SceneInfo){0}.ignored[0]) <= 32,
+	       "each has a bit of struct scene_remarks");
+
+// Add a sentence unless it is there. Returns its place, or LIMIT_WARNINGS.
+__attribute__((format(printf, 2, 0))) static pb_size_t add_warning(struct import *im, const char *format, va_list args)
 {
 	char text[sizeof im->info->warnings[0] * 2];
-	va_list args;
-	va_start(args, format);
 	vsnprintf(text, sizeof text, format, args);
-	va_end(args);
 	char clean[sizeof im->info->warnings[0]];
 	text_copy(clean, sizeof clean, text);
 	for (pb_size_t i = 0; i < im->info->warnings_count; i++)
 		if (strcmp(im->info->warnings[i], clean) == 0)
-			return;
-	if (im->info->warnings_count == LIMIT_WARNINGS)
+			return i;
+	if (im->info->warnings_count == LIMIT_WARNINGS) {
 		im->info->warnings_more++;
-	else
-		memcpy(im->info->warnings[im->info->warnings_count++], clean, sizeof clean);
+		return LIMIT_WARNINGS;
+	}
+	memcpy(im->info->warnings[im->info->warnings_count], clean, sizeof clean);
+	return im->info->warnings_count++;
 }
 
-void import_ignore(struct import *im, const char *feature)
+void import_warn(struct import *im, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	add_warning(im, format, args);
+	va_end(args);
+}
+
+void import_remark(struct import *im, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	const pb_size_t at = add_warning(im, format, args);
+	va_end(args);
+	if (at < LIMIT_WARNINGS)
+		im->remarks.warnings |= 1u << at;
+}
+
+// Add a feature unless it is there. Returns its place, or the number of places.
+static pb_size_t add_ignored(struct import *im, const char *feature)
 {
 	char text[sizeof im->info->ignored[0]];
 	const pb_size_t room = sizeof im->info->ignored / sizeof im->info->ignored[0];
 	text_copy(text, sizeof text, feature);
 	for (pb_size_t i = 0; i < im->info->ignored_count; i++)
 		if (strcmp(im->info->ignored[i], text) == 0)
-			return;
-	if (im->info->ignored_count < room)
-		memcpy(im->info->ignored[im->info->ignored_count++], text, sizeof text);
+			return i;
+	if (im->info->ignored_count == room)
+		return room;
+	memcpy(im->info->ignored[im->info->ignored_count], text, sizeof text);
+	return im->info->ignored_count++;
+}
+
+void import_ignore(struct import *im, const char *feature)
+{
+	add_ignored(im, feature);
+}
+
+void import_pass_over(struct import *im, const char *feature)
+{
+	const pb_size_t at = add_ignored(im, feature);
+	if (at < sizeof im->info->ignored / sizeof im->info->ignored[0])
+		im->remarks.ignored |= 1u << at;
 }
 
 void import_note_source(struct import *im, const double min[3], const double max[3])

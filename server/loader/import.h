@@ -9,6 +9,7 @@
 
 #include "candil.pb.h"
 #include "server/base/error.h"
+#include "server/base/remarks.h"
 #include "server/loader/files.h"
 #include "server/scene/blob.h"
 
@@ -50,6 +51,7 @@ struct import_image {
 struct import {
 	struct files *files;
 	candil_SceneInfo *info; // receives counts, warnings and ignored features
+	struct scene_remarks remarks; // those of them that leave pictures as they are
 	double unit; // metres per unit of length, OBJ only
 	bool z_up; // OBJ only
 
@@ -153,8 +155,14 @@ enum status import_missing_image(struct import *import, const char *key, const c
 // Add a sentence for `describe`, unless it is already there. Beyond LIMIT_WARNINGS, sentences are only counted.
 void import_warn(struct import *import, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+// The same of what leaves pictures as they are, which replies to renders pass over.
+void import_remark(struct import *import, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 // Note by name a feature of the file that the renderer ignores, unless it is already noted.
 void import_ignore(struct import *import, const char *feature);
+
+// The same of a feature that no picture of this kind would show.
+void import_pass_over(struct import *import, const char *feature);
 
 // Note the bounds of positions as the file itself stores them, before any transform: far from zero, the file's floats are
 // coarse.

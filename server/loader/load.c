@@ -62,13 +62,15 @@ static enum status import_file(struct import *import, const char *file, struct e
 	return status;
 }
 
-enum status load_scene(const struct load_options *options, candil_SceneInfo *info, int *fd, struct error *err)
+enum status load_scene(const struct load_options *options, candil_SceneInfo *info, struct scene_remarks *remarks, int *fd,
+		       struct error *err)
 {
 	struct files files = {0};
 	struct import import;
 	const char *file;
 
 	*fd = -1;
+	*remarks = (struct scene_remarks){0};
 	*info = (candil_SceneInfo)candil_SceneInfo_init_zero;
 	text_copy(info->file, sizeof info->file, options->file);
 	if (files_open_folder(options->dir, options->file, &files.dir, &file, err) != STATUS_OK)
@@ -82,6 +84,7 @@ enum status load_scene(const struct load_options *options, candil_SceneInfo *inf
 			 "photometric values are taken as radiometric: 1 cd as 1 W/sr, 1 lx as 1 W/m^2");
 	if (status == STATUS_OK)
 		status = build_blob(&import, fd, err);
+	*remarks = import.remarks;
 	import_finish(&import);
 	close(files.dir);
 	return status;

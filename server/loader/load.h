@@ -6,6 +6,7 @@
 
 #include "candil.pb.h"
 #include "server/base/error.h"
+#include "server/base/remarks.h"
 
 struct load_options {
 	const char *file; // relative to `dir`
@@ -15,7 +16,9 @@ struct load_options {
 };
 
 // Load a scene. *fd becomes the blob's sealed memfd, which the caller owns, or -1 on failure. *info receives what
-// `describe` shows, except name and time. Fails with any STATUS_SCENE_…, STATUS_MEMORY and STATUS_INTERNAL.
-enum status load_scene(const struct load_options *options, candil_SceneInfo *info, int *fd, struct error *err);
+// `describe` shows, except name and time, and *remarks what of it leaves pictures as they are. Fails with any
+// STATUS_SCENE_…, STATUS_MEMORY and STATUS_INTERNAL.
+enum status load_scene(const struct load_options *options, candil_SceneInfo *info, struct scene_remarks *remarks, int *fd,
+		       struct error *err);
 
 #endif

@@ -131,7 +131,7 @@ static int describe_in_sandbox(const struct arguments *a, struct ipc_loaded *loa
 	int fd;
 	struct sandbox_report report;
 	confine(a->load.dir, a->load.file, &report);
-	const enum status status = load_scene(&a->load, &loaded->info, &fd, &loaded->error);
+	const enum status status = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
 	if (status != STATUS_OK) {
 		fprintf(stderr, "candil-loader: %s: %s\n", status_name(status), loaded->error.text);
 		return EXIT_FAILURE;
@@ -175,7 +175,7 @@ static int serve(struct arguments *a, struct ipc_loaded *loaded)
 	confine(a->load.dir, a->load.file, &report);
 	loaded->head.op = IPC_LOADED;
 	snprintf(loaded->build, sizeof loaded->build, "%s", ipc_build());
-	loaded->error.code = load_scene(&a->load, &loaded->info, &fd, &loaded->error);
+	loaded->error.code = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
 	if (ipc_send(IPC_FD, loaded, sizeof *loaded, fd, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "the front did not take the scene: %s", err.text);
 		return EXIT_FAILURE;

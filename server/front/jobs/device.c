@@ -8,6 +8,7 @@
 #include "server/front/jobs/progress.h"
 #include "server/front/jobs/sweep.h"
 #include "server/front/jobs/table.h"
+#include "server/front/jobs/warnings.h"
 #include "server/front/reply.h"
 
 // A job refused so often for want of memory lets no younger one begin before it.
@@ -86,9 +87,11 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 	if (begun->error.code == STATUS_OK) {
 		job->state = JOB_ACTIVE;
 		bool *accepted = job->sweep ? &job->sweep->accepted : &job->accepted;
-		if (!*accepted)
-			reply_message(job->session, MESSAGE_ACCEPTED, job->request, candil_Accepted_fields,
-				      &begun->accepted);
+		if (!*accepted) {
+			candil_Accepted answer = begun->accepted;
+			warnings_fill(job, &answer);
+			reply_message(job->session, MESSAGE_ACCEPTED, job->request, candil_Accepted_fields, &answer);
+		}
 		*accepted = true;
 		return;
 	}
