@@ -1,10 +1,12 @@
 #include "server/loader/files.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/openat2.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -106,6 +108,44 @@ bool files_exists(const struct files *files, const char *name)
 	bool regular = fstat(fd, &st) == 0 && S_ISREG(st.st_mode);
 	close(fd);
 	return regular;
+}
+
+// Put the one entry of a folder that has this name in any case behind `found`, whose first `used` bytes name the folder.
+static bool find_entry(const struct files *files, const char *name, size_t length, char *found, size_t used)
+{
+	found[used] = '\0';
+	const int fd = open_as(files->dir, used ? found : ".", O_RDONLY | O_DIRECTORY);
+	DIR *folder = fd >= 0 ? fdopendir(fd) : NULL;
+	unsigned matches = 0;
+	if (!folder) {
+		if (fd >= 0)
+			close(fd);
+		return false;
+	}
+	for (struct dirent *e; (e = readdir(folder)) && matches < 2;)
+		if (strlen(e->d_name) == length && strncasecmp(e->d_name, name, length) == 0) {
+			memcpy(found + used, e->d_name, length + 1);
+			matches++;
+		}
+	closedir(folder);
+	return matches == 1;
+}
+
+bool files_find_in_any_case(const struct files *files, const char *name, char *found)
+{
+	size_t used = 0;
+	while (*name) {
+		const size_t length = strcspn(name, "/");
+		if (!find_entry(files, name, length, found, used))
+			return false;
+		used += length;
+		name += length;
+		while (*name == '/')
+			name++;
+		if (*name)
+			found[used++] = '/';
+	}
+	return used > 0 && files_exists(files, found);
 }
 
 void file_bytes_finish(struct file_bytes *bytes)

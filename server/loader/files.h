@@ -31,6 +31,10 @@ enum status files_read(struct files *files, const char *name, struct file_bytes 
 // Whether files_read would find a regular file there.
 bool files_exists(const struct files *files, const char *name);
 
+// Find the one file whose name differs from `name` by nothing but the case of ASCII letters, as files of systems do that do
+// not tell them apart. `found`, of strlen(name) + 1 bytes, becomes its name. False: there is none, or more than one.
+bool files_find_in_any_case(const struct files *files, const char *name, char *found);
+
 // Free the bytes.
 void file_bytes_finish(struct file_bytes *bytes);
 

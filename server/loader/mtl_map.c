@@ -1,5 +1,6 @@
 #include "server/loader/mtl_map.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +17,7 @@ struct option {
 static const struct option options[] = {{"-blendu", ON_OFF, "on"}, {"-blendv", ON_OFF, "on"}, {"-boost", 1, "0"},
 					{"-cc", ON_OFF, "off"},    {"-clamp", ON_OFF, NULL},  {"-bm", 1, NULL},
 					{"-o", 3, NULL},           {"-s", 3, NULL},           {"-t", 3, "0"},
-					{"-texres", 1, NULL},      {"-type", 0, ""},          {"-imfchan", 0, ""},
+					{"-texres", 1, NULL},      {"-type", 0, ""},          {"-imfchan", 0, NULL},
 					{"-mm", 2, "0"},           {"-colorspace", 0, ""}};
 
 static const struct option *find_option(const struct obj_word *word)
@@ -27,8 +28,7 @@ static const struct option *find_option(const struct obj_word *word)
 	return NULL;
 }
 
-// Tell an option that asks for something. A range (-mm 0 1) is what a picture has anyway, and so is the channel of
-// brightness or, of a grey picture, of any colour.
+// Tell an option that asks for something. A range (-mm 0 1) is what a picture has anyway.
 static void tell_option(struct import *im, const struct option *o, const struct obj_word *value, const double *numbers,
 			int count)
 {
@@ -83,6 +83,8 @@ static void read_option(struct import *im, struct obj_text *t, const struct opti
 		value = read_on_off(t);
 	if (strcmp(o->name, "-clamp") == 0)
 		map->clamp = obj_word_is(&value, "on");
+	if (strcmp(o->name, "-imfchan") == 0)
+		map->channel = value.size == 1 ? (char)tolower((unsigned char)value.at[0]) : 0;
 	if (strcmp(o->name, "-bm") == 0 && count > 0)
 		map->bump = numbers[0];
 	for (int i = 0; i < 2 && i < count; i++) {
@@ -143,21 +145,35 @@ static struct import_sampling sampling_of(const struct mtl_map *map, uint32_t fl
 // The name by which the file is found, or that which it ought to have.
 static enum status find_file(struct import *im, const char *file, const char *folder, char **name, struct error *err)
 {
-	const size_t bytes = strlen(folder) + strlen(file) + 1;
-	const char *last = strrchr(file, '/');
 	while (file[0] == '.' && file[1] == '/')
 		file += 2;
+	const size_t bytes = strlen(folder) + strlen(file) + 1;
+	const char *last = strrchr(file, '/');
+	const struct {
+		const char *folder, *file;
+	} places[] = {{folder, file}, {"", file}, {"", last ? last + 1 : file}};
+	const size_t count = sizeof places / sizeof *places;
 	*name = malloc(bytes);
-	if (!*name)
+	char *wanted = malloc(bytes);
+	bool found = false, renamed = false;
+	if (!*name || !wanted) {
+		free(wanted);
 		return error_set(err, STATUS_MEMORY, "no memory for a map's name");
-	snprintf(*name, bytes, "%s%s", folder, file);
-	if (import_knows_image(im, *name) || files_exists(im->files, *name))
-		return STATUS_OK;
-	snprintf(*name, bytes, "%s", file);
-	if (import_knows_image(im, *name) || files_exists(im->files, *name) || !last || !files_exists(im->files, last + 1))
-		return STATUS_OK;
-	import_warn(im, "texture '%.100s' is taken from '%.60s' in the scene's folder", file, last + 1);
-	snprintf(*name, bytes, "%s", last + 1);
+	}
+	for (size_t i = 0; i < count && !found; i++) {
+		snprintf(*name, bytes, "%s%s", places[i].folder, places[i].file);
+		found = import_knows_image(im, *name) || files_exists(im->files, *name);
+		renamed = i == 2;
+	}
+	for (size_t i = 0; i < count && !found; i++) {
+		snprintf(wanted, bytes, "%s%s", places[i].folder, places[i].file);
+		found = renamed = files_find_in_any_case(im->files, wanted, *name);
+	}
+	free(wanted);
+	if (!found)
+		snprintf(*name, bytes, "%s", file);
+	else if (renamed)
+		import_warn(im, "texture '%.100s' is taken from '%.100s' in the scene's folder", file, *name);
 	return STATUS_OK;
 }
 

@@ -10,6 +10,7 @@ struct mtl_map {
 	double offset[2], scale[2]; // -o and -s: the picture's coordinates are scale · vt + offset
 	bool clamp; // -clamp
 	double bump; // -bm
+	char channel; // -imfchan: 'r', 'g', 'b', 'm' (alpha), 'l' (brightness) or 'z'; 0: not given
 };
 
 // Read a map's statement behind its keyword. Options may stand before the file's name or behind it. Those without effect
@@ -18,8 +19,8 @@ enum status mtl_map_read(struct import *import, struct obj_text *text, struct mt
 
 // Make the map's texture; *texture becomes NONE if there is no map, or its picture cannot be read, which is told. The file
 // is looked for beside the MTL, whose folder is `folder` ("" or ended by a slash), in the scene's folder, and there by its
-// last name alone. *key becomes the name that the import knows the picture by, which the caller frees. `flags` is
-// TEXTURE_SRGB or 0. STATUS_SCENE_LIMIT, STATUS_MEMORY.
+// last name alone; then in the same places in any case of letters. *key becomes the name that the import knows the picture
+// by, which the caller frees. `flags` is TEXTURE_SRGB or 0. STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status mtl_map_texture(struct import *import, const struct mtl_map *map, const char *folder, uint32_t flags, char **key,
 			    uint32_t *texture, struct error *err);
 

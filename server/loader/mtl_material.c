@@ -1,7 +1,9 @@
 #include "server/loader/mtl_material.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "server/loader/mtl_surface.h"
 
@@ -17,6 +19,8 @@ static enum status find_map(struct import *im, const struct mtl_note *note, enum
 			    uint32_t *texture, struct error *err)
 {
 	char *key;
+	if (note->maps[kind].file && note->maps[kind].channel && kind < MTL_DISSOLVE)
+		import_ignore(im, "map option -imfchan");
 	const enum status status = mtl_map_texture(im, &note->maps[kind], note->folder, flags, &key, texture, err);
 	free(key);
 	return status;
@@ -45,6 +49,9 @@ static enum status find_normals(struct import *im, const struct mtl_note *note, 
 	char *key;
 	const enum mtl_map_kind kind = note->maps[MTL_NORMALS].file ? MTL_NORMALS : MTL_BUMPS;
 	const double bump = note->maps[kind].bump;
+	const char channel = note->maps[kind].channel;
+	if (note->maps[kind].file && channel && channel != 'l')
+		import_ignore(im, "map option -imfchan");
 	if (note->maps[kind].file && isfinite((float)bump))
 		out->normal_scale = (float)bump;
 	enum status status = mtl_map_texture(im, &note->maps[kind], note->folder, 0, &key, &out->normal_texture, err);
@@ -52,6 +59,129 @@ static enum status find_normals(struct import *im, const struct mtl_note *note, 
 		status = normals_of_bumps(im, key, &out->normal_texture, err);
 	free(key);
 	return status;
+}
+
+// A number of each texel, the channel that -imfchan names. Without, it is the alpha of a picture that has one, else the
+// brightness.
+struct scalar_map {
+	uint32_t texture; // NONE: there is no map
+	char channel;
+};
+
+static enum status find_scalar(struct import *im, const struct mtl_note *note, enum mtl_map_kind kind,
+			       struct scalar_map *map, struct error *err)
+{
+	map->channel = note->maps[kind].channel;
+	const enum status status = find_map(im, note, kind, 0, &map->texture, err);
+	if (status != STATUS_OK || map->texture == NONE || map->channel)
+		return status;
+	const struct texture_info *t = &im->textures[map->texture];
+	for (size_t i = 0; i < (size_t)t->width * t->height && !map->channel; i++)
+		if (kind == MTL_DISSOLVE && im->texels[t->offset + i] >> 24 < 255)
+			map->channel = 'm';
+	return STATUS_OK;
+}
+
+static uint32_t scalar_of(uint32_t texel, char channel)
+{
+	const uint32_t red = texel & 255u, green = texel >> 8 & 255u, blue = texel >> 16 & 255u;
+	switch (channel) {
+	case 'r':
+		return red;
+	case 'g':
+		return green;
+	case 'b':
+		return blue;
+	case 'm':
+		return texel >> 24;
+	default:
+		return (red + green + blue + 1) / 3;
+	}
+}
+
+// Whether two textures show their texels at the same places.
+static bool are_alike(const struct texture_info *a, const struct texture_info *b)
+{
+	return a->width == b->width && a->height == b->height && ((a->flags ^ b->flags) & ~TEXTURE_SRGB) == 0 &&
+	       memcmp(a->row_u, b->row_u, sizeof a->row_u) == 0 && memcmp(a->row_v, b->row_v, sizeof a->row_v) == 0;
+}
+
+// Make one texture of the colours of *texture (NONE: white) and of numbers in the place of channels `first` and on: two maps
+// at most, of which one may be missing. *texture becomes that one. False: the maps differ in size or place.
+static enum status put_scalars(struct import *im, uint32_t *texture, const struct scalar_map *maps, int first, int count,
+			       uint32_t flags, bool *done, struct error *err)
+{
+	const uint32_t base = *texture;
+	uint32_t like = base;
+	char key[128] = "";
+	*done = true;
+	for (int i = 0; i < count; i++) {
+		const uint32_t at = maps[i].texture;
+		like = like == NONE ? at : like;
+		*done = *done && (at == NONE || are_alike(&im->textures[at], &im->textures[like]));
+	}
+	if (like == NONE || !*done)
+		return STATUS_OK;
+	// A name that no file can have: it holds line breaks.
+	for (int i = 0; i < count; i++)
+		snprintf(key + strlen(key), sizeof key - strlen(key), "\n%d %u %c", first + i, maps[i].texture,
+			 maps[i].channel ? maps[i].channel : ' ');
+	snprintf(key + strlen(key), sizeof key - strlen(key), "\n%u", base);
+	const struct texture_info t = im->textures[like];
+	const size_t texels = (size_t)t.width * t.height; // both ≤ LIMIT_TEXTURE_SIDE
+	const struct import_sampling sampling = {
+	    (t.flags & ~TEXTURE_SRGB) | flags, {t.row_u[0], t.row_u[1], t.row_u[2]}, {t.row_v[0], t.row_v[1], t.row_v[2]}};
+	uint32_t *out = malloc(texels * sizeof *out);
+	if (!out)
+		return error_set(err, STATUS_MEMORY, "no memory for a map of %u x %u", t.width, t.height);
+	for (size_t i = 0; i < texels; i++) {
+		out[i] = base == NONE ? 0xFFFFFFFFu : im->texels[im->textures[base].offset + i];
+		for (int k = 0; k < count; k++) {
+			const uint32_t shift = 8u * (uint32_t)(first + k);
+			const uint32_t number =
+			    maps[k].texture == NONE
+				? 255u
+				: scalar_of(im->texels[im->textures[maps[k].texture].offset + i], maps[k].channel);
+			out[i] = (out[i] & ~(255u << shift)) | number << shift;
+		}
+	}
+	enum status status = import_derived_texture(im, key, out, t.width, t.height, &sampling, texture, err);
+	free(out);
+	return status;
+}
+
+// map_d: the alpha of the base colour.
+static enum status find_alpha(struct import *im, const struct mtl_note *note, struct material *out, struct error *err)
+{
+	struct scalar_map map;
+	bool done;
+	if (out->transmission > 0)
+		return STATUS_OK;
+	const enum status status = find_scalar(im, note, MTL_DISSOLVE, &map, err);
+	if (status != STATUS_OK || map.texture == NONE)
+		return status;
+	if (put_scalars(im, &out->albedo_texture, &map, 3, 1, TEXTURE_SRGB, &done, err) != STATUS_OK)
+		return err->code;
+	if (done)
+		out->flags |= MATERIAL_ALPHA_BLEND;
+	else
+		import_ignore(im, "map_d of another size or place than map_Kd");
+	return STATUS_OK;
+}
+
+// map_Pr and map_Pm: green and blue of one texture.
+static enum status find_facets(struct import *im, const struct mtl_note *note, struct material *out, struct error *err)
+{
+	struct scalar_map maps[2];
+	bool done;
+	if (find_scalar(im, note, MTL_ROUGHNESS, &maps[0], err) != STATUS_OK ||
+	    find_scalar(im, note, MTL_METALLIC, &maps[1], err) != STATUS_OK ||
+	    put_scalars(im, &out->surface_texture, maps, 1, 2, 0, &done, err) != STATUS_OK)
+		return err->code;
+	if (!done)
+		import_ignore(im, "map_Pm of another size or place than map_Pr");
+	maps[1].texture = NONE;
+	return done ? STATUS_OK : put_scalars(im, &out->surface_texture, maps, 1, 2, 0, &done, err);
 }
 
 static enum status find_maps(struct import *im, const struct mtl_note *note, struct material *out, struct error *err)
@@ -62,6 +192,8 @@ static enum status find_maps(struct import *im, const struct mtl_note *note, str
 	// A lobe without weight needs no texture.
 	if (out->specular_weight > 0 &&
 	    find_map(im, note, MTL_SPECULAR, TEXTURE_SRGB, &out->specular_texture, err) != STATUS_OK)
+		return err->code;
+	if (find_alpha(im, note, out, err) != STATUS_OK || find_facets(im, note, out, err) != STATUS_OK)
 		return err->code;
 	return find_normals(im, note, out, err);
 }
@@ -76,6 +208,10 @@ static struct mtl_note with_defaults(const struct mtl_note *from)
 		if (!note.has_specular && note.maps[MTL_SPECULAR].file)
 			note.specular[c] = 1;
 	}
+	if (!note.has_roughness && note.maps[MTL_ROUGHNESS].file)
+		note.roughness = note.has_roughness = 1;
+	if (!note.has_metallic && note.maps[MTL_METALLIC].file)
+		note.metallic = note.has_metallic = 1;
 	return note;
 }
 

@@ -8,18 +8,20 @@
 
 // Statements without effect here, which are told. Ka and map_Ka have none anywhere: no light is ambient.
 static const char *const left_out[] = {
-    "map_Ka",   "map_Ns",  "map_d",   "map_Tr",   "map_Tf", "map_opacity", "map_aat",   "disp",
-    "map_disp", "decal",   "refl",    "map_refl", "Ps",     "map_Pr",      "map_Pm",    "map_Ps",
-    "map_Pc",   "map_Pcr", "map_RMA", "map_ORM",  "aniso",  "anisor",      "sharpness", "Km",
+    "map_Ka", "map_Ns", "map_Tr", "map_Tf",  "map_opacity", "disp",    "map_disp", "decal",  "refl", "map_refl",
+    "Ps",     "map_Ps", "map_Pc", "map_Pcr", "map_RMA",     "map_ORM", "aniso",    "anisor", "Km",
 };
+
+// The same of statements that no picture of light shows.
+static const char *const passed_over[] = {"map_aat", "sharpness"};
 
 static const struct {
 	const char *keyword;
 	enum mtl_map_kind kind;
 } map_keywords[] = {
-    {"map_Kd", MTL_DIFFUSE},  {"map_Ke", MTL_EMISSION}, {"map_emissive", MTL_EMISSION},
-    {"map_Ks", MTL_SPECULAR}, {"map_Bump", MTL_BUMPS},  {"bump", MTL_BUMPS},
-    {"norm", MTL_NORMALS},    {"map_Kn", MTL_NORMALS},  {"map_norm", MTL_NORMALS},
+    {"map_Kd", MTL_DIFFUSE},   {"map_Ke", MTL_EMISSION}, {"map_emissive", MTL_EMISSION}, {"map_Ks", MTL_SPECULAR},
+    {"map_Bump", MTL_BUMPS},   {"bump", MTL_BUMPS},      {"norm", MTL_NORMALS},          {"map_Kn", MTL_NORMALS},
+    {"map_norm", MTL_NORMALS}, {"map_d", MTL_DISSOLVE},  {"map_Pr", MTL_ROUGHNESS},      {"map_Pm", MTL_METALLIC},
 };
 
 // The file that is read.
@@ -241,6 +243,11 @@ static void tell_left_out(struct reader *r)
 	for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++)
 		if (obj_word_is(&r->keyword, left_out[i])) {
 			import_ignore(r->import, left_out[i]);
+			return;
+		}
+	for (size_t i = 0; i < sizeof passed_over / sizeof passed_over[0]; i++)
+		if (obj_word_is(&r->keyword, passed_over[i])) {
+			import_pass_over(r->import, passed_over[i]);
 			return;
 		}
 	tell_malformed(r, "is no statement of MTL that is known");

@@ -8,7 +8,17 @@
 #include "server/loader/key_table.h"
 #include "server/loader/mtl_map.h"
 
-enum mtl_map_kind { MTL_DIFFUSE, MTL_EMISSION, MTL_SPECULAR, MTL_NORMALS, MTL_BUMPS, MTL_MAPS };
+enum mtl_map_kind {
+	MTL_DIFFUSE,
+	MTL_EMISSION,
+	MTL_SPECULAR,
+	MTL_NORMALS,
+	MTL_BUMPS,
+	MTL_DISSOLVE, // from here on of a number each
+	MTL_ROUGHNESS,
+	MTL_METALLIC,
+	MTL_MAPS
+};
 
 struct mtl_note {
 	char *name;

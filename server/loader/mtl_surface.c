@@ -93,20 +93,23 @@ static bool set_layers(const struct mtl_note *note, struct material *m)
 	return import_fit(&m->diffuse_roughness, note->diffuse_roughness, 1.0) && fit;
 }
 
-// Note statements as ignored that only glass uses, on other surfaces, and the reverse.
+// Note statements as ignored that only glass uses, on other surfaces, and the reverse. Many exporters write Ni and Tf of
+// every material; MTL itself has no use for them where nothing is refracted.
 static void tell_ignored(struct import *im, const struct mtl_note *note, bool glass)
 {
 	const double *f = note->filter;
 	if (note->illum == 10)
 		import_ignore(im, "illum 10");
 	if (!glass && !is_physical(note) && note->ior > 0 && note->ior != 1)
-		import_ignore(im, "Ni");
+		import_pass_over(im, "Ni");
 	if (!glass && note->has_filter && (f[0] != 1 || f[1] != 1 || f[2] != 1))
-		import_ignore(im, "Tf");
+		import_pass_over(im, "Tf");
 	if (!glass && note->priority > 0)
 		import_ignore(im, "Pp");
 	if (glass && note->dissolve != 1)
 		import_ignore(im, "d");
+	if (glass && note->maps[MTL_DISSOLVE].file)
+		import_ignore(im, "map_d");
 	if (glass && note->coat > 0)
 		import_ignore(im, "Pc");
 }

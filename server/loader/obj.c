@@ -14,43 +14,44 @@
 // Statements that are left out, by what is told of them.
 static const struct {
 	const char *keyword, *told;
+	bool is_seen; // in pictures of surfaces
 } left_out[] = {
-    {"p", "points"},
-    {"l", "lines"},
-    {"vp", "curves and surfaces"},
-    {"cstype", "curves and surfaces"},
-    {"deg", "curves and surfaces"},
-    {"bmat", "curves and surfaces"},
-    {"step", "curves and surfaces"},
-    {"curv", "curves and surfaces"},
-    {"curv2", "curves and surfaces"},
-    {"surf", "curves and surfaces"},
-    {"parm", "curves and surfaces"},
-    {"trim", "curves and surfaces"},
-    {"hole", "curves and surfaces"},
-    {"scrv", "curves and surfaces"},
-    {"sp", "curves and surfaces"},
-    {"end", "curves and surfaces"},
-    {"con", "curves and surfaces"},
-    {"mg", "curves and surfaces"},
-    {"ctech", "curves and surfaces"},
-    {"stech", "curves and surfaces"},
-    {"bsp", "curves and surfaces"},
-    {"bzp", "curves and surfaces"},
-    {"cdc", "curves and surfaces"},
-    {"cdp", "curves and surfaces"},
-    {"res", "curves and surfaces"},
-    {"call", "call"},
-    {"csh", "csh"},
-    {"scmp", "scmp"},
-    {"usemap", "usemap"},
-    {"maplib", "maplib"},
-    {"shadow_obj", "shadow_obj"},
-    {"trace_obj", "trace_obj"},
-    {"bevel", "bevel"},
-    {"c_interp", "c_interp"},
-    {"d_interp", "d_interp"},
-    {"lod", "lod"},
+    {"p", "points", true},
+    {"l", "lines", true},
+    {"vp", "curves and surfaces", true},
+    {"cstype", "curves and surfaces", true},
+    {"deg", "curves and surfaces", true},
+    {"bmat", "curves and surfaces", true},
+    {"step", "curves and surfaces", true},
+    {"curv", "curves and surfaces", true},
+    {"curv2", "curves and surfaces", true},
+    {"surf", "curves and surfaces", true},
+    {"parm", "curves and surfaces", true},
+    {"trim", "curves and surfaces", true},
+    {"hole", "curves and surfaces", true},
+    {"scrv", "curves and surfaces", true},
+    {"sp", "curves and surfaces", true},
+    {"end", "curves and surfaces", true},
+    {"con", "curves and surfaces", true},
+    {"mg", "curves and surfaces", true},
+    {"ctech", "curves and surfaces", true},
+    {"stech", "curves and surfaces", true},
+    {"bsp", "curves and surfaces", true},
+    {"bzp", "curves and surfaces", true},
+    {"cdc", "curves and surfaces", true},
+    {"cdp", "curves and surfaces", true},
+    {"res", "curves and surfaces", true},
+    {"call", "call", true},
+    {"csh", "csh", true},
+    {"scmp", "scmp", true},
+    {"usemap", "usemap", true},
+    {"maplib", "maplib", true},
+    {"shadow_obj", "shadow_obj", true},
+    {"trace_obj", "trace_obj", true},
+    {"bevel", "bevel", false},
+    {"c_interp", "c_interp", false},
+    {"d_interp", "d_interp", false},
+    {"lod", "lod", false},
 };
 
 struct reader {
@@ -89,6 +90,25 @@ static enum status read_own_library(struct reader *r, const char *missing, const
 	return status;
 }
 
+// Read a library that is not where it is said to be: by its last name, or by another case of letters. STATUS_SCENE_FILE:
+// there is none such, and `err` stays as it is.
+static enum status read_renamed(struct reader *r, const char *name, const char **from, char *found, struct file_bytes *bytes,
+				struct error *err)
+{
+	const char *last = strrchr(name, '/');
+	const char *const wanted[] = {name, last ? last + 1 : name};
+	*from = wanted[1];
+	bool is_there = last && files_exists(r->import->files, wanted[1]);
+	for (size_t i = 0; i < 2 && !is_there; i++) {
+		is_there = files_find_in_any_case(r->import->files, wanted[i], found);
+		*from = found;
+	}
+	if (!is_there)
+		return STATUS_SCENE_FILE;
+	import_warn(r->import, "material library '%.100s' is taken from '%.100s' in the scene's folder", name, *from);
+	return files_read(r->import->files, *from, bytes, err);
+}
+
 static enum status read_library(struct reader *r, char *name, struct error *err)
 {
 	struct file_bytes bytes;
@@ -98,20 +118,22 @@ static enum status read_library(struct reader *r, char *name, struct error *err)
 			*c = '/';
 	while (name[0] == '.' && name[1] == '/')
 		name += 2;
+	const char *from = name;
+	char *found = malloc(strlen(name) + 1);
+	if (!found)
+		return error_set(err, STATUS_MEMORY, "no memory for a library's name");
 	enum status status = files_read(r->import->files, name, &bytes, &why);
-	const char *last = strrchr(name, '/');
-	if (status != STATUS_OK && last && files_exists(r->import->files, last + 1)) {
-		import_warn(r->import, "material library '%.100s' is taken from '%.60s' in the scene's folder", name,
-			    last + 1);
-		name += last + 1 - name;
-		status = files_read(r->import->files, name, &bytes, &why);
+	if (status == STATUS_SCENE_FILE || status == STATUS_SCENE_PATH)
+		status = read_renamed(r, name, &from, found, &bytes, &why);
+	if (status == STATUS_SCENE_LIMIT || status == STATUS_MEMORY) {
+		error_set(err, status, "%s", why.text);
+	} else if (status != STATUS_OK) {
+		status = read_own_library(r, name, why.text, err);
+	} else {
+		status = mtl_notes_read(&r->notes, r->import, from, &bytes, err);
+		file_bytes_finish(&bytes);
 	}
-	if (status == STATUS_SCENE_LIMIT || status == STATUS_MEMORY)
-		return error_set(err, status, "%s", why.text);
-	if (status != STATUS_OK)
-		return read_own_library(r, name, why.text, err);
-	status = mtl_notes_read(&r->notes, r->import, name, &bytes, err);
-	file_bytes_finish(&bytes);
+	free(found);
 	return status;
 }
 
@@ -213,7 +235,7 @@ static void tell_left_out(struct reader *r)
 {
 	for (size_t i = 0; i < sizeof left_out / sizeof *left_out; i++)
 		if (obj_word_is(&r->keyword, left_out[i].keyword)) {
-			import_ignore(r->import, left_out[i].told);
+			(left_out[i].is_seen ? import_ignore : import_pass_over)(r->import, left_out[i].told);
 			r->has_statement = true;
 			return;
 		}

@@ -14,7 +14,7 @@
 
 // Calls that are allowed with any arguments. By name, because not every architecture and kernel header has all of them.
 static const char *const calls[] = {
-    // open files and the folder (only openat2, whose flags are left to landlock)
+    // open files, the folder and the names in it (only openat2, whose flags are left to landlock)
     "read",
     "readv",
     "pread64",
@@ -27,6 +27,7 @@ static const char *const calls[] = {
     "statx",
     "lseek",
     "openat2",
+    "getdents64",
     // memory
     "munmap",
     "mremap",
@@ -82,7 +83,6 @@ static const char *const calls[] = {
     "openat",
     "access",
     "getdents",
-    "getdents64",
     "prctl",
     "ioctl",
     "process_vm_readv",

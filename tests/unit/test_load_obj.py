@@ -6,7 +6,8 @@ import random
 import subprocess
 import unittest
 
-from loaded import ALPHA, EMISSION, LOADER, NONE, NORMAL, SCALE, TRANSMISSION, LoadCase
+from loaded import (ALPHA, EMISSION, FLAGS, LOADER, METALLIC, NONE, NORMAL, ROUGHNESS, SCALE, SURFACE, TRANSMISSION,
+                    LoadCase)
 from writers import png, save
 
 SQUARE = ["v 0 0 0", "v 1 0 0", "v 1 1 0", "v 0 1 0"]
@@ -224,8 +225,8 @@ class Mtl(ObjCase):
         self.assertEqual(self.material("map_Ke a.png\nKe 0 0 0")[EMISSION:EMISSION + 3], (0, 0, 0))
 
     def test_what_is_left_out_is_told(self):
-        for statement in ("map_Ka a.png", "map_Ns a.png", "map_d a.png", "disp a.png", "decal a.png", "refl -type sphere a.png",
-                          "map_aat on", "aniso .5", "map_Pr a.png", "map_refl a.png", "sharpness 60", "d -halo .5"):
+        for statement in ("map_Ka a.png", "map_Ns a.png", "map_Tr a.png", "disp a.png", "decal a.png", "refl -type sphere a.png",
+                          "map_aat on", "aniso .5", "map_ORM a.png", "map_refl a.png", "sharpness 60", "d -halo .5"):
             self.material(statement, ignored=["d -halo" if "halo" in statement else statement.split()[0]])
 
     def test_names_of_maps(self):
@@ -266,6 +267,82 @@ class Mtl(ObjCase):
         self.near(self.rows("-s nan 1 a.png", warnings=1), (1, 0, 0, 0, 1, 0))
         m = self.material("map_Ke -s 2 2 1 a.png\nmap_Kd -o .5 0 0 a.png\nmap_Bump -s 4 4 a.png")
         self.assertEqual([self.blob.textures[m[i]][4] for i in (3, 7, NORMAL)], [1, 2, 4])
+
+    def texels(self, texture):
+        """Rows of (r, g, b, a)."""
+        offset, width, height = self.blob.textures[texture][:3]
+        texels = [self.blob.texels[offset + i][0] for i in range(width * height)]
+        return [tuple(t >> 8 * c & 255 for c in range(4)) for t in texels]
+
+    def test_opacity_by_a_map(self):
+        """The alpha of a picture that has one, else its brightness, or what -imfchan says; with the colours of map_Kd."""
+        save(self.folder, "kd.png", png(2, 1, lambda x, y: (10, 20, 30 + x)))
+        save(self.folder, "grey.png", png(2, 1, lambda x, y: (99 * x, 99 * x, 99 * x)))
+        save(self.folder, "alpha.png", png(2, 1, lambda x, y: (1, 2, 3, 200 * x + 5)))
+        save(self.folder, "rgb.png", png(2, 1, lambda x, y: (30, 60, 90 + x)))
+        for statements, expected in (
+                ("map_d grey.png", [(255, 255, 255, 0), (255, 255, 255, 99)]),
+                ("map_Kd kd.png\nmap_d grey.png", [(10, 20, 30, 0), (10, 20, 31, 99)]),
+                ("map_d alpha.png\nmap_Kd kd.png", [(10, 20, 30, 5), (10, 20, 31, 205)]),
+                ("map_Kd alpha.png\nmap_d alpha.png", [(1, 2, 3, 5), (1, 2, 3, 205)]),
+                ("map_d -imfchan r alpha.png", [(255, 255, 255, 1)] * 2),
+                ("map_d -imfchan l alpha.png", [(255, 255, 255, 2)] * 2),
+                ("map_d -imfchan g rgb.png", [(255, 255, 255, 60)] * 2),
+                ("map_d -imfchan b rgb.png", [(255, 255, 255, 90), (255, 255, 255, 91)]),
+                ("map_d rgb.png -imfchan m", [(255, 255, 255, 255)] * 2),
+                ("map_Kd -s 2 2 kd.png\nmap_d -s 2 2 grey.png", [(10, 20, 30, 0), (10, 20, 31, 99)])):
+            m = self.material(statements)
+            self.assertEqual((m[FLAGS] & 8, self.texels(m[3])), (8, expected), statements)
+        m = self.material("map_Kd kd.png\nmap_d grey.png\nd .5")
+        self.assertEqual((m[ALPHA], self.texels(m[3])[1][3]), (.5, 99))
+        self.assertIn("alpha blending", self.info["facts"])
+        # A picture that is opaque everywhere blends nothing.
+        save(self.folder, "white.png", png(1, 1, lambda x, y: (255,) * 3))
+        self.material("map_d white.png")
+        self.assertEqual([f for f in self.info["facts"] if f in ("textures", "alpha blending")], [])
+        save(self.folder, "large.png", png(4, 1, lambda x, y: (9, 9, 9)))
+        for statements in ("map_Kd kd.png\nmap_d large.png", "map_Kd kd.png\nmap_d -o .5 0 grey.png"):
+            self.material(statements, ignored=["map_d of another size or place than map_Kd"])
+        self.material("illum 4\nNi 1.5\nmap_d grey.png", ignored=["map_d"])
+        self.material("map_d nowhere.png", warnings=1)
+
+    def test_roughness_and_metalness_by_maps(self):
+        save(self.folder, "r.png", png(2, 1, lambda x, y: (50 + x,) * 3))
+        save(self.folder, "m.png", png(2, 1, lambda x, y: (200 + x,) * 3))
+        for statements, expected, factors in (
+                ("map_Pr r.png\nmap_Pm m.png", [(255, 50, 200, 255), (255, 51, 201, 255)], (1, 1)),
+                ("map_Pr r.png\nPr .5", [(255, 50, 255, 255), (255, 51, 255, 255)], (.5, 0)),
+                ("Pm .25\nmap_Pm m.png\nPr .5", [(255, 255, 200, 255), (255, 255, 201, 255)], (.5, .25)),
+                ("map_Pr -imfchan g r.png", [(255, 50, 255, 255), (255, 51, 255, 255)], (1, 0))):
+            m = self.material(statements)
+            self.assertEqual((self.texels(m[SURFACE]), (m[ROUGHNESS], m[METALLIC])), (expected, factors), statements)
+        save(self.folder, "large.png", png(4, 1, lambda x, y: (9, 9, 9)))
+        m = self.material("map_Pr r.png\nmap_Pm large.png", ignored=["map_Pm of another size or place than map_Pr"])
+        self.assertEqual(self.texels(m[SURFACE])[1], (255, 51, 255, 255))
+
+    def test_files_whose_case_differs(self):
+        self.picture("Maps/Red.PNG")
+        for name in ("maps/red.png", "MAPS\\RED.png", "Maps/red.png"):
+            self.material("map_Kd " + name, warnings=1)
+            self.assertEqual((self.info["textures"], self.info["missing_textures"]), (1, 0))
+            self.assertIn("is taken from 'Maps/Red.PNG'", self.info["warnings"][0])
+        self.picture("Blue.png")
+        self.material("map_Kd c:/gone/BLUE.PNG", warnings=1)
+        self.assertIn("is taken from 'Blue.png'", self.info["warnings"][0])
+        # Two that differ in case alone: which one is meant is nobody's to guess.
+        self.picture("one.png")
+        self.picture("ONE.png")
+        self.material("map_Kd One.png", warnings=1)
+        self.assertEqual(self.info["missing_textures"], 1)
+        self.material("map_Kd one.png")
+        # Nothing above the scene's folder.
+        self.material("map_Kd ../%s/BLUE.png" % os.path.basename(self.folder), warnings=1)
+        self.assertIn("is taken from 'Blue.png'", self.info["warnings"][0])
+        save(self.folder, "Sub/Lamps.MTL", LAMP.encode())
+        for name in ("sub/lamps.mtl", "SUB\\LAMPS.mtl"):
+            info, blob = self.obj(["mtllib " + name] + SQUARE + ["usemtl lamp", "f 1 2 3 4"])
+            self.assertEqual((info["emissive_triangles"], len(info["warnings"])), (2, 1))
+            self.assertIn("is taken from 'Sub/Lamps.MTL'", info["warnings"][0])
 
     def test_other_options(self):
         self.picture()
