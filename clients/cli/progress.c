@@ -42,10 +42,12 @@ void progress_images(struct progress *progress, double fraction, uint32_t done, 
 
 void progress_draw(struct progress *progress, const struct candil_progress *at)
 {
-	char line[200], bar[BAR + 1], error[32] = "";
+	char line[200], bar[BAR + 1], error[48] = "";
 	make_bar(bar, at->fraction);
-	if (at->estimated_relmse > 0)
-		snprintf(error, sizeof(error), "  error %.1e", at->estimated_relmse);
+	if (at->estimated_relmse > 0 && at->relmse_high >= 0)
+		snprintf(error, sizeof(error), "  error %.1e (to %.1e)", at->estimated_relmse, at->relmse_high);
+	else if (at->estimated_relmse > 0)
+		snprintf(error, sizeof(error), "  error %.1e or more", at->estimated_relmse);
 	double seconds = (double)at->elapsed_us * 1e-6;
 	snprintf(line, sizeof(line), "[%s] %3.0f %%  %" PRIu32 "/%" PRIu32 " sample%s%s  %.1f s", bar, at->fraction * 100.0,
 		 at->samples_done, at->samples, cli_s(at->samples), error, seconds);

@@ -138,7 +138,7 @@ const struct command render_command = {
 	"  --spp N               samples per pixel; default 64 of {noise}, 1 of the others, which have no noise\n"
 	"  --first-sample N      index of the first sample; disjoint ranges can be merged\n"
 	"  --seed N              another seed, another noise\n"
-	"  --error E             end once the estimated relative MSE is at most E; then --spp is the most, default "
+	"  --error E             end once the relative MSE is at most E nine times of ten; then --spp is the most, default "
 	"65536\n"
 	"  --time MS             end with what is there so long after the request came; likewise. One sample of every "
 	"pixel\n"

@@ -75,6 +75,18 @@ static void print_clamp(const struct candil_done *done, FILE *stream)
 				100 * done->figures[i].value);
 }
 
+static void print_error(const struct candil_done *done, FILE *stream)
+{
+	if (done->estimated_relmse == 0 && done->relmse_high == 0)
+		fputs("error      none: every sample says the same\n", stream);
+	else if (done->estimated_relmse >= 0 && done->relmse_high >= 0)
+		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), estimated\n", done->estimated_relmse,
+			done->relmse_low, done->relmse_high);
+	else if (done->estimated_relmse >= 0)
+		fprintf(stream, "error      relative MSE %.2e or more (at least %.2e, 90 %%): light may not have been found\n",
+			done->estimated_relmse, done->relmse_low);
+}
+
 void report_print(const struct report *r, FILE *stream)
 {
 	const struct candil_render_request *request = &r->options->request;
@@ -87,10 +99,7 @@ void report_print(const struct report *r, FILE *stream)
 	report_print_stages(done, stream);
 	print_effects(&r->accepted, true, stream);
 	print_effects(&r->accepted, false, stream);
-	if (done->estimated_relmse == 0)
-		fputs("error      none: every sample says the same\n", stream);
-	else if (done->estimated_relmse > 0)
-		fprintf(stream, "error      relative MSE about %.2e, estimated\n", done->estimated_relmse);
+	print_error(done, stream);
 	if (strcmp(done->reason, "error") == 0)
 		fprintf(stream, "ended      at the target error, after %" PRIu32 " sample%s\n", done->samples,
 			cli_s(done->samples));
@@ -207,6 +216,12 @@ static void put_text(json_t *object, const char *key, const char *value)
 	json_object_set_new(object, key, cli_json_text(value));
 }
 
+// A number that is negative where it is not known.
+static void put_known(json_t *object, const char *key, double value)
+{
+	json_object_set_new(object, key, value >= 0 ? json_real(value) : json_null());
+}
+
 json_t *report_json(const struct report *r)
 {
 	const struct candil_render_request *request = &r->options->request;
@@ -238,8 +253,9 @@ json_t *report_json(const struct report *r)
 	json_object_set_new(o, "stages", report_stages_json(done));
 	json_object_set_new(o, "figures", report_figures_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);
-	json_object_set_new(o, "estimated_relmse",
-			    done->estimated_relmse >= 0 ? json_real(done->estimated_relmse) : json_null());
+	put_known(o, "estimated_relmse", done->estimated_relmse);
+	put_known(o, "relmse_low", done->relmse_low);
+	put_known(o, "relmse_high", done->relmse_high);
 	put_number(o, "non_finite_samples", done->non_finite_samples);
 	put_number(o, "rays", done->rays);
 	put_number(o, "slices", done->slices);

@@ -275,7 +275,7 @@ CANDIL_API candil_status candil_render(candil_client *client, const struct candi
 // The answer of candil_sweep.
 struct candil_sweep_result {
 	struct candil_accepted accepted; // of the first image
-	struct candil_done done; // sums over all images, but for samples (of each) and estimated_relmse (the mean)
+	struct candil_done done; // sums over all images, but for samples (of each) and relMSE (the means)
 };
 
 // Render the same picture from `count` cameras, 1 to CANDIL_SWEEP_CAMERAS, or at as many times of an animation. The

@@ -284,7 +284,7 @@ struct candil_render_request {
 	struct candil_lens lens;
 	enum candil_filter filter;
 	// A render may end before it has all its samples; candil_done.reason says why it ended. Both may be 0: never.
-	double target_error; // once the estimated relMSE is at most this, always at the same sample; only a technique that
+	double target_error; // once relmse_high is at most this, always at the same sample; only a technique that
 			     // has noise takes it
 	uint32_t deadline_ms; // from the request's arrival to the encoded image, at most 86400000
 };
@@ -337,6 +337,8 @@ struct candil_progress {
 	double fraction; // of the work, 0 to 1
 	uint64_t device_us, elapsed_us; // that the device worked, that passed since the request arrived
 	double estimated_relmse; // at the last look; negative: unknown
+	double relmse_low, relmse_high; // nine times of ten the true one lies between; negative: unknown. relmse_high is also
+					// where there is no upper end, because light may be there that no sample has found
 };
 
 // A part of a job and the time that it took. PROTOCOL.md lists the names; more may come.
@@ -359,6 +361,7 @@ struct candil_done {
 	struct candil_stage stages[24];
 	uint64_t elapsed_us; // from the request's arrival to the encoded image
 	double estimated_relmse; // negative: unknown
+	double relmse_low, relmse_high; // as of candil_progress
 	uint64_t non_finite_samples; // that were taken as zero
 	uint64_t rays;
 	uint32_t slices; // pieces that the job was worked on in

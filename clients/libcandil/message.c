@@ -342,6 +342,12 @@ static void read_accepted(const candil_Accepted *from, struct candil_accepted *t
 	to->warnings_more = from->warnings_more;
 }
 
+// A number that is negative where it is not known, as are those that cannot be: not finite, below `least` or above `most`.
+static double known(double x, double least, double most)
+{
+	return isfinite(x) && x >= least && x <= most ? x : -1.0;
+}
+
 static void read_progress(const candil_Progress *from, struct candil_progress *to)
 {
 	to->samples_done = from->samples_done;
@@ -350,7 +356,9 @@ static void read_progress(const candil_Progress *from, struct candil_progress *t
 	to->fraction = fmin(fmax(from->fraction, 0.0), 1.0);
 	to->device_us = from->device_us;
 	to->elapsed_us = from->elapsed_us;
-	to->estimated_relmse = isfinite(from->estimated_relmse) ? from->estimated_relmse : -1.0;
+	to->estimated_relmse = known(from->estimated_relmse, 0, INFINITY);
+	to->relmse_low = known(from->relmse_low, 0, to->estimated_relmse);
+	to->relmse_high = known(from->relmse_high, fmax(to->estimated_relmse, 0), INFINITY);
 }
 
 static void read_figures(const candil_Done *from, struct candil_done *to)
@@ -378,7 +386,9 @@ static void read_done(const candil_Done *from, struct candil_done *to)
 		to->stages[i].us = from->stages[i].us;
 	}
 	to->elapsed_us = from->elapsed_us;
-	to->estimated_relmse = isfinite(from->estimated_relmse) ? from->estimated_relmse : -1.0;
+	to->estimated_relmse = known(from->estimated_relmse, 0, INFINITY);
+	to->relmse_low = known(from->relmse_low, 0, to->estimated_relmse);
+	to->relmse_high = known(from->relmse_high, fmax(to->estimated_relmse, 0), INFINITY);
 	to->non_finite_samples = from->non_finite_samples;
 	to->rays = from->rays;
 	to->slices = from->slices;

@@ -13,6 +13,7 @@
 
 #include "candil.pb.h"
 #include "server/base/error.h"
+#include "server/base/estimate.h"
 #include "server/base/remarks.h"
 
 #define IPC_FD 3
@@ -88,7 +89,7 @@ struct ipc_stepped {
 	uint32_t finished; // 1: all samples are done, or the target error is reached; time for the last READ
 	uint32_t reached; // 1: the target error is reached
 	double fraction; // done share of the job's work
-	double estimated_relmse; // latest estimate; negative: unknown
+	struct estimate estimate; // the latest
 	uint64_t device_us; // device time of this slice
 	uint64_t device_bytes; // bytes held on the device now, by all jobs
 	uint64_t validation_errors; // since the worker started

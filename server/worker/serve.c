@@ -206,7 +206,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	answer.finished = result.finished;
 	answer.reached = result.reached;
 	answer.fraction = result.fraction;
-	answer.estimated_relmse = result.estimated_relmse;
+	answer.estimate = result.estimate;
 	answer.device_us = clock_us() - start;
 	if (s->devices->vk) {
 		answer.device_bytes = s->devices->vk->bytes;
@@ -257,7 +257,9 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 	frame_add_metadata(f, "first_sample", "%u", p->first_sample);
 	frame_add_metadata(f, "seed", "%llu", (unsigned long long)p->seed);
 	frame_add_metadata(f, "depth", "%u", p->depth);
-	frame_add_metadata(f, "estimated_relmse", "%.6g", f->estimated_relmse);
+	frame_add_metadata(f, "estimated_relmse", "%.6g", f->estimate.relmse);
+	frame_add_metadata(f, "relmse_low", "%.6g", f->estimate.low);
+	frame_add_metadata(f, "relmse_high", "%.6g", f->estimate.high);
 	frame_add_metadata(f, "non_finite_samples", "%llu", (unsigned long long)f->non_finite_samples);
 	frame_add_metadata(f, "device", "%s", s->devices->vk->info.name);
 	frame_add_metadata(f, "scene_hash", "%016llx%016llx", (unsigned long long)job->scene->blob->hash[1],

@@ -1,8 +1,17 @@
-// The error of the picture so far: each tile's part of the estimated relMSE, from the two independent halves of its
-// samples.
+// The error of the picture so far: of each tile the sums of server/worker/technique/common/relmse.h, whose header says
+// what they estimate and why, from the two independent halves of each pixel's samples.
 //
-// With a and b the means of the halves, ((a − b) / 2)² is an unbiased estimate of the variance of (a + b) / 2. relMSE
-// divides by r² + 0.01, where r is the unknown true value; likely() estimates it.
+// A pixel's lesser and greater half, its mean and d, half their difference, are apart for each channel, and so is what
+// stands for the true value r:
+//   known    d is below a quarter of the mean: the mean, between the halves;
+//   edge     greater than its surroundings eightfold, and a neighbour's lesser half is as bright: the mean, within EDGE times. A
+//            lamp's rim is in some samples and not in others;
+//   both     both halves are above the surroundings twice: their geometric mean, within EDGE times. It is something small and
+//            bright, the same in both;
+//   else     the surroundings, or the lesser half if that is more, within a factor of 2.
+// The surroundings are the mean of the tile's other pixels, leaving out those that are known and much brighter, because
+// this one would be known to be bright too. A term's lower end is by r = the greater half, which it is if the light found is no
+// luck at all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -23,40 +32,22 @@ layout(std430, set = 0, binding = BIND_ERROR_FILM) readonly buffer Film {
 	film_pixel film[];
 };
 layout(std430, set = 0, binding = BIND_ERRORS) writeonly buffer Errors {
-	float errors[];
+	error_tile errors[];
 };
 
+#define AROUND (TILE_SIDE + 2) // the tile and a pixel on each side
+#define BRIGHTER 4.0 // than this one's mean: a known pixel that says nothing of it
+#define OUTLIER 8.0 // times the surroundings
+#define TWICE 2.0
+#define EDGE 4.0
+#define TERM_MOST 1e15 // of a term: its square must be a number
+
+// The halves of the pixels around; -1: not of the picture.
+shared vec3 lesser[AROUND * AROUND];
+shared vec3 greater[AROUND * AROUND];
 shared vec4 parts[TILE_PIXELS];
-
-// Sum over a quarter of the tile: the 4 × 4 pixels that contain this lane's. Lanes come in blocks of 4 × 2, two blocks a
-// row.
-vec4 quarter_sum(vec4 x)
-{
-	uint lane = gl_LocalInvocationIndex;
-	uint block = lane / 8u;
-	uint upper = block % 2u + block / 4u * 4u;
-	vec4 sum = vec4(0.0);
-	parts[lane] = x;
-	barrier();
-	for (uint i = 0u; i < 8u; i++)
-		sum += parts[upper * 8u + i] + parts[(upper + 2u) * 8u + i];
-	barrier();
-	return sum;
-}
-
-// Sum over the tile; the result is valid in lane 0.
-float tile_sum(float x)
-{
-	uint lane = gl_LocalInvocationIndex;
-	parts[lane].x = x;
-	barrier();
-	for (uint reach = TILE_PIXELS / 2u; reach > 0u; reach /= 2u) {
-		if (lane < reach)
-			parts[lane].x += parts[lane + reach].x;
-		barrier();
-	}
-	return parts[lane].x;
-}
+shared vec2 more_parts[TILE_PIXELS];
+shared uint uncertain; // some pixel of the tile is not known
 
 vec3 half_sum(uint first)
 {
@@ -74,52 +65,133 @@ vec3 film_mean(uint pixel, uint first, float unit)
 	return sum * unit;
 }
 
-// An estimate of a pixel's true value r. It is the pixel's own mean where that is known to a quarter. Elsewhere, the mean
-// would hide its own error: a pixel that is much too bright would count as hardly wrong (measured: 0.13 of the true relMSE
-// for eight samples of a room with caustics). There the estimate is the mean of the block of 4 × 4 pixels around it, which
-// depends little on that pixel and still belongs to the same surface. If the lesser of the halves is larger, as where the
-// pixel is brighter than its surroundings, that is used instead.
-vec3 likely(vec3 a, vec3 b, vec3 around)
+// Put the halves of place `i` around the tile into `lesser` and `greater`.
+void load(uvec2 corner, uint i)
 {
-	vec3 mean = 0.5 * (a + b);
-	return mix(max(min(a, b), around), mean, lessThan(2.0 * abs(a - b), abs(mean)));
+	ivec2 pixel = ivec2(corner) + ivec2(i % AROUND, i / AROUND) - 1;
+	int row = pixel.y - int(push.first_row);
+	lesser[i] = vec3(-1.0);
+	greater[i] = vec3(-1.0);
+	if (pixel.x < 0 || pixel.x >= int(job.width) || row < 0 || row >= int(push.rows))
+		return;
+	bool more = uint(pixel.y) / TILE_SIDE * job.tiles_x + uint(pixel.x) / TILE_SIDE < push.more_tiles;
+	uint at = uint(row) * job.width + uint(pixel.x);
+	sums_load(at);
+	vec3 a = half_sum(0u) / (more ? push.more_a : push.count_a);
+	vec3 b = half_sum(3u) / (more ? push.more_b : push.count_b);
+	if (push.has_film != 0u) {
+		a += film_mean(at, 0u, push.film_a);
+		b += film_mean(at, 3u, push.film_b);
+	}
+	lesser[i] = min(a, b);
+	greater[i] = max(a, b);
 }
 
-// d² / (r² + 0.01), for numbers whose squares may overflow.
-vec3 relative_square(vec3 d, vec3 r)
+vec3 mean_at(uint i)
+{
+	return 0.5 * lesser[i] + 0.5 * greater[i];
+}
+
+bvec3 known_at(uint i)
+{
+	return lessThanEqual(2.0 * (greater[i] - lesser[i]), mean_at(i));
+}
+
+bvec3 all_of(bvec3 a, bvec3 b)
+{
+	return bvec3(a.x && b.x, a.y && b.y, a.z && b.z);
+}
+
+uint inside(uint lane)
+{
+	return (lane / TILE_SIDE + 1u) * AROUND + lane % TILE_SIDE + 1u;
+}
+
+// The mean of the tile's other pixels, as above.
+vec3 surroundings(uint lane, vec3 mean)
+{
+	vec3 sum = vec3(0.0);
+	vec3 count = vec3(0.0);
+	uint lanes = uncertain != 0u ? TILE_PIXELS : 0u;
+	for (uint other = 0u; other < lanes; other++) {
+		uint i = inside(other);
+		vec3 here = mean_at(i);
+		bvec3 much = all_of(known_at(i), greaterThan(here, BRIGHTER * mean));
+		vec3 counts = other == lane || here.x < 0.0 ? vec3(0.0) : vec3(1.0) - vec3(much);
+		sum += counts * here;
+		count += counts;
+	}
+	return sum / max(count, vec3(1.0));
+}
+
+// Whether the lesser half of one of the eight neighbours is as bright.
+bvec3 beside_bright(uint i, vec3 mean, vec3 most)
+{
+	vec3 found = vec3(0.0);
+	uint places = uncertain != 0u ? 9u : 0u;
+	for (uint place = 0u; place < places; place++) {
+		vec3 other = lesser[i + place / 3u * AROUND + place % 3u - AROUND - 1u];
+		bvec3 alike = all_of(greaterThanEqual(other, mean), lessThanEqual(other, EDGE * most));
+		found = max(found, place == 4u ? vec3(0.0) : vec3(alike));
+	}
+	return greaterThan(found, vec3(0.0));
+}
+
+// d² / (r² + 0.01) over the channels, for numbers whose squares may overflow.
+float term(vec3 d, vec3 r)
 {
 	vec3 unit = max(max(abs(d), abs(r)), vec3(1.0));
 	vec3 x = d / unit, y = r / unit;
-	return x * x / (y * y + 0.01 / unit / unit);
+	vec3 relative = x * x / (y * y + 0.01 / unit / unit);
+	return min(relative.r + relative.g + relative.b, TERM_MOST);
+}
+
+// The sums of the lane's pixel.
+void measure(uint lane, out vec4 first, out vec2 second)
+{
+	uint i = inside(lane);
+	vec3 low = lesser[i], high = greater[i], mean = mean_at(i), d = 0.5 * (high - low);
+	vec3 around = surroundings(lane, mean);
+	vec3 least = max(low, around), middle = sqrt(max(low, vec3(0.0))) * sqrt(high);
+	bvec3 known = known_at(i);
+	bvec3 edge = all_of(greaterThan(high, OUTLIER * around), beside_bright(i, mean, high));
+	bvec3 both = greaterThan(low, TWICE * around);
+	vec3 r = mix(mix(mix(least, middle, both), mean, edge), mean, known);
+	vec3 r_low = mix(mix(mix(0.5 * least, middle / EDGE, both), mean / EDGE, edge), low, known);
+	bvec3 found = bvec3(known.x || edge.x || both.x, known.y || edge.y || both.y, known.z || edge.z || both.z);
+	vec3 lucky = mix(max(mean - around, vec3(0.0)), vec3(0.0), found);
+	float t = term(d, r), below = t - term(d, high), above = term(d, r_low) - t;
+	first = vec4(t, t * t, below * below, above * above);
+	second = vec2(lucky.r + lucky.g + lucky.b, mean.r + mean.g + mean.b);
 }
 
 void main()
 {
+	uint lane = gl_LocalInvocationIndex;
 	uint tile = push.first_tile + gl_WorkGroupID.x;
-	uvec2 pixel = tile_pixel(tile, job.tiles_x);
-	bool mine = pixel.x < job.width && pixel.y < job.height;
-	bool more = tile < push.more_tiles;
-	float count_a = more ? push.more_a : push.count_a;
-	float count_b = more ? push.more_b : push.count_b;
-	vec3 mean = vec3(0.0);
-	vec3 a = vec3(0.0);
-	vec3 b = vec3(0.0);
-	if (mine) {
-		uint at = (pixel.y - push.first_row) * job.width + pixel.x;
-		sums_load(at);
-		a = half_sum(0u);
-		b = half_sum(3u);
-		if (push.has_film != 0u) {
-			a += film_mean(at, 0u, push.film_a) * count_a;
-			b += film_mean(at, 3u, push.film_b) * count_b;
+	uvec2 corner = uvec2(tile % job.tiles_x, tile / job.tiles_x) * TILE_SIDE;
+	uncertain = 0u;
+	for (uint i = lane; i < AROUND * AROUND; i += TILE_PIXELS)
+		load(corner, i);
+	barrier();
+	bool mine = lesser[inside(lane)].x >= 0.0;
+	if (mine && !all(known_at(inside(lane))))
+		atomicOr(uncertain, 1u);
+	barrier();
+	vec4 first = vec4(0.0);
+	vec2 second = vec2(0.0);
+	if (mine)
+		measure(lane, first, second);
+	parts[lane] = first;
+	more_parts[lane] = second;
+	barrier();
+	for (uint reach = TILE_PIXELS / 2u; reach > 0u; reach /= 2u) {
+		if (lane < reach) {
+			parts[lane] += parts[lane + reach];
+			more_parts[lane] += more_parts[lane + reach];
 		}
-		mean = (a + b) / (count_a + count_b);
-		a /= count_a;
-		b /= count_b;
+		barrier();
 	}
-	vec4 around = quarter_sum(vec4(mean, mine ? 1.0 : 0.0));
-	vec3 relative = relative_square(0.5 * (a - b), likely(a, b, around.xyz / max(around.w, 1.0)));
-	float sum = tile_sum(relative.r + relative.g + relative.b);
-	if (gl_LocalInvocationIndex == 0u)
-		errors[tile] = sum;
+	if (lane == 0u)
+		errors[tile] = error_tile(parts[0].x, parts[0].y, parts[0].z, parts[0].w, more_parts[0].x, more_parts[0].y);
 }

@@ -5,7 +5,7 @@
 #include "shared/bindings.h"
 
 #define BIND_PATHS 17 // path: struct path_state for each invocation, for paths longer than a dispatch
-#define BIND_ERRORS 17 // error: a float for each tile
+#define BIND_ERRORS 17 // error: struct error_tile for each tile
 // For the path pass alone: the environment map, as struct environment_texel and struct environment_row.
 #define BIND_ENVIRONMENT 20
 #define BIND_ENVIRONMENT_ROWS 21
@@ -67,6 +67,7 @@ struct error_push {
 	uint first_row; // first row of the band, as in path_push
 	uint more_tiles; // number of tiles, from the image's first on, that have more samples than the others
 	uint has_film;
+	uint rows; // of the band
 	float count_a; // samples of a pixel in half A
 	float count_b;
 	float more_a; // the same in those first tiles
@@ -74,7 +75,15 @@ struct error_push {
 	float film_a; // W/(m² sr) of one unit of the film, in half A
 	float film_b;
 };
-LAYOUT_ASSERT(error_push, 40)
+LAYOUT_ASSERT(error_push, 44)
+
+// What the error pass tells of a tile: sums over its pixels, as struct relmse_sums.
+struct error_tile {
+	float terms, squares;
+	float below, above;
+	float lucky, light;
+};
+LAYOUT_ASSERT(error_tile, 24)
 
 struct path_state {
 	float origin[3];

@@ -280,7 +280,7 @@ static void the_encoder_answers_every_frame_in_order(void **state)
 		f->samples = i + 1;
 		f->rays = 1000 + i;
 		f->non_finite_samples = i;
-		f->estimated_relmse = 0.25;
+		f->estimate.relmse = 0.25;
 		frame_add_stage(f, "trace", 42);
 		encoder_submit(encoder,
 			       &(struct encoder_task){.job = 100 + i, .final = i % 2, .frame = f, .format = CODEC_PNG});

@@ -1,12 +1,14 @@
-"""The estimated error: near the true one, falling as one over the samples, and a render that ends at it ends at the same sample
-with the same bits, whatever the slices are."""
+"""The estimated error: near the true one, which lies in its interval, falling as one over the samples; no upper end where light may not
+have been found; and a render that ends at it ends at the same sample with the same bits, whatever the slices are."""
 import hashlib
 import json
+import math
 import os
 import unittest
 
 import numpy
 
+import hidden
 import make
 from images import relmse
 from render import Daemon
@@ -25,6 +27,19 @@ def estimate(picture):
     return picture.report["estimated_relmse"]
 
 
+def interval(picture):
+    """(low, high), infinity where there is no upper end."""
+    low, high = picture.report["relmse_low"], picture.report["relmse_high"]
+    return low, math.inf if high is None else high
+
+
+def reference(path, samples, more=(), size=SIZE, seeds=(901, 902)):
+    """Its mean and what its own noise adds to a relMSE."""
+    parts = [daemon.render(path, size, samples, arguments=[*more, "--seed", str(s)]).radiance.astype(numpy.float64) for s in seeds]
+    mean = sum(parts) / len(parts)
+    return mean, relmse(parts[0], parts[1]) / 4
+
+
 class Estimate(unittest.TestCase):
     def test_it_is_near_the_true_one(self):
         for path, more in ((make.cornell(daemon.folder), []), (make.stage(daemon.folder), []),
@@ -34,8 +49,11 @@ class Estimate(unittest.TestCase):
                 picture = daemon.render(path, SIZE, spp, arguments=more)
                 true = relmse(picture.radiance.astype(numpy.float64), reference)
                 ratio = estimate(picture) / true
-                print(f"{os.path.basename(path)}, {spp} samples: relMSE {true:.2e}, estimated over true {ratio:.2f}")
+                low, high = interval(picture)
+                print(f"{os.path.basename(path)}, {spp} samples: relMSE {true:.2e} in {low:.2e} … {high:.2e}, estimated over true {ratio:.2f}")
                 self.assertLess(max(ratio, 1 / ratio), 1.5)
+                self.assertTrue(low <= true <= high)
+                self.assertLess(high / low, 2)
 
     def test_what_is_small_and_bright_before_the_dark(self):
         """The mean of a block is far too little for a ball of two pixels' breadth: by it alone the first ratio is 4.0."""
@@ -73,6 +91,99 @@ class Estimate(unittest.TestCase):
         flat = ["--background", "1,1,1", "--camera", "0,0,4,0,0,8,0,1,0,40", "--error", "1e-9"]
         report = daemon.render(path, SIZE, 4096, arguments=flat).report
         self.assertEqual((report["estimated_relmse"], report["samples"], report["reason"]), (0, 8, "error"))
+        self.assertEqual((report["relmse_low"], report["relmse_high"]), (0, 0))
+
+
+class Fireflies(unittest.TestCase):
+    """What few samples find is much brighter than what is around: a pixel's own mean would hide that."""
+    SIZE = (24, 24)
+
+    def frames(self, path, spp, seeds, truth, noise):
+        """(estimates, true errors, how many of them lie in the interval)"""
+        pictures = [daemon.render(path, self.SIZE, spp, arguments=["--seed", str(s)]) for s in seeds]
+        true = [relmse(p.radiance.astype(numpy.float64), truth) - noise for p in pictures]
+        inside = sum(low <= t <= high for (low, high), t in zip(map(interval, pictures), true))
+        ratio = sum(map(estimate, pictures)) / sum(true)
+        print(f"{os.path.basename(path)}, {spp} samples: {inside} of {len(true)} inside, mean estimate over mean true error {ratio:.2f}")
+        return pictures, ratio, inside
+
+    def test_a_small_lamp_in_a_glossy_room(self):
+        path = hidden.brushed(daemon.folder)
+        truth, noise = reference(path, 768, size=self.SIZE)
+        _, ratio, inside = self.frames(path, 8, range(1, 13), truth, noise)
+        self.assertLess(max(ratio, 1 / ratio), 1.5)
+        self.assertGreaterEqual(inside, 10)
+
+    def test_a_lamp_in_a_shade(self):
+        path = hidden.shade(daemon.folder)
+        truth, noise = reference(path, 1024, size=self.SIZE)
+        pictures, ratio, inside = self.frames(path, 4, range(1, 13), truth, noise)
+        self.assertLess(max(ratio, 1 / ratio), 1.5)
+        self.assertGreaterEqual(inside, 10)
+        # Most light came by luck, so no number bounds the error, and none is reached.
+        for picture in pictures:
+            self.assertIsNone(picture.report["relmse_high"])
+            self.assertTrue(any("no upper end" in note for note in picture.report["notes"]), picture.report["notes"])
+        picture = daemon.render(path, self.SIZE, 12, arguments=["--error", "100"])
+        self.assertEqual((picture.report["samples"], picture.report["reason"]), (12, "samples"))
+        self.assertTrue(any("no target" in note for note in picture.report["notes"]), picture.report["notes"])
+
+    def test_a_lamp_that_nothing_finds(self):
+        """The black room has a lamp outside, the black stage none at all: of the second it is known that nothing is missing."""
+        path = make.sealed_room(daemon.folder)
+        picture = daemon.render(path, self.SIZE, 24, arguments=["--error", "0.1"])
+        self.assertEqual((picture.report["samples"], picture.report["reason"]), (24, "samples"))
+        self.assertEqual((estimate(picture), picture.report["relmse_low"], picture.report["relmse_high"]), (0, 0, None))
+        self.assertTrue(any("no sample has found light" in note for note in picture.report["notes"]), picture.report["notes"])
+        picture = daemon.render(make.unlit(daemon.folder), self.SIZE, 24, arguments=["--error", "0.1"])
+        self.assertEqual((picture.report["samples"], picture.report["reason"]), (8, "error"))
+        self.assertEqual((estimate(picture), picture.report["relmse_high"]), (0, 0))
+
+    def test_a_lamps_rim_is_no_firefly(self):
+        """Where a lamp's rim crosses a pixel, its halves differ as a firefly's do: by what is around alone, the estimate is a thousand
+        times too high."""
+        g = Gltf()
+        g.place(*quad((-3, -3, -1), (3, -3, -1), (3, 3, -1), (-3, 3, -1)), g.material("wall", (.5,) * 3))
+        g.place(*quad((-.31, -.22, 0), (.33, -.27, 0), (.29, .3, 0), (-.28, .26, 0)), g.material("lamp", (0, 0, 0), (500,) * 3))
+        g.light("point", 1, (0, 1, 3))
+        g.camera((0, 0, 6), (0, 0, 0), 30)
+        path = g.save(daemon.folder, "rim.gltf")
+        truth, noise = reference(path, 512, size=self.SIZE)
+        for spp in (4, 16):
+            _, ratio, inside = self.frames(path, spp, range(1, 7), truth, noise)
+            self.assertLess(max(ratio, 1 / ratio), 3)
+            self.assertGreaterEqual(inside, 4)
+
+
+class Told(unittest.TestCase):
+    def test_as_text_and_in_the_file(self):
+        path = make.cornell(daemon.folder)
+        picture = daemon.render(path, SIZE, 8)
+        for key in ("estimated_relmse", "relmse_low", "relmse_high"):
+            self.assertAlmostEqual(float(picture.metadata["candil/" + key]) / picture.report[key], 1, delta=1e-5)
+        _, out, _ = daemon.candil("render", path, "-o", os.path.join(daemon.folder, "told.exr"), "--size", "48x48", "--spp", "8")
+        low, high = (f"{x:.2e}" for x in interval(picture))
+        self.assertIn(f"about {estimate(picture):.2e} ({low} … {high}, 90 %)", out)
+        self.assertNotIn("upper end", out)
+        _, out, _ = daemon.candil("render", hidden.shade(daemon.folder), "-o", os.path.join(daemon.folder, "told.exr"), "--size", "24x24",
+                                  "--spp", "4")
+        self.assertIn("light may not have been found", out)
+
+    def test_of_a_sweep(self):
+        """The means of its images, and no upper end if one of them has none."""
+        path, shade = make.cornell(daemon.folder), hidden.shade(daemon.folder)
+        for scene, sided in ((path, False), (shade, True)):
+            _, out, _ = daemon.candil("sweep", scene, "-o", os.path.join(daemon.folder, os.path.basename(scene) + "{index}.exr"), "--orbit", "2",
+                                      "--size", "24x24", "--spp", "4", "--json")
+            self.assertEqual(json.loads(out)["relmse_high"] is None, sided)
+
+    def test_techniques_without_noise(self):
+        """One sample a pixel tells nothing; of more the interval is about what differs between them, edges."""
+        path = make.cornell(daemon.folder)
+        for technique in ("direct", "vct"):
+            one, four = (daemon.render(path, SIZE, spp, arguments=["--technique", technique]).report for spp in (1, 4))
+            self.assertEqual([one[k] for k in ("estimated_relmse", "relmse_low", "relmse_high")], [None] * 3)
+            self.assertTrue(0 < four["relmse_low"] < four["estimated_relmse"] < four["relmse_high"])
 
 
 class Target(unittest.TestCase):
@@ -84,7 +195,7 @@ class Target(unittest.TestCase):
                 for odd in ("0", "3"):
                     picture = other.render(path, SIZE, 512, arguments=["--error", "0.02", "--first-sample", odd])
                     self.assertEqual(picture.report["reason"], "error")
-                    self.assertLessEqual(estimate(picture), 0.02)
+                    self.assertLessEqual(interval(picture)[1], 0.02)
                     ends.add((odd, picture.report["samples"], picture.radiance.tobytes()))
         self.assertEqual(len(ends), 2)
         for odd, samples, bits in ends:
@@ -93,7 +204,7 @@ class Target(unittest.TestCase):
             self.assertEqual(plain.radiance.tobytes(), bits)
             # It did not pass a point where it could have ended.
             before = max(s for s in FIXED if s < samples)
-            self.assertGreater(estimate(daemon.render(path, SIZE, before, arguments=["--first-sample", odd])), 0.02)
+            self.assertGreater(interval(daemon.render(path, SIZE, before, arguments=["--first-sample", odd]))[1], 0.02)
 
 
 class Deadline(unittest.TestCase):

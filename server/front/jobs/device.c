@@ -132,7 +132,7 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	job->device_us += device_us;
 	job->samples_done = stepped->samples_done;
 	job->fraction = stepped->fraction;
-	job->estimated_relmse = stepped->estimated_relmse;
+	job->estimate = stepped->estimate;
 	job->reached = stepped->reached != 0;
 	schedule_charge(&job->turn, device_us);
 	if (job->sweep) {

@@ -12,7 +12,7 @@ void job_begin_again(struct jobs *jobs, struct job *job)
 	job->preview_samples = 0;
 	job->samples_done = 0;
 	job->fraction = 0;
-	job->estimated_relmse = -1;
+	job->estimate = ESTIMATE_UNKNOWN;
 	job->late = job->reached = false;
 	job->short_of_memory = false;
 	job->state = JOB_WAITING;

@@ -46,7 +46,9 @@ void job_tell_progress(const struct jobs *jobs, struct job *job)
 				    .fraction = fraction_of(job, now),
 				    .device_us = job->device_us,
 				    .elapsed_us = now - job->asked_us,
-				    .estimated_relmse = job->estimated_relmse};
+				    .estimated_relmse = job->estimate.relmse,
+				    .relmse_low = job->estimate.low,
+				    .relmse_high = job->estimate.high};
 	if (job->sweep)
 		add_up_sweep(jobs, job->sweep, &progress);
 	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);

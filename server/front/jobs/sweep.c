@@ -61,16 +61,26 @@ static void add_stage(candil_Done *total, const candil_Stage *stage)
 		total->stages[total->stages_count++] = *stage;
 }
 
+// Add to a sum of numbers that are negative where they are not known. If one image's is unknown, so is the mean.
+static void add_known(double *sum, double x)
+{
+	*sum = *sum < 0 || x < 0 ? -1 : *sum + x;
+}
+
+static void divide_known(double *sum, uint32_t count)
+{
+	if (*sum > 0)
+		*sum /= count;
+}
+
 void sweep_add(struct sweep *sweep, const candil_Done *done)
 {
 	candil_Done *total = &sweep->total;
 	for (pb_size_t i = 0; i < done->stages_count; i++)
 		add_stage(total, &done->stages[i]);
-	// If one image's error is unknown, so is the mean.
-	if (done->estimated_relmse < 0 || total->estimated_relmse < 0)
-		total->estimated_relmse = -1;
-	else
-		total->estimated_relmse += done->estimated_relmse;
+	add_known(&total->estimated_relmse, done->estimated_relmse);
+	add_known(&total->relmse_low, done->relmse_low);
+	add_known(&total->relmse_high, done->relmse_high);
 	total->figures_count = done->figures_count;
 	memcpy(total->figures, done->figures, sizeof total->figures);
 	total->notes_count = done->notes_count;
@@ -89,8 +99,9 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 
 void sweep_close(struct sweep *sweep, uint64_t now_us)
 {
-	if (sweep->total.estimated_relmse > 0)
-		sweep->total.estimated_relmse /= sweep_count(sweep);
+	divide_known(&sweep->total.estimated_relmse, sweep_count(sweep));
+	divide_known(&sweep->total.relmse_low, sweep_count(sweep));
+	divide_known(&sweep->total.relmse_high, sweep_count(sweep));
 	sweep->total.elapsed_us = now_us - sweep->asked_us;
 }
 

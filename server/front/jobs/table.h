@@ -43,7 +43,7 @@ struct job {
 	uint32_t slices;
 	uint32_t samples_done;
 	double fraction; // of the work, 0 to 1
-	double estimated_relmse; // negative: unknown
+	struct estimate estimate; // of its error, at the last look
 	uint64_t deadline_us; // when its image should be there; UINT64_MAX: never
 	bool late; // it ends because of its deadline
 	bool reached; // it ends because its target error is reached

@@ -64,7 +64,9 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 	_Static_assert(sizeof done->notes == sizeof f->notes, "frame.h and candil.options differ");
 	done->notes_count = (pb_size_t)f->note_count;
 	memcpy(done->notes, f->notes, sizeof done->notes);
-	done->estimated_relmse = f->estimated_relmse;
+	done->estimated_relmse = f->estimate.relmse;
+	done->relmse_low = f->estimate.low;
+	done->relmse_high = f->estimate.high;
 	done->non_finite_samples = f->non_finite_samples;
 	done->rays = f->rays;
 	memcpy(done->device, e->device, sizeof done->device);

@@ -28,7 +28,7 @@ enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct 
 		goto out_of_memory;
 	f->width = width;
 	f->height = height;
-	f->estimated_relmse = -1;
+	f->estimate = ESTIMATE_UNKNOWN;
 	f->radiance = plane(pixels, 3);
 	if (aovs & AOV_DEPTH)
 		f->depth = plane(pixels, 1);

@@ -9,6 +9,7 @@
 #include "protocol/asked.h"
 #include "protocol/limits.h"
 #include "server/base/error.h"
+#include "server/base/estimate.h"
 
 #define FRAME_METADATA_MAX 80u // entries of each list at most
 #define FRAME_STAGES_MAX (LIMIT_STAGES - 1u) // the front adds the wait
@@ -39,7 +40,7 @@ struct frame {
 	uint32_t *id; // 1: material index + 1; 0: nothing hit
 
 	uint32_t samples; // of a pixel, in this picture
-	double estimated_relmse; // negative: unknown
+	struct estimate estimate; // of its error
 	uint64_t non_finite_samples; // samples that were infinite or NaN and count as black
 	uint64_t rays; // traced
 	struct frame_stage stages[FRAME_STAGES_MAX];

@@ -45,6 +45,7 @@
 
 #include "candil.pb.h"
 #include "server/base/error.h"
+#include "server/base/estimate.h"
 #include "server/worker/plan/option.h"
 
 struct devices; // worker/devices.h
@@ -60,13 +61,13 @@ struct technique_job; // the technique's own, opaque to the loop
 struct step_result {
 	uint32_t samples_done; // complete samples of every pixel
 	bool finished; // no step is left to do
-	bool reached; // finished, because the error fell to plan->target_error
-	double estimated_relmse; // mean of error² / (value² + 0.01) over pixels and channels; negative: unknown
+	bool reached; // finished, because the upper end of the error fell to plan->target_error
+	struct estimate estimate; // of the picture so far
 	double fraction; // of all the job's work, 0…1
 };
 
 // A step that has done nothing, with an unknown error.
-#define STEP_RESULT_NOTHING ((struct step_result){.estimated_relmse = -1})
+#define STEP_RESULT_NOTHING ((struct step_result){.estimate = ESTIMATE_UNKNOWN})
 
 // The table. A function that may be NULL says what NULL means.
 struct technique {

@@ -1,5 +1,6 @@
 #include "server/worker/technique/common/resolve.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "server/worker/technique/common/scene_params.h"
@@ -33,21 +34,34 @@ static double film_of(const struct resolver *r, const uint32_t *film, int half, 
 	return film ? r->film_units[half] * ((double)part[1] * 4294967296.0 + (double)part[0]) : 0;
 }
 
+static double term(double d, double r)
+{
+	return d * d / (r * r + 0.01);
+}
+
 static void resolve_pixel(struct resolver *r, const float *sums, const uint32_t *film, const double counts[2],
 			  float *radiance)
 {
 	const double total = counts[0] + counts[1];
+	double t = 0, low = 0, high = 0;
 	for (int c = 0; c < 3; c++) {
 		const double a = sum_of(sums + 2 * c) + counts[0] * film_of(r, film, 0, c);
 		const double b = sum_of(sums + 6 + 2 * c) + counts[1] * film_of(r, film, 1, c);
 		const double mean = total > 0 ? (a + b) / total : 0;
 		radiance[c] = (float)mean;
-		if (counts[0] > 0 && counts[1] > 0) {
-			const double half = 0.5 * (a / counts[0] - b / counts[1]);
-			r->error += half * half / (mean * mean + 0.01);
-			r->known++;
-		}
+		if (!(counts[0] > 0 && counts[1] > 0))
+			continue;
+		const double lesser = fmin(a / counts[0], b / counts[1]), greater = fmax(a / counts[0], b / counts[1]);
+		t += term(0.5 * (greater - lesser), mean);
+		low += term(0.5 * (greater - lesser), greater);
+		high += term(0.5 * (greater - lesser), lesser);
+		r->sums.light += mean;
 	}
+	r->sums.terms += t;
+	r->sums.squares += t * t;
+	r->sums.below += (t - low) * (t - low);
+	r->sums.above += (high - t) * (high - t);
+	r->known += counts[0] > 0 && counts[1] > 0;
 }
 
 void resolve_sums(struct resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
@@ -79,7 +93,9 @@ void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, stru
 	}
 }
 
-double resolver_error(const struct resolver *r)
+struct estimate resolver_error(const struct resolver *r)
 {
-	return r->known ? r->error / (double)r->known : -1;
+	if (r->known == 0)
+		return ESTIMATE_UNKNOWN;
+	return r->sums.light > 0 ? relmse_estimate(&r->sums, r->known) : RELMSE_NONE;
 }

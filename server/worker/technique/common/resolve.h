@@ -6,13 +6,14 @@
 #include <stdint.h>
 
 #include "server/worker/image/frame.h"
+#include "server/worker/technique/common/relmse.h"
 
 // A picture on its way. Even samples are half A, odd ones half B.
 struct resolver {
 	uint32_t tiles; // the image's first tiles, which have more samples
 	double counts[2][2]; // samples of half A and B: [0] of all other tiles, [1] of those first ones
-	double error; // sum of the error terms so far
-	uint64_t known; // number of those terms
+	struct relmse_sums sums; // of the pixels so far
+	uint64_t known; // pixels in the sums
 	const uint32_t
 	    *film; // what light paths brought to the rows to come: struct film_pixel a pixel; NULL: none. The caller sets it
 	double film_units[2]; // radiance of one of its numbers in half A and B. The caller sets it
@@ -29,9 +30,8 @@ void resolve_sums(struct resolver *resolver, const float *sums, uint32_t first_r
 // Fill rows of the AOVs that the frame has, from AOV_WORDS words a pixel.
 void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *frame);
 
-// The estimated relMSE of the rows that were resolved. With a and b the means of the two independent halves, ((a − b) / 2)²
-// is an unbiased estimate of the variance of (a + b) / 2. relMSE is the mean over pixels and channels of that variance
-// divided by r² + 0.01, where r is the pixel's value. Negative: a half has no sample.
-double resolver_error(const struct resolver *resolver);
+// The estimated error of the rows that were resolved, for techniques without fireflies: every pixel's own value stands for
+// the true one. Unknown if a half has no sample.
+struct estimate resolver_error(const struct resolver *resolver);
 
 #endif

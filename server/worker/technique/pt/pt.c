@@ -175,14 +175,14 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	return s;
 }
 
-// Whether the target error is reached. Asked only where a batch ends at one of the fixed checkpoints.
+// Whether the target error is reached, by the upper end of the interval. Asked only where a batch ends at one of the fixed checkpoints.
 static enum status look_at_target(struct technique_job *j, bool *reached, struct error *err)
 {
 	*reached = false;
 	if (!(j->plan.target_error > 0) || j->tile > 0 || j->sample == 0 || pt_error_checkpoint(j->sample - 1) != j->sample)
 		return STATUS_OK;
 	enum status s = j->error_sample == j->sample ? STATUS_OK : pt_error_measure(j, err);
-	*reached = j->estimated_relmse >= 0 && j->estimated_relmse <= j->plan.target_error;
+	*reached = j->estimate.high >= 0 && j->estimate.high <= j->plan.target_error;
 	return s;
 }
 
@@ -197,7 +197,7 @@ static enum status look_at_error(struct technique_job *j, struct error *err)
 static double fraction_of(const struct technique_job *j, bool reached)
 {
 	const double samples = ((double)j->sample + (double)j->batch * j->tile / j->tiles) / j->plan.samples;
-	const double error = j->estimated_relmse > 0 ? j->plan.target_error / j->estimated_relmse : 0;
+	const double error = j->estimate.high > 0 ? j->plan.target_error / j->estimate.high : 0;
 	return reached ? 1 : fmin(fmax(samples, error), 1);
 }
 
@@ -224,7 +224,7 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 	result->reached = reached;
 	result->finished = reached || j->sample == j->plan.samples;
 	const enum status s = look_at_error(j, err);
-	result->estimated_relmse = j->estimated_relmse;
+	result->estimate = j->estimate;
 	result->fraction = fraction_of(j, reached);
 	return s;
 }
@@ -272,9 +272,24 @@ static void account_clamp(const struct technique_job *j, struct frame *f)
 	frame_add_figure(f, "clamp.share", removed > 0 ? removed / (removed + kept) : 0, "");
 }
 
+// Say why the error has no upper end, where it has none.
+static void note_estimate(const struct technique_job *j, struct frame *f)
+{
+	const char *end = j->plan.target_error > 0 ? ", and no target is known to be reached" : "";
+	if (j->estimate.relmse < 0 || j->estimate.high >= 0)
+		return;
+	if (j->estimate.relmse == 0)
+		frame_add_note(f, "no sample has found light, though the scene gives some: the error has no upper end%s", end);
+	else
+		frame_add_note(f, "most light came to few pixels by luck, and as much may be missing: the error has no upper end%s",
+			       end);
+}
+
 static void pt_account(const struct technique_job *j, struct frame *f)
 {
 	f->samples = j->sample;
+	f->estimate = j->estimate;
+	note_estimate(j, f);
 	f->non_finite_samples = j->non_finite;
 	f->rays = j->rays;
 	if (j->upload_us)
@@ -311,7 +326,6 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 		frame_destroy(f);
 		return s;
 	}
-	f->estimated_relmse = j->estimated_relmse;
 	pt_account(j, f);
 	if (pt_settings(&j->plan)->clamp > 0)
 		account_clamp(j, f);

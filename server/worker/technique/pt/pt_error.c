@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "server/base/clock.h"
+#include "server/worker/technique/common/relmse.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
 #include "server/worker/vk/command.h"
@@ -42,6 +43,7 @@ static void record(const struct technique_job *j, const struct pt_band *band)
 	const uint32_t even[2] = {(j->plan.first_sample + 1) / 2, j->plan.first_sample / 2};
 	const uint32_t last = j->plan.first_sample + j->sample, more = last + (j->tile > 0 ? j->batch : 0);
 	struct error_push push = {.first_row = band->first_row,
+				  .rows = band->rows,
 				  .more_tiles = j->tile,
 				  .count_a = (float)((last + 1) / 2 - even[0]),
 				  .count_b = (float)(last / 2 - even[1]),
@@ -79,10 +81,10 @@ enum status pt_error_init(struct technique_job *j, struct error *err)
 	const uint64_t start = clock_us();
 	enum status s = pipeline_get(j->device, &error_shader, NULL, &j->error, err);
 	if (s == STATUS_OK)
-		s = buffer_init(&j->errors, j->device, (uint64_t)j->tiles * sizeof(float), BUFFER_DEVICE, err);
+		s = buffer_init(&j->errors, j->device, (uint64_t)j->tiles * sizeof(struct error_tile), BUFFER_DEVICE, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
 		s = bind_band(j, &j->bands[i], err);
-	j->estimated_relmse = -1;
+	j->estimate = ESTIMATE_UNKNOWN;
 	if (s != STATUS_OK || j->error->warm)
 		return s;
 	// A run to make the driver compile: what it writes, of a picture without samples, is not read.
@@ -99,26 +101,47 @@ void pt_error_finish(struct technique_job *j)
 	buffer_finish(&j->errors, j->device);
 }
 
+// Whether light can come from anywhere: if not, a black picture is as it should be.
+static bool has_light(const struct plan *p)
+{
+	const uint32_t lamps = 1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS;
+	return (p->effects & lamps) || plan_has_sky(p) || p->background[0] > 0 || p->background[1] > 0 ||
+	       p->background[2] > 0;
+}
+
+static struct estimate estimate_of(const struct technique_job *j, const struct error_tile *tiles)
+{
+	struct relmse_sums sums = {0};
+	for (uint32_t i = 0; i < j->tiles; i++) {
+		sums.terms += tiles[i].terms;
+		sums.squares += tiles[i].squares;
+		sums.below += tiles[i].below;
+		sums.above += tiles[i].above;
+		sums.lucky += tiles[i].lucky;
+		sums.light += tiles[i].light;
+	}
+	if (sums.light == 0 && !has_light(&j->plan))
+		return RELMSE_NONE;
+	return relmse_estimate(&sums, (uint64_t)j->plan.width * j->plan.height);
+}
+
 enum status pt_error_measure(struct technique_job *j, struct error *err)
 {
 	const uint64_t start = clock_us();
-	const size_t bytes = (size_t)j->tiles * sizeof(float);
-	double sum = 0;
+	const size_t bytes = (size_t)j->tiles * sizeof(struct error_tile);
 	j->error_sample = j->sample;
-	j->estimated_relmse = -1;
+	j->estimate = ESTIMATE_UNKNOWN;
 	if (j->sample < 2)
 		return STATUS_OK;
-	float *parts = malloc(bytes);
-	if (!parts)
+	struct error_tile *tiles = malloc(bytes);
+	if (!tiles)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	enum status s = pt_error_run(j, err);
 	if (s == STATUS_OK)
-		s = buffer_read(&j->errors, j->device, 0, bytes, parts, err);
-	for (uint32_t i = 0; s == STATUS_OK && i < j->tiles; i++)
-		sum += parts[i];
-	free(parts);
+		s = buffer_read(&j->errors, j->device, 0, bytes, tiles, err);
 	if (s == STATUS_OK)
-		j->estimated_relmse = sum / (3.0 * j->plan.width * j->plan.height);
+		j->estimate = estimate_of(j, tiles);
+	free(tiles);
 	j->error_us += clock_us() - start;
 	return s;
 }

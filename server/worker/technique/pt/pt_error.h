@@ -1,4 +1,4 @@
-// The path tracer's estimate of its own error, computed on the device: one float for each tile is read back, not the
+// The path tracer's estimate of its own error, computed on the device: a few sums for each tile are read back, not the
 // picture. Device's thread only.
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_ERROR_H
 #define CANDIL_WORKER_TECHNIQUE_PT_ERROR_H
@@ -19,10 +19,9 @@ enum status pt_error_init(struct technique_job *job, struct error *err);
 // Free it.
 void pt_error_finish(struct technique_job *job);
 
-// Set job->estimated_relmse to the mean over pixels and channels of ((a − b) / 2)² / (r² + 0.01). a and b are the means of
-// the two independent halves of a pixel's samples; shaders/pt/error.comp.glsl says what r is. Sets it to -1 while pixels
-// have fewer than two samples. Not to be called between the dispatches of a tile of one batch. Blocks. STATUS_MEMORY,
-// STATUS_DEVICE.
+// Set job->estimate to that of the picture so far: server/worker/technique/common/relmse.h. It is unknown while pixels have
+// fewer than two samples. A picture without light has no error if nothing of its scene gives light, and else no upper end.
+// Not to be called between the dispatches of a tile of one batch. Blocks. STATUS_MEMORY, STATUS_DEVICE.
 enum status pt_error_measure(struct technique_job *job, struct error *err);
 
 // The least number of samples above `samples` at which the error is compared with a target: one of 8, 12, 16, 24, 32, 48…

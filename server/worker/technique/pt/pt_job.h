@@ -3,6 +3,7 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_JOB_H
 #define CANDIL_WORKER_TECHNIQUE_PT_JOB_H
 
+#include "server/base/estimate.h"
 #include "server/worker/devices.h"
 #include "server/worker/plan/plan.h"
 #include "server/worker/scenes/resident.h"
@@ -48,7 +49,7 @@ struct technique_job {
 	struct buffer casters; // struct emitter: the alias table over polished triangles; only if there are any
 	struct buffer caster_density; // a float for each material; only with light paths
 	double film_unit; // as in struct scene_params
-	struct buffer errors; // a float a tile
+	struct buffer errors; // struct error_tile a tile
 	struct pt_band *bands;
 	uint32_t band_count;
 
@@ -62,7 +63,7 @@ struct technique_job {
 	struct pass_counters seen; // the counters when they were last read
 	uint64_t rays, non_finite, clamped; // rays traced; samples that were not finite, and that were clamped
 	uint64_t removed; // luminance that clamping removed, in units of the clamp / CLAMP_UNITS
-	double estimated_relmse; // of the picture after error_sample samples; negative: unknown
+	struct estimate estimate; // of the picture after error_sample samples
 	uint32_t error_sample;
 	uint64_t error_us; // spent on measuring it
 	uint64_t upload_us, tree_us, compile_us, effects_us, trace_us, light_us, aov_us;

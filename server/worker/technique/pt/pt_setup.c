@@ -105,7 +105,7 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 	if (plan_has_sky(plan))
 		bytes += (uint64_t)plan->environment.width * plan->environment.height *
 			 (sizeof(struct environment_texel) + sizeof(struct environment_row));
-	bytes += tiles_of(plan) * sizeof(float);
+	bytes += tiles_of(plan) * sizeof(struct error_tile);
 	bytes += pixels_of(plan) * ACCUMULATOR_FLOATS * sizeof(float);
 	if (plan->aovs)
 		bytes += pixels_of(plan) * AOV_WORDS * sizeof(uint32_t);
@@ -291,7 +291,7 @@ enum status pt_job_restart(struct technique_job *j, uint32_t segment, uint32_t b
 	j->removed = 0;
 	j->loop_rounds = 0;
 	j->error_sample = 0;
-	j->estimated_relmse = -1;
+	j->estimate = ESTIMATE_UNKNOWN;
 	pt_job_next_batch(j);
 	enum status s = make_path_pass(j, segment, err);
 	return s == STATUS_OK ? clear_bands(j, err) : s;
