@@ -75,15 +75,16 @@ static void print_clamp(const struct candil_done *done, FILE *stream)
 				100 * done->figures[i].value);
 }
 
-static void print_error(const struct candil_done *done, FILE *stream)
+void report_print_error(const struct candil_done *done, FILE *stream)
 {
 	if (done->estimated_relmse == 0 && done->relmse_high == 0)
 		fputs("error      none: every sample says the same\n", stream);
 	else if (done->estimated_relmse >= 0 && done->relmse_high >= 0)
-		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), estimated\n", done->estimated_relmse,
-			done->relmse_low, done->relmse_high);
+		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), estimated\n",
+			done->estimated_relmse, done->relmse_low, done->relmse_high);
 	else if (done->estimated_relmse >= 0)
-		fprintf(stream, "error      relative MSE %.2e or more (at least %.2e, 90 %%): light may not have been found\n",
+		fprintf(stream,
+			"error      relative MSE %.2e or more (at least %.2e, 90 %%): light may not have been found\n",
 			done->estimated_relmse, done->relmse_low);
 }
 
@@ -99,7 +100,7 @@ void report_print(const struct report *r, FILE *stream)
 	report_print_stages(done, stream);
 	print_effects(&r->accepted, true, stream);
 	print_effects(&r->accepted, false, stream);
-	print_error(done, stream);
+	report_print_error(done, stream);
 	if (strcmp(done->reason, "error") == 0)
 		fprintf(stream, "ended      at the target error, after %" PRIu32 " sample%s\n", done->samples,
 			cli_s(done->samples));
@@ -222,6 +223,13 @@ static void put_known(json_t *object, const char *key, double value)
 	json_object_set_new(object, key, value >= 0 ? json_real(value) : json_null());
 }
 
+void report_put_error(json_t *object, const struct candil_done *done)
+{
+	put_known(object, "estimated_relmse", done->estimated_relmse);
+	put_known(object, "relmse_low", done->relmse_low);
+	put_known(object, "relmse_high", done->relmse_high);
+}
+
 json_t *report_json(const struct report *r)
 {
 	const struct candil_render_request *request = &r->options->request;
@@ -253,9 +261,7 @@ json_t *report_json(const struct report *r)
 	json_object_set_new(o, "stages", report_stages_json(done));
 	json_object_set_new(o, "figures", report_figures_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);
-	put_known(o, "estimated_relmse", done->estimated_relmse);
-	put_known(o, "relmse_low", done->relmse_low);
-	put_known(o, "relmse_high", done->relmse_high);
+	report_put_error(o, done);
 	put_number(o, "non_finite_samples", done->non_finite_samples);
 	put_number(o, "rays", done->rays);
 	put_number(o, "slices", done->slices);

@@ -10,6 +10,7 @@
 #include "clients/cli/interrupt.h"
 #include "clients/cli/job.h"
 #include "clients/cli/output.h"
+#include "clients/cli/report.h"
 #include "clients/cli/sweep_cameras.h"
 #include "clients/cli/sweep_compare.h"
 #include "clients/cli/sweep_keys.h"
@@ -49,6 +50,7 @@ struct sweep {
 	uint32_t retries;
 	bool late; // an image ended at its deadline
 	uint64_t rays, elapsed_us;
+	struct candil_done error; // its relMSE alone: sums over the images that were written, negative where unknown
 	char device[128];
 };
 
@@ -232,6 +234,20 @@ static bool sweep_write_image(struct sweep *sweep, const struct candil_image *im
 	return good;
 }
 
+// Add to a sum of numbers that are negative where they are not known.
+static double add_known(double sum, double mean, uint32_t count)
+{
+	return sum < 0 || mean < 0 ? -1 : sum + mean * count;
+}
+
+static void add_error(struct sweep *sweep, const struct candil_done *done)
+{
+	struct candil_done *sum = &sweep->error;
+	sum->estimated_relmse = add_known(sum->estimated_relmse, done->estimated_relmse, sweep->batch_count);
+	sum->relmse_low = add_known(sum->relmse_low, done->relmse_low, sweep->batch_count);
+	sum->relmse_high = add_known(sum->relmse_high, done->relmse_high, sweep->batch_count);
+}
+
 // Take one event of a request. false: an image cannot be written, errno says why.
 static bool sweep_take_event(void *user, const struct candil_event *event)
 {
@@ -252,6 +268,7 @@ static bool sweep_take_event(void *user, const struct candil_event *event)
 		sweep_draw_progress(sweep, 0);
 		return true;
 	case CANDIL_EVENT_DONE:
+		add_error(sweep, &event->u.done);
 		sweep->rays += event->u.done.rays;
 		sweep->retries += event->u.done.retries;
 		sweep->late |= strcmp(event->u.done.reason, "time") == 0;
@@ -333,20 +350,38 @@ static json_t *sweep_picture_json(const struct sweep *sweep, const struct pictur
 	return o;
 }
 
+static double mean_known(double sum, uint32_t count)
+{
+	return sum >= 0 && count > 0 ? sum / count : -1;
+}
+
+// The mean error of the images that were written.
+static struct candil_done mean_error(const struct sweep *sweep)
+{
+	const struct candil_done *sum = &sweep->error;
+	return (struct candil_done){.estimated_relmse = mean_known(sum->estimated_relmse, sweep->written),
+				    .relmse_low = mean_known(sum->relmse_low, sweep->written),
+				    .relmse_high = mean_known(sum->relmse_high, sweep->written)};
+}
+
 static json_t *sweep_summary_json(const struct sweep *sweep)
 {
 	const struct candil_render_request *r = &sweep->job.options.request;
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < sweep->picture_count; i++)
 		json_array_append_new(images, sweep_picture_json(sweep, &sweep->pictures[i]));
-	return json_pack("{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output",
-			 cli_json_text(sweep->job.options.output), "scene", cli_json_text(sweep->job.options.scene),
-			 "format", candil_format_name(r->format), "width", cli_json_u64(r->width), "height",
-			 cli_json_u64(r->height), "samples", cli_json_u64(r->samples), "cameras", cli_json_u64(sweep->count),
-			 "shard", cli_json_u64(sweep->shard), "shards", cli_json_u64(sweep->shards), "written",
-			 cli_json_u64(sweep->written), "skipped", cli_json_u64(sweep->skipped), "redone",
-			 cli_json_u64(sweep->redone), "elapsed_us", cli_json_u64(sweep->elapsed_us), "rays",
-			 cli_json_u64(sweep->rays), "retries", cli_json_u64(sweep->retries), "images", images);
+	json_t *o = json_pack(
+	    "{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output",
+	    cli_json_text(sweep->job.options.output), "scene", cli_json_text(sweep->job.options.scene), "format",
+	    candil_format_name(r->format), "width", cli_json_u64(r->width), "height", cli_json_u64(r->height), "samples",
+	    cli_json_u64(r->samples), "cameras", cli_json_u64(sweep->count), "shard", cli_json_u64(sweep->shard), "shards",
+	    cli_json_u64(sweep->shards), "written", cli_json_u64(sweep->written), "skipped", cli_json_u64(sweep->skipped),
+	    "redone", cli_json_u64(sweep->redone), "elapsed_us", cli_json_u64(sweep->elapsed_us), "rays",
+	    cli_json_u64(sweep->rays), "retries", cli_json_u64(sweep->retries), "images", images);
+	const struct candil_done mean = mean_error(sweep);
+	if (o)
+		report_put_error(o, &mean);
+	return o;
 }
 
 static enum exit_code sweep_say_summary(struct sweep *sweep)
@@ -370,6 +405,8 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 	if (sweep->written > 0)
 		printf("time       %.1f ms, %.1f ms an image, on %s\n", (double)sweep->elapsed_us * 1e-3,
 		       (double)sweep->elapsed_us * 1e-3 / sweep->written, sweep->device);
+	const struct candil_done mean = mean_error(sweep);
+	report_print_error(&mean, stdout);
 	if (sweep->late)
 		puts("ended      at the deadline, for at least one image");
 	if (sweep->retries > 0)
@@ -488,7 +525,8 @@ const struct command sweep_command = {
 	"ends. Pixels are not looked at, nor which device or version made them.\n\n"
 	"--json: {\"output\", \"scene\", \"format\", \"width\", \"height\", \"samples\", \"cameras\", \"shard\", "
 	"\"shards\",\n"
-	"\"written\", \"skipped\", \"redone\" (of those written), \"elapsed_us\", \"rays\", \"retries\", \"images\": "
+	"\"written\", \"skipped\", \"redone\" (of those written), \"estimated_relmse\", \"relmse_low\", \"relmse_high\"\n"
+	"(means over those written, null: unknown), \"elapsed_us\", \"rays\", \"retries\", \"images\": "
 	"[{\"index\", \"image\",\n"
 	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: the scene's first), \"time_s\" (of an animation),\n"
 	"\"why\" (what differed in the image that was there)}], \"warnings\": [] (about the scene), \"warnings_more\"}\n"

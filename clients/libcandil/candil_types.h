@@ -337,8 +337,9 @@ struct candil_progress {
 	double fraction; // of the work, 0 to 1
 	uint64_t device_us, elapsed_us; // that the device worked, that passed since the request arrived
 	double estimated_relmse; // at the last look; negative: unknown
-	double relmse_low, relmse_high; // nine times of ten the true one lies between; negative: unknown. relmse_high is also
-					// where there is no upper end, because light may be there that no sample has found
+	double relmse_low,
+	    relmse_high; // nine times of ten the true one lies between; negative: unknown. relmse_high is also
+			 // where there is no upper end, because light may be there that no sample has found
 };
 
 // A part of a job and the time that it took. PROTOCOL.md lists the names; more may come.

@@ -4,14 +4,14 @@
 // A pixel's lesser and greater half, its mean and d, half their difference, are apart for each channel, and so is what
 // stands for the true value r:
 //   known    d is below a quarter of the mean: the mean, between the halves;
-//   edge     greater than its surroundings eightfold, and a neighbour's lesser half is as bright: the mean, within EDGE times. A
-//            lamp's rim is in some samples and not in others;
-//   both     both halves are above the surroundings twice: their geometric mean, within EDGE times. It is something small and
-//            bright, the same in both;
-//   else     the surroundings, or the lesser half if that is more, within a factor of 2.
-// The surroundings are the mean of the tile's other pixels, leaving out those that are known and much brighter, because
-// this one would be known to be bright too. A term's lower end is by r = the greater half, which it is if the light found is no
-// luck at all.
+//   edge     the greater half is OUTLIER times the surroundings, and a neighbour's lesser half is as bright: the mean, within
+//            WITHIN times. A lamp's rim is in some samples and not in others;
+//   both     both halves are above the surroundings twice: their geometric mean, within WITHIN times. It is something small
+//            and bright, the same in both;
+//   else     the surroundings, within a factor of 2; where the lesser half is more, the geometric mean with that.
+// The surroundings are the mean of the tile's other pixels without the brightest of them, which may be a firefly too, and
+// without those that are known and much brighter, because this one would be known to be bright as well. A term's lower end is
+// by r = the greater half, which it is if the light found is no luck at all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -37,9 +37,9 @@ layout(std430, set = 0, binding = BIND_ERRORS) writeonly buffer Errors {
 
 #define AROUND (TILE_SIDE + 2) // the tile and a pixel on each side
 #define BRIGHTER 4.0 // than this one's mean: a known pixel that says nothing of it
-#define OUTLIER 8.0 // times the surroundings
+#define OUTLIER 4.0 // times the surroundings
 #define TWICE 2.0
-#define EDGE 4.0
+#define WITHIN 4.0
 #define TERM_MOST 1e15 // of a term: its square must be a number
 
 // The halves of the pixels around; -1: not of the picture.
@@ -111,14 +111,17 @@ uint inside(uint lane)
 vec3 surroundings(uint lane, vec3 mean)
 {
 	vec3 sum = vec3(0.0);
-	vec3 count = vec3(0.0);
+	vec3 brightest = vec3(0.0);
+	vec3 count = vec3(-1.0);
 	uint lanes = uncertain != 0u ? TILE_PIXELS : 0u;
 	for (uint other = 0u; other < lanes; other++) {
 		uint i = inside(other);
 		vec3 here = mean_at(i);
 		bvec3 much = all_of(known_at(i), greaterThan(here, BRIGHTER * mean));
 		vec3 counts = other == lane || here.x < 0.0 ? vec3(0.0) : vec3(1.0) - vec3(much);
-		sum += counts * here;
+		vec3 counted = counts * max(here, vec3(0.0));
+		sum += min(counted, brightest);
+		brightest = max(counted, brightest);
 		count += counts;
 	}
 	return sum / max(count, vec3(1.0));
@@ -131,7 +134,7 @@ bvec3 beside_bright(uint i, vec3 mean, vec3 most)
 	uint places = uncertain != 0u ? 9u : 0u;
 	for (uint place = 0u; place < places; place++) {
 		vec3 other = lesser[i + place / 3u * AROUND + place % 3u - AROUND - 1u];
-		bvec3 alike = all_of(greaterThanEqual(other, mean), lessThanEqual(other, EDGE * most));
+		bvec3 alike = all_of(greaterThanEqual(other, mean), lessThanEqual(other, WITHIN * most));
 		found = max(found, place == 4u ? vec3(0.0) : vec3(alike));
 	}
 	return greaterThan(found, vec3(0.0));
@@ -152,16 +155,17 @@ void measure(uint lane, out vec4 first, out vec2 second)
 	uint i = inside(lane);
 	vec3 low = lesser[i], high = greater[i], mean = mean_at(i), d = 0.5 * (high - low);
 	vec3 around = surroundings(lane, mean);
-	vec3 least = max(low, around), middle = sqrt(max(low, vec3(0.0))) * sqrt(high);
+	vec3 likely = sqrt(max(low, around)) * sqrt(around), middle = sqrt(max(low, vec3(0.0))) * sqrt(high);
 	bvec3 known = known_at(i);
 	bvec3 edge = all_of(greaterThan(high, OUTLIER * around), beside_bright(i, mean, high));
 	bvec3 both = greaterThan(low, TWICE * around);
-	vec3 r = mix(mix(mix(least, middle, both), mean, edge), mean, known);
-	vec3 r_low = mix(mix(mix(0.5 * least, middle / EDGE, both), mean / EDGE, edge), low, known);
+	vec3 r = mix(mix(mix(likely, middle, both), mean, edge), mean, known);
+	vec3 r_low = mix(mix(mix(0.5 * likely, middle / WITHIN, both), mean / WITHIN, edge), low, known);
 	bvec3 found = bvec3(known.x || edge.x || both.x, known.y || edge.y || both.y, known.z || edge.z || both.z);
 	vec3 lucky = mix(max(mean - around, vec3(0.0)), vec3(0.0), found);
 	float t = term(d, r), below = t - term(d, high), above = term(d, r_low) - t;
-	first = vec4(t, t * t, below * below, above * above);
+	float apart = t - term(mix(mean - r, vec3(0.0), found), r);
+	first = vec4(t, min(4.0 / 3.0 * t * t, 1.5 * apart * apart), below * below, above * above);
 	second = vec2(lucky.r + lucky.g + lucky.b, mean.r + mean.g + mean.b);
 }
 

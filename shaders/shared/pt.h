@@ -79,7 +79,7 @@ LAYOUT_ASSERT(error_push, 44)
 
 // What the error pass tells of a tile: sums over its pixels, as struct relmse_sums.
 struct error_tile {
-	float terms, squares;
+	float terms, noise;
 	float below, above;
 	float lucky, light;
 };

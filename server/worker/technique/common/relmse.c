@@ -10,7 +10,7 @@
 struct estimate relmse_estimate(const struct relmse_sums *s, uint64_t pixels)
 {
 	const double count = 3 * (double)pixels, shared = SYSTEMATIC * s->terms;
-	const double noise = 4.0 / 3 * s->squares + shared * shared;
+	const double noise = s->noise + shared * shared;
 	const double below = NORMAL_90 * sqrt(noise + s->below), above = NORMAL_90 * sqrt(noise + s->above);
 	const bool found = s->light > 0 && s->lucky <= LUCKY_MOST * s->light;
 	return (struct estimate){

@@ -58,7 +58,7 @@ static void resolve_pixel(struct resolver *r, const float *sums, const uint32_t 
 		r->sums.light += mean;
 	}
 	r->sums.terms += t;
-	r->sums.squares += t * t;
+	r->sums.noise += 4.0 / 3 * t * t;
 	r->sums.below += (t - low) * (t - low);
 	r->sums.above += (high - t) * (high - t);
 	r->known += counts[0] > 0 && counts[1] > 0;

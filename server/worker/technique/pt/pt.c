@@ -175,7 +175,8 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 	return s;
 }
 
-// Whether the target error is reached, by the upper end of the interval. Asked only where a batch ends at one of the fixed checkpoints.
+// Whether the target error is reached, by the upper end of the interval. Asked only where a batch ends at one of the fixed
+// checkpoints.
 static enum status look_at_target(struct technique_job *j, bool *reached, struct error *err)
 {
 	*reached = false;
@@ -279,10 +280,12 @@ static void note_estimate(const struct technique_job *j, struct frame *f)
 	if (j->estimate.relmse < 0 || j->estimate.high >= 0)
 		return;
 	if (j->estimate.relmse == 0)
-		frame_add_note(f, "no sample has found light, though the scene gives some: the error has no upper end%s", end);
-	else
-		frame_add_note(f, "most light came to few pixels by luck, and as much may be missing: the error has no upper end%s",
+		frame_add_note(f, "no sample has found light, though the scene gives some: the error has no upper end%s",
 			       end);
+	else
+		frame_add_note(
+		    f, "most light came to few pixels by luck, and as much may be missing: the error has no upper end%s",
+		    end);
 }
 
 static void pt_account(const struct technique_job *j, struct frame *f)

@@ -114,7 +114,7 @@ static struct estimate estimate_of(const struct technique_job *j, const struct e
 	struct relmse_sums sums = {0};
 	for (uint32_t i = 0; i < j->tiles; i++) {
 		sums.terms += tiles[i].terms;
-		sums.squares += tiles[i].squares;
+		sums.noise += tiles[i].noise;
 		sums.below += tiles[i].below;
 		sums.above += tiles[i].above;
 		sums.lucky += tiles[i].lucky;
