@@ -77,15 +77,18 @@ static void print_clamp(const struct candil_done *done, FILE *stream)
 
 void report_print_error(const struct candil_done *done, FILE *stream)
 {
-	if (done->estimated_relmse == 0 && done->relmse_high == 0)
-		fputs("error      none: every sample says the same\n", stream);
-	else if (done->estimated_relmse >= 0 && done->relmse_high >= 0)
-		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), estimated\n",
-			done->estimated_relmse, done->relmse_low, done->relmse_high);
-	else if (done->estimated_relmse >= 0)
+	const double e = done->estimated_relmse, low = done->relmse_low, high = done->relmse_high;
+	if (e < 0)
+		return;
+	if (e == 0)
+		fprintf(stream, "error      %s\n",
+			high == 0 ? "none: every sample says the same" : "not known: no sample has found light");
+	else if (high >= 0)
+		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), estimated\n", e, low, high);
+	else
 		fprintf(stream,
-			"error      relative MSE %.2e or more (at least %.2e, 90 %%): light may not have been found\n",
-			done->estimated_relmse, done->relmse_low);
+			"error      relative MSE %.2e or more (at least %.2e, 90 %%): light may not have been found\n", e,
+			low);
 }
 
 void report_print(const struct report *r, FILE *stream)

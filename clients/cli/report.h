@@ -32,7 +32,8 @@ json_t *report_figures_json(const struct candil_done *done);
 // Print a line such as "time       12.3 ms: queue 0.0, …".
 void report_print_stages(const struct candil_done *done, FILE *stream);
 
-// The estimated error and its interval: a line, none if it is unknown; and as the three keys of the object, null where unknown.
+// The estimated error and its interval: a line, none if it is unknown; and as the three keys of the object, null where
+// unknown.
 void report_print_error(const struct candil_done *done, FILE *stream);
 void report_put_error(json_t *object, const struct candil_done *done);
 

@@ -101,14 +101,6 @@ void pt_error_finish(struct technique_job *j)
 	buffer_finish(&j->errors, j->device);
 }
 
-// Whether light can come from anywhere: if not, a black picture is as it should be.
-static bool has_light(const struct plan *p)
-{
-	const uint32_t lamps = 1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS;
-	return (p->effects & lamps) || plan_has_sky(p) || p->background[0] > 0 || p->background[1] > 0 ||
-	       p->background[2] > 0;
-}
-
 static struct estimate estimate_of(const struct technique_job *j, const struct error_tile *tiles)
 {
 	struct relmse_sums sums = {0};
@@ -120,7 +112,10 @@ static struct estimate estimate_of(const struct technique_job *j, const struct e
 		sums.lucky += tiles[i].lucky;
 		sums.light += tiles[i].light;
 	}
-	if (sums.light == 0 && !has_light(&j->plan))
+	// Where nothing gives light, a black picture is as it should be.
+	const uint32_t sources =
+	    1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT;
+	if (sums.light == 0 && !(j->plan.effects & sources))
 		return RELMSE_NONE;
 	return relmse_estimate(&sums, (uint64_t)j->plan.width * j->plan.height);
 }
