@@ -9,9 +9,8 @@
 //   both     both halves are above the surroundings twice: their geometric mean, within WITHIN times. It is something small
 //            and bright, the same in both;
 //   else     the surroundings, within a factor of 2; where the lesser half is more, the geometric mean with that.
-// The surroundings are the mean of the tile's other pixels without the brightest of them, which may be a firefly too, and
-// without those that are known and much brighter, because this one would be known to be bright as well. A term's lower end is
-// by r = the greater half, which it is if the light found is no luck at all.
+// The surroundings are the mean of the tile's other pixels without the brightest of them, which may be a firefly too. A term's
+// lower end is by r = the greater half, which it is if the light found is no luck at all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -36,7 +35,6 @@ layout(std430, set = 0, binding = BIND_ERRORS) writeonly buffer Errors {
 };
 
 #define AROUND (TILE_SIDE + 2) // the tile and a pixel on each side
-#define BRIGHTER 4.0 // than this one's mean: a known pixel that says nothing of it
 #define OUTLIER 4.0 // times the surroundings
 #define TWICE 2.0
 #define WITHIN 4.0
@@ -47,7 +45,7 @@ shared vec3 lesser[AROUND * AROUND];
 shared vec3 greater[AROUND * AROUND];
 shared vec4 parts[TILE_PIXELS];
 shared vec2 more_parts[TILE_PIXELS];
-shared uint uncertain; // some pixel of the tile is not known
+shared uint outliers; // some pixel of the tile is one, so its neighbours matter
 
 vec3 half_sum(uint first)
 {
@@ -107,31 +105,59 @@ uint inside(uint lane)
 	return (lane / TILE_SIDE + 1u) * AROUND + lane % TILE_SIDE + 1u;
 }
 
-// The mean of the tile's other pixels, as above.
-vec3 surroundings(uint lane, vec3 mean)
+// Of some pixels of the tile: the brightest, the second, the sum of all but the brightest, which no subtraction rounds, and
+// their number.
+struct level {
+	vec3 brightest, second, rest;
+	float count;
+};
+shared level rows[TILE_SIDE];
+shared level whole;
+
+level join(level a, level b)
 {
-	vec3 sum = vec3(0.0);
-	vec3 brightest = vec3(0.0);
-	vec3 count = vec3(-1.0);
-	uint lanes = uncertain != 0u ? TILE_PIXELS : 0u;
-	for (uint other = 0u; other < lanes; other++) {
-		uint i = inside(other);
-		vec3 here = mean_at(i);
-		bvec3 much = all_of(known_at(i), greaterThan(here, BRIGHTER * mean));
-		vec3 counts = other == lane || here.x < 0.0 ? vec3(0.0) : vec3(1.0) - vec3(much);
-		vec3 counted = counts * max(here, vec3(0.0));
-		sum += min(counted, brightest);
-		brightest = max(counted, brightest);
-		count += counts;
+	vec3 less = min(a.brightest, b.brightest);
+	return level(max(a.brightest, b.brightest), max(less, max(a.second, b.second)), a.rest + b.rest + less, a.count + b.count);
+}
+
+// Fill in `whole`. All lanes call it, and may read it after their next barrier.
+void level_tile(uint lane)
+{
+	const level none = level(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+	level all = none;
+	uint pixels = lane < TILE_SIDE ? TILE_SIDE : 0u;
+	for (uint x = 0u; x < pixels; x++) {
+		vec3 here = mean_at(inside(lane * TILE_SIDE + x));
+		all = join(all, level(max(here, vec3(0.0)), vec3(0.0), vec3(0.0), here.x < 0.0 ? 0.0 : 1.0));
 	}
-	return sum / max(count, vec3(1.0));
+	if (lane < TILE_SIDE)
+		rows[lane] = all;
+	barrier();
+	all = none;
+	uint sides = lane == 0u ? TILE_SIDE : 0u;
+	for (uint y = 0u; y < sides; y++)
+		all = join(all, rows[y]);
+	if (lane == 0u)
+		whole = all;
+}
+
+// The mean of the tile's pixels but this one and the brightest of the others.
+vec3 surroundings(vec3 mean)
+{
+	vec3 others = mix(whole.rest - mean, whole.rest - whole.second, greaterThanEqual(mean, whole.brightest));
+	return max(others, vec3(0.0)) / max(whole.count - 2.0, 1.0);
+}
+
+bvec3 is_outlier(vec3 high, vec3 around)
+{
+	return greaterThan(high, OUTLIER * around);
 }
 
 // Whether the lesser half of one of the eight neighbours is as bright.
 bvec3 beside_bright(uint i, vec3 mean, vec3 most)
 {
 	vec3 found = vec3(0.0);
-	uint places = uncertain != 0u ? 9u : 0u;
+	uint places = outliers != 0u ? 9u : 0u;
 	for (uint place = 0u; place < places; place++) {
 		vec3 other = lesser[i + place / 3u * AROUND + place % 3u - AROUND - 1u];
 		bvec3 alike = all_of(greaterThanEqual(other, mean), lessThanEqual(other, WITHIN * most));
@@ -154,10 +180,10 @@ void measure(uint lane, out vec4 first, out vec2 second)
 {
 	uint i = inside(lane);
 	vec3 low = lesser[i], high = greater[i], mean = mean_at(i), d = 0.5 * (high - low);
-	vec3 around = surroundings(lane, mean);
+	vec3 around = surroundings(mean);
 	vec3 likely = sqrt(max(low, around)) * sqrt(around), middle = sqrt(max(low, vec3(0.0))) * sqrt(high);
 	bvec3 known = known_at(i);
-	bvec3 edge = all_of(greaterThan(high, OUTLIER * around), beside_bright(i, mean, high));
+	bvec3 edge = all_of(is_outlier(high, around), beside_bright(i, mean, high));
 	bvec3 both = greaterThan(low, TWICE * around);
 	vec3 r = mix(mix(mix(likely, middle, both), mean, edge), mean, known);
 	vec3 r_low = mix(mix(mix(0.5 * likely, middle / WITHIN, both), mean / WITHIN, edge), low, known);
@@ -174,13 +200,20 @@ void main()
 	uint lane = gl_LocalInvocationIndex;
 	uint tile = push.first_tile + gl_WorkGroupID.x;
 	uvec2 corner = uvec2(tile % job.tiles_x, tile / job.tiles_x) * TILE_SIDE;
-	uncertain = 0u;
-	for (uint i = lane; i < AROUND * AROUND; i += TILE_PIXELS)
-		load(corner, i);
+	uint mid = inside(lane);
+	load(corner, mid);
+	outliers = 0u;
 	barrier();
-	bool mine = lesser[inside(lane)].x >= 0.0;
-	if (mine && !all(known_at(inside(lane))))
-		atomicOr(uncertain, 1u);
+	level_tile(lane);
+	barrier();
+	bool mine = lesser[mid].x >= 0.0;
+	if (mine && any(all_of(not(known_at(mid)), is_outlier(greater[mid], surroundings(mean_at(mid))))))
+		atomicOr(outliers, 1u);
+	barrier();
+	uint places = outliers != 0u ? AROUND * AROUND : 0u;
+	for (uint i = lane; i < places; i += TILE_PIXELS)
+		if (i % AROUND % (AROUND - 1) == 0u || i / AROUND % (AROUND - 1) == 0u)
+			load(corner, i);
 	barrier();
 	vec4 first = vec4(0.0);
 	vec2 second = vec2(0.0);
@@ -189,10 +222,18 @@ void main()
 	parts[lane] = first;
 	more_parts[lane] = second;
 	barrier();
-	for (uint reach = TILE_PIXELS / 2u; reach > 0u; reach /= 2u) {
+	for (uint reach = TILE_SIDE; reach > 0u; reach /= TILE_SIDE) {
+		first = vec4(0.0);
+		second = vec2(0.0);
+		uint each = lane < reach ? TILE_SIDE : 0u;
+		for (uint i = 0u; i < each; i++) {
+			first += parts[lane + i * reach];
+			second += more_parts[lane + i * reach];
+		}
+		barrier();
 		if (lane < reach) {
-			parts[lane] += parts[lane + reach];
-			more_parts[lane] += more_parts[lane + reach];
+			parts[lane] = first;
+			more_parts[lane] = second;
 		}
 		barrier();
 	}

@@ -23,6 +23,7 @@
 
 #define DISPATCHES_PER_SUBMIT 256u
 #define FIRST_TILES 16u
+#define LOOKS_SHARE 50u // the time of tracing over that of looks at the error, for progress alone
 #define AOV_TILES 16u // AOVs take one ray a pixel and a path many, so about so many times the tiles take the same time
 
 // How many of the `count` tiles from `tile` on one dispatch can take: those within the band, up to a limit.
@@ -187,11 +188,12 @@ static enum status look_at_target(struct technique_job *j, bool *reached, struct
 	return s;
 }
 
-// Measure the error for the progress report, each time the number of samples has grown by half.
+// Measure the error for the progress report, each time the number of samples has doubled, if that takes a small share of the
+// job's time. No bit of the picture depends on it.
 static enum status look_at_error(struct technique_job *j, struct error *err)
 {
-	const bool due = j->sample >= 2 && j->sample >= j->error_sample + (j->error_sample + 1) / 2;
-	return due && j->sample > j->error_sample ? pt_error_measure(j, err) : STATUS_OK;
+	const bool due = j->sample >= 2 && j->sample / 2 >= j->error_sample;
+	return due && LOOKS_SHARE * j->error_us <= j->trace_us ? pt_error_measure(j, err) : STATUS_OK;
 }
 
 // The share of the work that is done: by samples, or by the target error if that is nearer. relMSE falls as 1 / samples.
