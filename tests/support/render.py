@@ -23,6 +23,8 @@ SOURCE = os.environ["CANDIL_SOURCE"]
 CANDIL = os.path.join(BUILD, "bin", "candil")
 SKIPPED = 77
 EXIT_DEVICE = 5
+# By technique, how a picture is worked on in other pieces: samples in a dispatch, rows at once.
+PIECES = {"pt": {"pt.batch": 3}, "direct": {"direct.rows": 3}, "vct": {"direct.rows": 3}}
 
 
 class Failed(Exception):
@@ -43,7 +45,8 @@ def skip(reason):
 
 
 class Picture:
-    """An EXR file as arrays: radiance (h, w, 3), and by name each other channel (h, w)."""
+    """An EXR file as arrays: radiance (h, w, 3), and by name each other channel (h, w). Of twice(): whether both were the same."""
+    same_bits = None
 
     def __init__(self, path, report):
         self.report = report
@@ -57,6 +60,13 @@ class Picture:
         pixels = numpy.asarray(pixels, dtype=numpy.float32).reshape(spec.height, spec.width, spec.nchannels)
         self.channels = {name: pixels[:, :, i] for i, name in enumerate(spec.channelnames)}
         self.radiance = numpy.stack([self.channels[c] for c in "RGB"], axis=2)
+
+    def mean(self):
+        return float(self.radiance.mean(dtype=numpy.float64))
+
+    def non_finite(self):
+        """Pixels that are no numbers, and samples that were left out for it."""
+        return int((~numpy.isfinite(self.radiance)).any(axis=2).sum()) + self.report["non_finite_samples"]
 
 
 class Daemon:
@@ -133,6 +143,13 @@ class Daemon:
         _, out, _ = self.candil(*command, *arguments)
         picture = Picture(path, json.loads(out))
         os.remove(path)
+        return picture
+
+    def twice(self, scene, *more, options=None, **named):
+        """render(), and once more in other pieces, of which the picture must know nothing."""
+        picture = self.render(scene, *more, options=options, **named)
+        again = self.render(scene, *more, options={**(options or {}), **PIECES[picture.metadata["candil/technique"]]}, **named)
+        picture.same_bits = all(picture.channels[name].tobytes() == again.channels[name].tobytes() for name in picture.channels)
         return picture
 
 
