@@ -57,8 +57,8 @@ bool set_cone(struct punctual_light *out, const tinygltf::SpotLight &spot)
 	const double inner = spot.innerConeAngle, outer = spot.outerConeAngle;
 	if (!(inner >= 0) || !(outer > inner) || !(outer <= PI / 2 + 1e-6))
 		return false;
-	out->cos_inner = (float)std::cos(inner);
-	out->cos_outer = (float)std::fmax(std::cos(outer), 0.0);
+	out->inner = (float)angle_spread(inner);
+	out->outer = (float)std::fmin(angle_spread(outer), 1.0);
 	return true;
 }
 

@@ -118,7 +118,7 @@ static double light_weight(const struct punctual_light *l, double radius)
 	if (l->kind == LIGHT_DIRECTIONAL)
 		return value * PI * radius * radius;
 	if (l->kind == LIGHT_SPOT)
-		return value * 2.0 * PI * (1.0 - 0.5 * ((double)l->cos_inner + (double)l->cos_outer));
+		return value * PI * ((double)l->inner + (double)l->outer);
 	return value * 4.0 * PI;
 }
 

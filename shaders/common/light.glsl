@@ -185,11 +185,18 @@ bool light_scattered(bsdf b, light_choice c, out light_sample l)
 	return f.w != 0.0;
 }
 
+// 1 − cos of the angle between two unit vectors. The cosine itself has no digits left where the angle is small.
+float spread_between(vec3 a, vec3 b)
+{
+	return 0.5 * dot(a - b, a - b);
+}
+
+// `w` is the unit vector from the light.
 float spot_attenuation(punctual_light light, vec3 w)
 {
 	// Khronos, KHR_lights_punctual: squared linear ramp between the two cones' cosines.
-	float c = -dot(to_vec3(light.direction), w);
-	float ramp = clamp((c - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-4), 0.0, 1.0);
+	float ramp = (light.outer - spread_between(w, to_vec3(light.direction))) / max(light.outer - light.inner, 1e-30);
+	ramp = clamp(ramp, 0.0, 1.0);
 	return ramp * ramp;
 }
 
@@ -208,16 +215,21 @@ vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3
 	if (!directional)
 		irradiance /= away2;
 	if (light.kind == LIGHT_SPOT)
-		irradiance *= spot_attenuation(light, w);
+		irradiance *= spot_attenuation(light, -w);
 	return directional || d2 > 0.0 ? irradiance : vec3(0.0);
+}
+
+// 1 − cos of the angle from its direction within which a point or spot light emits.
+float punctual_extent(punctual_light light)
+{
+	return light.kind == LIGHT_SPOT ? light.outer : 2.0;
 }
 
 // The density, 1/sr, of a uniform choice among the directions that a point or spot light emits in; 0 for a directional
 // light.
 float punctual_spread(punctual_light light)
 {
-	float cos_most = light.kind == LIGHT_SPOT ? light.cos_outer : -1.0;
-	return light.kind == LIGHT_DIRECTIONAL ? 0.0 : 1.0 / (2.0 * PI * max(1.0 - cos_most, 1e-6));
+	return light.kind == LIGHT_DIRECTIONAL ? 0.0 : 1.0 / (2.0 * PI * max(punctual_extent(light), 1e-30));
 }
 
 // Samples a direction within the disc of a directional light, uniformly by solid angle; w is the disc's middle. The disc

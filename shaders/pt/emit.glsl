@@ -51,14 +51,14 @@ vec3 aim_at(uvec2 pick, vec2 u, out uint target)
 	return corner_mix(corners_of(triangles[target]), sample_triangle(u));
 }
 
-// A direction about `axis`, uniform within the angle whose cosine is `cos_most`.
-vec3 cone_direction(vec3 axis, float cos_most, vec2 u)
+// A direction about `axis`, uniform within the angle of which 1 − cos is `extent`.
+vec3 cone_direction(vec3 axis, float extent, vec2 u)
 {
 	vec3 x, y;
 	frame_make(axis, x, y);
-	float z = 1.0 - u.x * (1.0 - cos_most);
-	float r = sqrt(max(1.0 - z * z, 0.0));
-	return r * cos(2.0 * PI * u.y) * x + r * sin(2.0 * PI * u.y) * y + z * axis;
+	float lower = u.x * extent;
+	float r = sqrt(lower * (2.0 - lower));
+	return r * cos(2.0 * PI * u.y) * x + r * sin(2.0 * PI * u.y) * y + (1.0 - lower) * axis;
 }
 
 // `share` of all light paths start at emissive triangles. camera_keeps assumes the share of next-event estimation instead.
@@ -108,9 +108,9 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 	l.power = l.parallel && !aims ? vec3(0.0) : to_vec3(light.intensity);
 	if (DISC_LIGHTS && light.spread > 0.0)
 		axis = in_disc(light, axis, sample_2d(rnd, SET_LIGHT), l.power);
-	float cos_most = light.kind == LIGHT_SPOT ? light.cos_outer : -1.0;
+	float extent = punctual_extent(light);
 	l.origin = to_vec3(light.position);
-	l.direction = light.kind == LIGHT_SPOT ? cone_direction(axis, cos_most, u) : cone_direction(vec3(0.0, 0.0, 1.0), -1.0, u);
+	l.direction = cone_direction(light.kind == LIGHT_SPOT ? axis : vec3(0.0, 0.0, 1.0), extent, u);
 	l.target = NONE;
 	if (aims) {
 		vec3 target = aim_at(sample_bits(rnd, SET_CHANCE), u, l.target);
@@ -118,8 +118,8 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 		l.direction = l.parallel ? axis : direction_to(target, l.origin, l.direction);
 	}
 	if (light.kind == LIGHT_SPOT)
-		l.power *= spot_attenuation(light, -l.direction);
-	bool inside = light.kind != LIGHT_SPOT || dot(l.direction, axis) >= cos_most;
+		l.power *= spot_attenuation(light, l.direction);
+	bool inside = light.kind != LIGHT_SPOT || spread_between(l.direction, axis) <= extent;
 	l.spread = inside ? punctual_spread(light) : 0.0;
 	l.pick = lamp.density * share;
 	l.pdf_area = 0.0;

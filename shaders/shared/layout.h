@@ -183,9 +183,9 @@ struct punctual_light {
 	float position[3]; // metres; unused if directional
 	uint kind; // LIGHT_…
 	float direction[3]; // unit, direction in which the light travels; unused if point
-	float cos_outer; // spot: no light outside this angle
+	float outer; // spot: 1 − cos of the angle outside which is no light, 0 … 1
 	float intensity[3]; // W/sr; directional: irradiance on a plane facing it, W/m²
-	float cos_inner; // spot: full light inside this angle
+	float inner; // spot: 1 − cos of the angle inside which is full light, 0 … 1
 	float keep; // alias table over the punctual lights, as in `emitter`
 	uint alias;
 	float pmf;

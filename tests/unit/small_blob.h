@@ -139,13 +139,8 @@ static inline void small_lamps(struct small_blob *b)
 	e[1] = (struct emitter){3, 1, 1, .5f};
 	struct punctual_light *p = small_section(b, BLOB_LIGHTS);
 	for (uint32_t i = 0; i < 3; i++)
-		p[i] = (struct punctual_light){.kind = i,
-					       .direction = {0, 0, 1},
-					       .intensity = {1, 1, 1},
-					       .cos_inner = 1,
-					       .keep = 1,
-					       .alias = i,
-					       .pmf = .33f};
+		p[i] = (struct punctual_light){
+		    .kind = i, .direction = {0, 0, 1}, .intensity = {1, 1, 1}, .keep = 1, .alias = i, .pmf = .33f};
 }
 
 static inline void small_nodes(struct small_blob *b)

@@ -272,7 +272,7 @@ static void lights_and_cameras(void **state)
 	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].position[0] = NAN);
 	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].direction[2] = INFINITY);
 	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].intensity[0] = -1);
-	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].cos_outer = 2);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].outer = 2);
 	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].eye[0] = NAN);
 	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].up[0] = INFINITY);
 	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].vfov_degrees = 180);

@@ -194,8 +194,7 @@ static void punctual_lights_go_by_power(void **state)
 	(void)state;
 	table[0] = (struct punctual_light){.kind = LIGHT_POINT}; // black
 	for (uint32_t kind = 0; kind < 3; kind++)
-		table[1 + kind] =
-		    (struct punctual_light){.kind = kind, .intensity = {1, 1, 1}, .cos_inner = 1, .cos_outer = 0.5f};
+		table[1 + kind] = (struct punctual_light){.kind = kind, .intensity = {1, 1, 1}, .outer = 0.5f};
 	assert_int_equal(lights_make_table(table, &count, 3, place, &power, NULL), STATUS_OK);
 	assert_int_equal(count, 3);
 	assert_int_equal(place[0], NONE);

@@ -64,12 +64,11 @@ static struct punctual_light light_of(const struct blob_view *view, const candil
 	if (traits & LIGHT_HAS_DIRECTION && transform_normalize(direction))
 		for (int c = 0; c < 3; c++)
 			out.direction[c] = (float)direction[c];
-	const double half_sine = sin(from->angle_degrees * PI / 720); // 1 − cos α = 2 sin² (α / 2), without cancellation
 	if (traits & LIGHT_HAS_DISC)
-		out.spread = (float)(2 * half_sine * half_sine);
+		out.spread = (float)angle_spread(from->angle_degrees * PI / 360);
 	if (traits & LIGHT_HAS_CONE) {
-		out.cos_inner = (float)cos(from->inner_degrees * PI / 180);
-		out.cos_outer = (float)fmax(cos(from->outer_degrees * PI / 180), 0);
+		out.inner = (float)angle_spread(from->inner_degrees * PI / 180);
+		out.outer = (float)fmin(angle_spread(from->outer_degrees * PI / 180), 1);
 	}
 	return out;
 }

@@ -132,8 +132,9 @@ static uint32_t put_point(struct shadow_map *m, const struct punctual_light *lig
 			  uint32_t side)
 {
 	const double near = fmax(SHADOW_NEAREST * diagonal(scene), 1e-30);
-	const double cosine = (double)light->cos_outer;
-	const double cone = light->kind == LIGHT_SPOT && cosine > 0 ? sqrt(fmax(1 - cosine * cosine, 0)) / cosine : INFINITY;
+	const double cosine = 1 - (double)light->outer;
+	const double cone =
+	    light->kind == LIGHT_SPOT && cosine > 0 ? sqrt((1 + cosine) * (double)light->outer) / cosine : INFINITY;
 	struct frame3 f;
 	double half[2];
 	for (int i = 0; i < 3; i++)
