@@ -129,6 +129,22 @@ class Straight(HardCase):
         g.place([(0, .5, 0), (0, .5, 0), (0, .5, 0)], [(0, 1, 2)], glow)
         self.check("small", "two lamps without area beside one with", g, below_square(.5, 1), SQUARE)
 
+    def test_narrow_spots(self):
+        """In the beam, halfway down its edge, and beside it; straight down and aslant."""
+        for degrees, tolerance in ((10, 1e-3), (.1, 5e-3), (.01, .02)):
+            inner, outer = (math.radians(degrees / 2) * c for c in (.6, 1))
+            for case, angle in (("in", 0), ("at the edge of", .8 * outer), ("beside", 1.1 * outer)):
+                ramp = (math.cos(angle) - math.cos(outer)) / (math.cos(inner) - math.cos(outer))
+                for aslant in (0, 1):
+                    g = Gltf()
+                    floor(g, 4 * math.radians(degrees))
+                    g.light("spot", 1.0, (-2 * aslant, 2, 0), (0, 0, 0), cone=(inner, outer))
+                    x = 2 * math.tan(aslant * math.pi / 4 + angle) - 2 * aslant
+                    flat = 4 / (4 + (x + 2 * aslant) ** 2) ** 1.5 * 2 / 4
+                    self.check("small", f"{case} the beam of a spot of {degrees:g}°{', aslant' if aslant else ''}", g,
+                               min(max(ramp, 0), 1) ** 2 * flat, POINT + ", and the cone's ramp", at=(x, 0, 0), scale=.5 * math.radians(degrees),
+                               pt=tolerance, raster=tolerance)
+
     def test_a_point_light_at_any_distance(self):
         for height in (1e-4, 1e-2, 1e3, 1e6):
             g = Gltf()
