@@ -98,6 +98,22 @@ class Many(Rooms):
                        {"pt": 5 * math.sqrt((1 - expected) / expected / 65536)}, {}, camera=(0, 0, 3, 0, 0, 0, 0, 1, 0, 10), arguments=WHITE, size=(16, 16), spp=(256, 1, 1))
 
 
+    def test_mirrors(self):
+        """Two metals of 0.9 face each other; a ray goes to and fro between them at 45 degrees until it meets the lamp at their end."""
+        for turns in (1, 10, 60):
+            end = .2 * turns
+            g = Gltf()
+            mirror = g.material("mirror", (.9,) * 3, metallic=1, roughness=0, specular=1)
+            g.place(*quad((-.5, 0, .5), (end, 0, .5), (end, 0, -.5), (-.5, 0, -.5)), mirror)
+            g.place(*quad((-.5, .1, -.5), (end, .1, -.5), (end, .1, .5), (-.5, .1, .5)), mirror)
+            at = end - .05
+            g.place(*quad((at, -1, .6), (at, -1, -.6), (at, 2, -.6), (at, 2, .6)), g.material("lamp", (0, 0, 0), (1,) * 3, both_sides=True))
+            reflectance = .9 + .1 * (1 - math.cos(math.radians(45))) ** 5
+            self.check("many", f"a lamp seen by {2 * turns} reflections of two mirrors", g.save(daemon.folder, "mirrors.gltf"), reflectance ** (2 * turns),
+                       "Schlick's reflectance, to that power", {"pt": 1e-4}, {"pt": {"pt.depth": 256, "pt.roulette": "off"}}, spp=(4, 1, 1),
+                       camera=(-.05, .05, 0, 0, 0, 0, 0, 1, 0, .01))
+
+
 class Rough(Rooms):
     SPECULAR = dict(metallic=1, specular=1)
 
@@ -134,6 +150,27 @@ class Rough(Rooms):
         light = light[light > 0]
         kept = (2 * light / (light + numpy.sqrt(a2 + (1 - a2) * light ** 2))).sum() / steps
         return f0 / (4 * math.pi * a2) * (1 + f0 * (1 / kept - 1))
+
+
+class Glass(Rooms):
+    """Where all ways of light come to the same, so that `vct`, which follows one, is held to it as well."""
+    DOWN = (0, 5, 0, 0, 0, 0, 0, 0, -1, .002)
+
+    def test_a_slab_that_bends_nothing(self):
+        g = Gltf()
+        inside = {"thicknessFactor": 1, "attenuationDistance": .5, "attenuationColor": [.5, .25, .9]}
+        g.place(*box((-5, -.5, -5), (5, 0, 5)), g.material("glass", (1, 1, 1), roughness=0, ior=1.0, clear=1, volume=inside))
+        self.check("glass", "half a metre of glass of index 1 that absorbs", g.save(daemon.folder, "slab.gltf"), (.5 + .25 + .9) / 3, "Lambert and Beer",
+                   {"pt": 1e-3, "vct": 1e-3}, {"vct": {"vct.resolution": 32}}, camera=self.DOWN, arguments=WHITE)
+
+    def test_panes_in_a_white_world(self):
+        for count in (1, 4):
+            g = Gltf()
+            pane = g.material("pane", (1, 1, 1), roughness=0, clear=1)
+            for i in range(count):
+                g.place(*quad((-5, -i, 5), (5, -i, 5), (5, -i, -5), (-5, -i, -5)), pane)
+            self.check("glass", f"{count} clear pane{'s' if count > 1 else ''} in a white world", g.save(daemon.folder, "panes.gltf"), 1,
+                       "conservation" + ("; `vct` leaves out what panes behind the first reflect" if count > 1 else ""), {"pt": 5e-3, "vct": 5e-3 if count == 1 else .2}, {"pt": {"pt.depth": 64}, "vct": {"vct.resolution": 32}}, camera=self.DOWN, arguments=WHITE)
 
 
 class Sky(Rooms):
