@@ -78,8 +78,8 @@ class Range(Rooms):
     def test_sealed_rooms(self):
         for scale in (1e-3, 1.0, 1e3):
             for turned in (0.0, 30.0):
-                self.check("away", f"in a dark room of {2 * scale:g} m{', turned' if turned else ''}, a lamp of 1e+06 outside", make.sealed_room(daemon.folder, scale, turned),
-                           0, "nothing", {"pt": 0, "direct": 0}, {}, spp=(64, 4, 1), size=(48, 48))
+                self.check("away", f"in a dark room of {2 * scale:g} m{', turned' if turned else ''}, a lamp of 1e+06 outside",
+                           make.sealed_room(daemon.folder, scale, turned), 0, "nothing", {"pt": 0, "direct": 0}, {}, spp=(64, 4, 1), size=(48, 48))
 
 
 class Many(Rooms):
@@ -95,7 +95,8 @@ class Many(Rooms):
             g.place(positions, triangles, sheet)
             expected = (1 - alpha) ** sheets
             self.check("many", f"{sheets} sheets of alpha {alpha:g}", g.save(daemon.folder, "sheets.glb"), expected, "(1 − α)^n; rays are drawn by chance",
-                       {"pt": 5 * math.sqrt((1 - expected) / expected / 65536)}, {}, camera=(0, 0, 3, 0, 0, 0, 0, 1, 0, 10), arguments=WHITE, size=(16, 16), spp=(256, 1, 1))
+                       {"pt": 5 * math.sqrt((1 - expected) / expected / 65536)}, {}, camera=(0, 0, 3, 0, 0, 0, 0, 1, 0, 10),
+                       arguments=WHITE, size=(16, 16), spp=(256, 1, 1))
 
 
     def test_mirrors(self):
@@ -112,6 +113,21 @@ class Many(Rooms):
             self.check("many", f"a lamp seen by {2 * turns} reflections of two mirrors", g.save(daemon.folder, "mirrors.gltf"), reflectance ** (2 * turns),
                        "Schlick's reflectance, to that power", {"pt": 1e-4}, {"pt": {"pt.depth": 256, "pt.roulette": "off"}}, spp=(4, 1, 1),
                        camera=(-.05, .05, 0, 0, 0, 0, 0, 1, 0, .01))
+
+
+class Small(Rooms):
+    def test_a_narrow_spot_off_a_mirror(self):
+        """Brought by paths from the light: the camera's never find it. The view is within the beam, 3 m from the spot."""
+        for degrees in (.1, .02):
+            wide = math.radians(degrees)
+            g = Gltf()
+            half = 4 * wide
+            g.place(*quad((2 - half, 0, half), (2 + half, 0, half), (2 + half, 0, -half), (2 - half, 0, -half)), g.material("floor", (.5,) * 3))
+            g.place(*quad((1.5, 1.5, -.5), (1.5, 1.5, .5), (2.5, .5, .5), (2.5, .5, -.5)), g.material("mirror", metallic=1, roughness=0, specular=1, both_sides=True))
+            g.light("spot", 9.0, (0, 1, 0), (2, 1, 0), cone=(.45 * wide, .5 * wide), up=(0, 1, 0))
+            camera = (2, .3, .2, 2, 0, 0, 0, 1, 0, math.degrees(2 * math.atan(.75 * wide / math.hypot(.3, .2))))
+            self.check("small", f"in the beam of a spot of {degrees:g}°, off a mirror", g.save(daemon.folder, "beam.gltf"), .5 / math.pi, "I cos θ / d²; by paths of light",
+                       {"pt": .03}, {"pt": {"pt.depth": 4}}, camera=camera, spp=(1024, 1, 1))
 
 
 class Rough(Rooms):
@@ -170,7 +186,8 @@ class Glass(Rooms):
             for i in range(count):
                 g.place(*quad((-5, -i, 5), (5, -i, 5), (5, -i, -5), (-5, -i, -5)), pane)
             self.check("glass", f"{count} clear pane{'s' if count > 1 else ''} in a white world", g.save(daemon.folder, "panes.gltf"), 1,
-                       "conservation" + ("; `vct` leaves out what panes behind the first reflect" if count > 1 else ""), {"pt": 5e-3, "vct": 5e-3 if count == 1 else .2}, {"pt": {"pt.depth": 64}, "vct": {"vct.resolution": 32}}, camera=self.DOWN, arguments=WHITE)
+                       "conservation" + ("; `vct` leaves out what panes behind the first reflect" if count > 1 else ""), {"pt": 5e-3, "vct": 5e-3 if count == 1 else .2},
+                       {"pt": {"pt.depth": 64}, "vct": {"vct.resolution": 32}}, camera=self.DOWN, arguments=WHITE)
 
 
 class Sky(Rooms):

@@ -4,8 +4,6 @@ import math
 import os
 import unittest
 
-import numpy
-
 from render import PIECES, Daemon, Picture
 from table import TECHNIQUES, HardCase
 from writers import Gltf, png, quad

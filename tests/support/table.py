@@ -90,6 +90,9 @@ def processor():
 
 def measured(tests):
     """All rows, those of one case beside each other."""
+    if not any(os.path.exists(rows_of(test)) for test in tests):
+        print("skipped: no test has left rows, so that none had a device, or none was run: `ctest -R hard_table` runs all")
+        sys.exit(77)
     rows = []
     for test in tests:
         try:
