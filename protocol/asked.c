@@ -151,6 +151,7 @@ void asked_words(const candil_Render *render, asked_take *take, void *user)
 	TAKE("effects", effects_words(render, text));
 	TAKE("edits", edits_words(render, text));
 	TAKE("background", background_words(render, text));
+	TAKE("default_light", append(text, "%s", render->default_light ? "on" : "off"));
 	TAKE("filter", append(text, "%s", filter < sizeof filters / sizeof filters[0] ? filters[filter] : "unknown"));
 	TAKE("aovs", aovs_words(render->aovs, text));
 	TAKE("format", append(text, "%s", format < sizeof formats / sizeof formats[0] ? formats[format] : "unknown"));

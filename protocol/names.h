@@ -100,6 +100,10 @@
 	X(DIRECTIONAL, 2, "directional", LIGHT_HAS_DIRECTION | LIGHT_HAS_DISC, "a directional light", \
 	  "directional:direction=x,y,z,intensity=I")
 
+// Radiance of the neutral sky that default light is, W/(m² sr), of each channel. The sky is seen as a light grey, and
+// nothing beneath it is brighter, so that no picture is clipped.
+#define DEFAULT_LIGHT_RADIANCE 0.8
+
 // What of a material is a share, from 0 to 1, that a request may edit. X(field, "name"): the field of MaterialEdit, of
 // candil_material_edit and of struct material; the key of the command line's --material.
 #define CANDIL_MATERIAL_SHARES(X) \

@@ -157,6 +157,7 @@ const struct command render_command = {
 	"                        around the scene, and a light. As SCENE, the name of a loaded one or a file\n"
 	"  --background-turn DEG of the picture about +Y, counter-clockwise seen from above; 0: its middle is along -Z\n"
 	"  --background-scale S  W/(m² sr) of its unit; default 1\n"
+	"  --no-default-light    a scene that nothing gives light to stays black; else a neutral sky lights it\n"
 	"  --effects LIST        auto, all or none, then +NAME or -NAME; a NAME is {effects}:\n"
 	"                        \"auto,-textures\", \"none,+emitters\"; default auto, what the scene has\n"
 	"  --aov LIST            depth, normal, albedo, id: extra channels of an EXR\n"

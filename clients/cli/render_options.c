@@ -46,6 +46,7 @@ enum {
 	OPTION_LENS,
 	OPTION_ORTHOGRAPHIC,
 	OPTION_PANORAMA,
+	OPTION_NO_DEFAULT_LIGHT,
 };
 
 // Which commands have an option: bits.
@@ -73,6 +74,7 @@ static const struct row {
 	{"background", OPTION_BACKGROUND, BY_ALL, "r,g,b, three numbers such as 1,1,1, or a picture: its name or its file"},
 	{"background-turn", OPTION_BACKGROUND_TURN, BY_ALL, "a number of degrees"},
 	{"background-scale", OPTION_BACKGROUND_SCALE, BY_ALL, "a number above 0"},
+	{"no-default-light", OPTION_NO_DEFAULT_LIGHT, BY_RENDER | BY_SWEEP, NULL},
 	{"effects", OPTION_EFFECTS, BY_ALL, "auto, all or none, then +NAME or -NAME, between commas; a NAME is {effects}"},
 	{"aov", OPTION_AOV, BY_ALL, "depth, normal, albedo and id, between commas"},
 	{"exposure", OPTION_EXPOSURE, BY_ALL, "a number of stops such as -1.5"},
@@ -227,6 +229,9 @@ static bool take_flag(int option, struct render_options *options, struct given *
 		return true;
 	case OPTION_PROGRESSIVE:
 		options->request.progressive = true;
+		return true;
+	case OPTION_NO_DEFAULT_LIGHT:
+		options->request.default_light = false;
 		return true;
 	case OPTION_PANORAMA:
 		given->panorama = true;
@@ -390,6 +395,7 @@ bool render_options_parse(struct cli *cli, const struct command *self, int argc,
 			  enum exit_code *code)
 {
 	options_init(options);
+	options->request.default_light = true;
 	return options_parse(cli, self, argc, argv, BY_RENDER, NULL, options, NULL, code);
 }
 
@@ -398,6 +404,7 @@ bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, 
 {
 	*texts = (struct sweep_texts){0};
 	options_init(options);
+	options->request.default_light = true;
 	return options_parse(cli, self, argc, argv, BY_SWEEP, NULL, options, texts, code);
 }
 

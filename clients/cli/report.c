@@ -261,6 +261,7 @@ json_t *report_json(const struct report *r)
 	for (uint32_t i = 0; i < done->note_count; i++)
 		json_array_append_new(notes, cli_json_text(done->notes[i]));
 	json_object_set_new(o, "notes", notes);
+	json_object_set_new(o, "default_light", json_boolean(r->accepted.default_light));
 	json_object_set_new(o, "stages", report_stages_json(done));
 	json_object_set_new(o, "figures", report_figures_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);

@@ -20,8 +20,9 @@ struct report {
 	"\"name\", \"eye\",\n" \
 	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
 	"\"effects\": [{\"name\", \"state\", \"why\", where measured \"cost_us\", \"share\"}],\n" \
-	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"stages\": [{\"name\", \"us\"}],\n" \
-	"\"elapsed_us\", \"estimated_relmse\", \"relmse_low\", \"relmse_high\" (null: unknown, or no upper end),\n" \
+	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"default_light\" (whether it was given),\n" \
+	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\",\n" \
+	"\"estimated_relmse\", \"relmse_low\", \"relmse_high\" (null: unknown, or no upper end),\n" \
 	"\"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
 	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
 

@@ -279,6 +279,8 @@ struct candil_render_request {
 	const char *environment;
 	double environment_turn_degrees; // about +Y, counter-clockwise seen from above, -1e6 to 1e6
 	double environment_scale; // W/(m² sr) of one unit of the file, 1e-9 to 1e9; 0 means 1
+	bool default_light; // a scene that nothing gives light to gets a neutral sky, which candil_accepted tells; false: it
+			    // stays black
 	uint32_t progress_ms; // least time between two progress events, at most 3600000; 0 means 100
 	const struct candil_edits *edits; // NULL: none
 	struct candil_lens lens;
@@ -324,6 +326,7 @@ struct candil_accepted {
 	uint64_t job_bytes; // device memory that the job takes
 	uint32_t samples; // per pixel, at most
 	uint32_t depth; // scattering events at most
+	bool default_light; // nothing gave light, and a neutral sky does, as the request asked
 	uint32_t note_count;
 	char notes[4][192]; // sentences on what may surprise
 	uint32_t warning_count;

@@ -187,6 +187,7 @@ candil_status message_write_render(const struct candil_render_request *request, 
 	render->exposure_ev = request->exposure_ev;
 	render->view = (candil_View)request->view;
 	render->progressive = request->progressive;
+	render->default_light = request->default_light;
 	render->has_background = request->has_background;
 	if (request->has_background)
 		render->background = vec3_write(&request->background);
@@ -331,6 +332,7 @@ static void read_accepted(const candil_Accepted *from, struct candil_accepted *t
 	to->job_bytes = from->job_bytes;
 	to->samples = from->samples;
 	to->depth = from->depth;
+	to->default_light = from->default_light;
 	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil_types.h and candil.options differ");
 	to->note_count = from->notes_count;
 	for (size_t i = 0; i < from->notes_count; i++)

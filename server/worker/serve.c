@@ -19,6 +19,7 @@
 #include "server/worker/image/encoder.h"
 #include "server/worker/plan/make.h"
 #include "server/worker/scenes/resident.h"
+#include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/technique.h"
 #include "server/worker/vk/device.h"
 
@@ -89,6 +90,10 @@ static void fill_accepted(const struct server *s, const struct job *job, candil_
 	out->job_bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	out->samples = job->plan.samples;
 	out->depth = job->plan.depth;
+	out->default_light = job->plan.default_light;
+	if (out->default_light)
+		technique_note(out, "nothing in the scene gives light: a neutral sky of %g W/(m² sr) does, by default",
+			       DEFAULT_LIGHT_RADIANCE);
 	if (job->scene->edited.note[0])
 		snprintf(out->notes[out->notes_count++], sizeof out->notes[0], "%s", job->scene->edited.note);
 	if (job->technique->notes)
@@ -268,6 +273,8 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 		frame_add_metadata(f, "environment_hash", "%016llx%016llx",
 				   (unsigned long long)job->environment->blob->hash[1],
 				   (unsigned long long)job->environment->blob->hash[0]);
+	if (p->default_light)
+		frame_add_metadata(f, "default_light", "%g", DEFAULT_LIGHT_RADIANCE);
 	if (job->scene->base)
 		frame_add_metadata(f, "edits", "%016llx", (unsigned long long)job->scene->edit_hash);
 	add_camera(&p->camera, f);

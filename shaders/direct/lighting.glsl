@@ -15,6 +15,9 @@
 //
 // Emissive triangles on microfacets: the same points, and one ray in a direction sampled from the facets, combined by the
 // power heuristic (Veach 1997, 9.2.4). A perfect mirror has only its one direction.
+//
+// An even sky (DIRECT_DOME) takes the place of the emissive triangles. Its points are directions by the cosine, which the
+// same block of pixels shares; microfacets have their own direction alone.
 #ifndef DIRECT_LIGHTING_GLSL
 #define DIRECT_LIGHTING_GLSL
 
@@ -28,6 +31,7 @@
 #define DIRECT_CLOSED false     // closed form: few emissive triangles
 #define DIRECT_SHARP false      // with DIRECT_CLOSED: each pixel has its own points
 #define DIRECT_SHADOWS true
+#define DIRECT_DOME false       // nothing gives light but an even sky, the job's background
 #define DIRECT_LAMPS true         // emissive triangles send light
 #define DIRECT_SOFT true        // keep the lamps' light for soften.comp.glsl
 #define DIRECT_MAPS true        // if defined: lights have shadow maps
@@ -43,6 +47,7 @@
 #endif
 #define DIRECT_LIGHTS 64u
 #define DIRECT_BLOCK 16u        // number of pixels whose points form one set
+#define DIRECT_AREAS (EFFECT_EMITTERS || DIRECT_DOME) // whether light comes from places that must be sampled
 
 // A program without shadow rays defines DIRECT_OPEN as a function that returns a light's visibility, 0…1. Its arguments are
 // the ray's origin, the surface's normal, the segment and t_max.
@@ -217,6 +222,25 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 		r.t_max = -1.0;
 }
 
+// Point k of the even sky.
+void ray_to_dome(bsdf b, uint pattern, uint k, inout direct_ray r)
+{
+	uvec2 pick;
+	vec2 where;
+	direct_point(pattern, k, pick, where);
+	vec3 l = cosine_hemisphere(where);
+	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
+	float above = dot(b.geometric, w);
+	w = above < 0.0 ? w - 2.0 * above * b.geometric : w;
+	// The density is that of the direction and of the one that folds to it.
+	float density = (max(dot(w, b.normal), 0.0) + max(folded_below(b, w, abs(above)).z, 0.0)) / PI;
+	vec4 facets;
+	direct_eval(b, w, r.diffuse, facets);
+	r.diffuse *= to_vec3(job.background) / (max(density, 1e-20) * float(DIRECT_POINTS));
+	r.segment = w;
+	r.t_max = max(r.diffuse * b.diffuse, vec3(0.0)) != vec3(0.0) ? INFINITY : -1.0;
+}
+
 // With DIRECT_SHARP. Unlike ray_to_lamp's, each point's light is an estimate by itself. Only the microfacets' is divided by the
 // number of points. False if the point is a later try.
 bool ray_to_point(bsdf b, vec3 origin, uint k, inout direct_ray r)
@@ -282,7 +306,7 @@ vec3 lamp_met(ray_hit hit, vec3 w, float pdf)
 // not included but returned in `lamps`. `origin` is where shadow rays start; `pattern` is the pixel's direct_pattern.
 vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_light lamps)
 {
-	const bool has_lamps = EFFECT_EMITTERS && DIRECT_LAMPS && job.emitter_count > 0u;
+	const bool has_lamps = DIRECT_DOME || (EFFECT_EMITTERS && DIRECT_LAMPS && job.emitter_count > 0u);
 	const uint light_count = EFFECT_LIGHTS ? min(job.light_count, DIRECT_LIGHTS) : 0u;
 	const uint lamp_end = light_count + (has_lamps ? DIRECT_POINTS : 0u);
 	const uint end = lamp_end + (has_lamps && EFFECT_GLOSSY ? 1u : 0u);
@@ -297,22 +321,24 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		direct_ray r = direct_ray(vec3(0.0, 0.0, 1.0), -1.0, vec3(0.0), vec3(0.0), vec3(0.0), NONE);
 		float pdf = 0.0;
 		bool off_facets = EFFECT_GLOSSY && has_lamps && i >= lamp_end;
-		bool to_lamp = EFFECT_EMITTERS && i >= light_count;
+		bool to_lamp = DIRECT_AREAS && i >= light_count;
 		if (EFFECT_LIGHTS && !to_lamp)
 			ray_to_light(b, origin, i, r);
 		bool first = true;
 		if (EFFECT_EMITTERS && DIRECT_SHARP && some && to_lamp && !off_facets)
 			first = ray_to_point(b, origin, i - light_count, r);
-		if (EFFECT_EMITTERS && !DIRECT_SHARP && to_lamp && !off_facets)
+		if (EFFECT_EMITTERS && !DIRECT_DOME && !DIRECT_SHARP && to_lamp && !off_facets)
 			ray_to_lamp(b, origin, pattern, i - light_count, r);
-		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets)
+		if (DIRECT_DOME && to_lamp && !off_facets)
+			ray_to_dome(b, pattern, i - light_count, r);
+		if (DIRECT_AREAS && EFFECT_GLOSSY && off_facets)
 			pdf = ray_off_facets(b, pattern, r);
 		bool sent = r.t_max > 0.0;
 		bool mapped = r.map != NONE;
 		direct_rays += sent && !mapped ? 1u : 0u;
 		ray_hit hit;
 		bool met = false;
-		if (DIRECT_RAYS || (EFFECT_EMITTERS && EFFECT_GLOSSY))
+		if (DIRECT_RAYS || (DIRECT_AREAS && EFFECT_GLOSSY))
 			met = walk_single(origin, r.segment, (DIRECT_RAYS && !mapped) || off_facets ? r.t_max : -1.0, !off_facets, hit);
 		float open = sent ? direct_open(met, origin, s.geometric, r.segment, r.t_max) : 0.0;
 #ifdef DIRECT_MAPS
@@ -320,8 +346,12 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 			open = shadow_map_open(r.map, origin, s.geometric);
 #endif
 		direct_share += off_facets || !sent ? vec2(0.0) : luminance(r.diffuse) * vec2(open, 1.0);
-		if (EFFECT_EMITTERS && EFFECT_GLOSSY && off_facets) {
-			vec3 seen = met ? r.facets * lamp_met(hit, r.segment, pdf) : vec3(0.0);
+		if (DIRECT_AREAS && EFFECT_GLOSSY && off_facets) {
+			vec3 seen = vec3(0.0);
+			if (DIRECT_DOME)
+				seen = met && DIRECT_SHADOWS ? seen : r.facets * to_vec3(job.background);
+			else if (met)
+				seen = r.facets * lamp_met(hit, r.segment, pdf);
 			radiance += b.gloss.mirror ? seen : vec3(0.0);
 			lamps.facets += b.gloss.mirror ? vec3(0.0) : seen;
 		} else if (to_lamp) {
@@ -331,7 +361,7 @@ vec3 direct_light_parts(surface s, bsdf b, vec3 origin, uint pattern, out lamp_l
 		}
 		if (EFFECT_EMITTERS && DIRECT_SHARP && to_lamp && !off_facets)
 			lamp_groups_take(groups, (i - light_count) & 1u, open * r.diffuse, r.expected, first);
-		if (EFFECT_EMITTERS && !DIRECT_SHARP && to_lamp) {
+		if (DIRECT_AREAS && !DIRECT_SHARP && to_lamp) {
 			lamps.arrived += open * r.diffuse;
 			lamps.expected += r.expected;
 		}

@@ -144,6 +144,7 @@ class Sweep(unittest.TestCase):
                                ("format", [*orbit, "--half"]), ("aovs", [*orbit, "--aov", "depth"]),
                                ("filter", [*orbit, "--filter", "gauss"]), ("lens", [*orbit, "--lens", "0.1,3"]),
                                ("lens", [*orbit, "--orthographic", "3"]), ("background", [*orbit, "--background", "1,1,1"]),
+                               ("default_light", [*orbit, "--no-default-light"]),
                                ("effects", [*orbit, "--effects", "auto,-bounces"]), ("end", [*orbit, "--error", "1e9"]),
                                ("edits", [*orbit, "--light", "point:at=0,1,0,intensity=1"])):
             for name in made:

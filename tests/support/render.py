@@ -132,12 +132,15 @@ class Daemon:
     def stats(self):
         return json.loads(self.candil("stats", "--json")[1])
 
-    def render(self, scene, size=(64, 64), spp=16, camera=None, options=None, arguments=()):
-        """Render to a float EXR. `camera`: a name or ten numbers. `options`: {"pt.depth": 3}."""
+    def render(self, scene, size=(64, 64), spp=16, camera=None, options=None, arguments=(), default_light=False):
+        """Render to a float EXR. `camera`: a name or ten numbers. `options`: {"pt.depth": 3}. Unlike the command line by itself, a
+        test that says nothing asks for no default light: what has no light is black."""
         path = os.path.join(self.folder, f"{time.monotonic_ns()}.exr")
         command = ["render", scene, "-o", path, "--float", "--json", "--size", f"{size[0]}x{size[1]}", "--spp", str(spp)]
         if camera is not None:
             command += ["--camera", camera if isinstance(camera, str) else ",".join(repr(float(c)) for c in camera)]
+        if not default_light:
+            command.append("--no-default-light")
         for name, value in (options or {}).items():
             command += ["--set", f"{name}={value}"]
         _, out, _ = self.candil(*command, *arguments)

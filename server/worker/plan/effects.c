@@ -29,6 +29,17 @@ static bool allowed(candil_Effect effect, const candil_Render *r)
 	return !(r->effects_off >> effect & 1u);
 }
 
+// Whether nothing gives light, although the request switches none off that the scene has, and some surface needs it. A
+// picture of the surroundings counts as light even if it is black, because the request names it.
+static bool is_dark(const candil_Render *r, const struct plan *p, const struct blob_view *scene)
+{
+	const bool sky = r->has_environment || plan_has_colour(p);
+	const bool needs = !(scene->facts & FACT_UNLIT) || !allowed(candil_Effect_EFFECT_UNLIT, r) ||
+			   scene->facts & (FACT_REFLECTS | FACT_GLOSSY | FACT_GLASS | FACT_CLEARCOAT);
+	return !sky && needs && !(scene->emitter_power > 0) && !(scene->light_power > 0) &&
+	       allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
+}
+
 // Whether there is some light that is not switched off.
 static bool shines(const candil_Render *r, const struct plan *p, uint32_t facts)
 {
@@ -65,7 +76,7 @@ static bool called_for(candil_Effect effect, const candil_Render *r, const struc
 	if (calling_facts[effect])
 		return facts & calling_facts[effect];
 	if (effect == candil_Effect_EFFECT_ENVIRONMENT)
-		return p->background[0] > 0 || p->background[1] > 0 || p->background[2] > 0 || p->environment.power > 0;
+		return plan_has_colour(p) || p->environment.power > 0;
 	if (effect == candil_Effect_EFFECT_BOUNCES)
 		return p->depth > 1 && facts & (FACT_REFLECTS | FACT_GLOSSY) &&
 		       (shines(r, p, facts) || shows_images(r, facts));
@@ -153,6 +164,8 @@ static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t
 			tell_who_can(effect, words->substitute, report->why, sizeof report->why);
 	} else if (r->effects_off & bit) {
 		explain(report, candil_EffectState_EFFECT_STATE_SWITCHED_OFF, words->substitute);
+	} else if (effect == candil_Effect_EFFECT_ENVIRONMENT && p->default_light) {
+		explain(report, candil_EffectState_EFFECT_STATE_SIMULATED, "nothing else gives light: a neutral sky does");
 	} else if (called_for(effect, r, p, facts)) {
 		const char *how = technique->simulates ? technique->simulates(p, effect) : NULL;
 		explain(report, candil_EffectState_EFFECT_STATE_SIMULATED, how ? how : words->simulated);
@@ -166,6 +179,11 @@ static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t
 
 void plan_effects(const candil_Render *r, const struct blob_view *scene, const struct technique *technique, struct plan *p)
 {
+	p->default_light =
+	    r->default_light && is_dark(r, p, scene) && !cannot(technique, p, candil_Effect_EFFECT_ENVIRONMENT);
+	for (int i = 0; p->default_light && i < 3; i++)
+		p->background[i] = (float)DEFAULT_LIGHT_RADIANCE;
+
 	const uint32_t facts = facts_here(r, scene, technique, p), named = facts_by_name(scene);
 	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
 		candil_EffectReport *report = &p->reports[p->report_count++];

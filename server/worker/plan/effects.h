@@ -7,8 +7,8 @@
 #include "server/worker/plan/plan.h"
 #include "server/worker/technique/technique.h"
 
-// Fill in plan->effects and plan->reports. The rest of the plan is set before, above all its depth and environment. Does
-// not fail.
+// Fill in plan->effects and plan->reports, and give default light where it is asked for and needed. The rest of the plan is
+// set before, above all its depth and environment. `scene` has its edits. Does not fail.
 void plan_effects(const candil_Render *request, const struct blob_view *scene, const struct technique *technique,
 		  struct plan *plan);
 

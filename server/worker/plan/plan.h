@@ -65,6 +65,7 @@ struct plan {
 	candil_Filter filter;
 	float background[3]; // radiance, W/(m² sr); black where there is an environment
 	struct plan_environment environment;
+	bool default_light; // the background is the neutral sky that default light is
 	candil_Format format;
 	candil_View view;
 	double exposure_ev;
@@ -72,6 +73,12 @@ struct plan {
 	uint32_t report_count;
 	struct plan_settings settings;
 };
+
+// Whether the background is a colour that is not black, simulated or not.
+static inline bool plan_has_colour(const struct plan *plan)
+{
+	return plan->background[0] > 0 || plan->background[1] > 0 || plan->background[2] > 0;
+}
 
 // Whether there is an environment that is seen and gives light.
 static inline bool plan_has_sky(const struct plan *plan)

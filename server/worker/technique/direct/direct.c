@@ -39,7 +39,9 @@ static const char *direct_simulates(const struct plan *plan, candil_Effect effec
 static struct lighting_wish wish_of(const struct plan *plan)
 {
 	const struct direct_settings *s = direct_settings(plan);
-	return lighting_wish_of(s, s->shadows == DIRECT_SHADOWS_MAP, true);
+	struct lighting_wish wish = lighting_wish_of(s, s->shadows == DIRECT_SHADOWS_MAP, true);
+	wish.dome = plan->default_light;
+	return wish;
 }
 
 static uint64_t direct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)

@@ -10,6 +10,7 @@
 #define CLOSED_EMITTERS_MAX 32u
 // Points on lamps that a pixel with its own has at least, over all samples: as good as the shared ones of fewer samples.
 #define SHARP_POINTS 64u
+#define DOME_POINTS 4u // of a pixel on an even sky, at least: 64 for each block of pixels
 
 static const struct gl_source light_source = {.name = "light", .compute = source_light_comp};
 static const struct gl_source soften_source = {.name = "soften", .compute = source_soften_comp};
@@ -20,11 +21,12 @@ static bool lamps_are_few(const struct resident_scene *scene)
 	return scene_count(scene, BLOB_EMITTERS) <= CLOSED_EMITTERS_MAX;
 }
 
-// Whether emissive triangles light the scene by points that neighbouring pixels share.
+// Whether emissive triangles, or an even sky, light the scene by points that neighbouring pixels share.
 static bool is_soft(const struct plan *plan, const struct resident_scene *scene, const struct lighting_wish *wish)
 {
-	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 && wish->lamps &&
-	       plan->samples < DIRECT_SOFT_BELOW;
+	const bool lamps =
+	    plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 && wish->lamps;
+	return (lamps || wish->dome) && plan->samples < DIRECT_SOFT_BELOW;
 }
 
 static const char *word(bool value)
@@ -45,11 +47,15 @@ struct lighting_wish lighting_wish_of(const struct direct_settings *s, bool maps
 void lighting_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene,
 		     const struct lighting_wish *wish)
 {
-	const bool closed = lamps_are_few(scene), sharp = closed && plan->samples >= DIRECT_SOFT_BELOW;
-	const uint32_t enough = (SHARP_POINTS - 1) / plan->samples + 1, least = !sharp ? 1 : enough > 2 ? enough : 2;
+	const bool closed = !wish->dome && lamps_are_few(scene), sharp = closed && plan->samples >= DIRECT_SOFT_BELOW;
+	const uint32_t enough = (SHARP_POINTS - 1) / plan->samples + 1, least = wish->dome   ? DOME_POINTS
+										: !sharp     ? 1
+										: enough > 2 ? enough
+											     : 2;
 	gl_define(defines, "DIRECT_POINTS", "%uu", wish->points > least ? wish->points : least);
 	gl_define(defines, "DIRECT_CLOSED", "%s", word(closed));
 	gl_define(defines, "DIRECT_SHARP", "%s", word(sharp));
+	gl_define(defines, "DIRECT_DOME", "%s", word(wish->dome));
 	gl_define(defines, "DIRECT_LAMPS", "%s", word(wish->lamps));
 	gl_define(defines, "DIRECT_SHADOWS", "%s", word(wish->shadows));
 	gl_define(defines, "DIRECT_SOFT", "%s", word(is_soft(plan, scene, wish)));

@@ -22,6 +22,7 @@ struct lighting_wish {
 	uint32_t points; // on emissive triangles, for a sample of a pixel; > 0
 	bool shadows; // false: every light reaches all that faces it
 	uint32_t map_side; // texels of a shadow map's side; 0: all shadows are by rays
+	bool dome; // nothing else gives light, and the plan's background does, evenly
 	bool lamps; // emissive triangles light other surfaces; false: the technique does that itself
 	uint32_t rows; // of pixels that are worked on at once; 0: as many as the device binds
 };

@@ -54,8 +54,7 @@ static uint32_t cones_of(const struct plan *plan)
 
 static bool has_background(const struct plan *plan)
 {
-	return plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) &&
-	       (plan->background[0] > 0 || plan->background[1] > 0 || plan->background[2] > 0);
+	return plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT) && plan_has_colour(plan);
 }
 
 // Whether emissive surfaces light others through the voxels alone, by cones.
