@@ -1,4 +1,5 @@
-// The last pass of a sample: adds it to the sums. Values that are not finite are counted and left out.
+// The last pass of a sample: adds it to the sums, and notes which pixels see a surface. Values that are not finite are counted
+// and left out.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,7 +12,10 @@ layout(local_size_x = TILE_PIXELS) in;
 
 layout(std430, binding = BIND_COUNTERS) buffer Counters {
 	pass_counters counters;
+	uint met[];
 };
+#include "common/met.glsl"
+layout(binding = DEFERRED_VISIBILITY_UNIT) uniform usampler2D visibility;
 
 void main()
 {
@@ -21,6 +25,8 @@ void main()
 	ivec2 texel = pixel_texel(pixel);
 	vec4 value = imageLoad(radiance_image, texel);
 	imageStore(radiance_image, texel, vec4(0.0));
+	if (texelFetch(visibility, texel, 0).x != 0u)
+		met_note(area.z + gl_WorkGroupID.x, gl_LocalInvocationIndex);
 	uint rays = uint(abs(value.w));
 	if (rays > 0u) {
 		uint before = atomicAdd(counters.rays, rays);

@@ -15,7 +15,9 @@ layout(std430, set = 0, binding = BIND_PATHS) buffer Paths {
 };
 layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
 	pass_counters counters;
+	uint met[];
 };
+#include "common/met.glsl"
 
 // Whether a path may be longer than a dispatch. If not, no storage for waiting paths is needed.
 layout(constant_id = SPEC_RESUMED) const bool RESUMED = true;

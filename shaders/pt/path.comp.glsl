@@ -216,6 +216,7 @@ struct tally {
 	uint rounds;
 	uint clamped;
 	float removed;
+	bool met;      // a camera ray met a surface
 };
 
 uint half_of(uint taken)
@@ -301,6 +302,7 @@ void path_round(inout walker p, sampler_state rnd, inout tally account)
 	vec3 from = p.origin;
 	if (running) {
 		account.rays++;
+		account.met = account.met || (found && p.event == 0u);
 		surface s;
 		p.alive = arrive(p, found, hit, s);
 		if (p.alive)
@@ -366,6 +368,8 @@ void path_store(uint slot, walker p)
 void give_account(tally account)
 {
 	count_work(account.rays, account.non_finite, account.rounds);
+	if (account.met)
+		met_note(push.first_tile + gl_WorkGroupID.x, gl_LocalInvocationIndex);
 	if (WAY_CLAMP && account.clamped > 0u) {
 		atomicAdd(counters.clamped, account.clamped);
 		// A 64-bit integer, so that the sum does not depend on the order.
@@ -395,7 +399,7 @@ void main()
 	bool had_work = p.alive;
 	if (had_work)
 		sums_load(at);
-	tally account = tally(0u, 0u, 0u, 0u, 0.0);
+	tally account = tally(0u, 0u, 0u, 0u, 0.0, false);
 	path_run(p, pixel, scrambles, account);
 	if (!had_work)
 		return;

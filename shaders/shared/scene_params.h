@@ -51,6 +51,8 @@ struct pass_counters {
 	uint rays_high; // deferred techniques: high word of `rays`; the path tracer's host reads `rays` before it overflows
 };
 LAYOUT_ASSERT(pass_counters, 32)
+// Behind them in the buffer: a bit for each pixel of each tile that is set once a sample of it meets a surface.
+#define MET_WORDS 2 // of a tile
 #define CLAMP_UNITS 256
 
 // What light paths contributed to a pixel: integers in units of scene_params.film_unit, so that the sum does not depend on

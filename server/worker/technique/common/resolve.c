@@ -93,6 +93,19 @@ void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, stru
 	}
 }
 
+uint64_t met_bytes(uint32_t width, uint32_t height)
+{
+	return (uint64_t)tiles_over(width) * tiles_over(height) * MET_WORDS * sizeof(uint32_t);
+}
+
+uint64_t met_missed(const uint32_t *met, uint32_t width, uint32_t height)
+{
+	uint64_t missed = (uint64_t)width * height;
+	for (uint64_t i = 0; i < met_bytes(width, height) / sizeof *met; i++)
+		missed -= (uint64_t)__builtin_popcount(met[i]);
+	return missed;
+}
+
 struct estimate resolver_error(const struct resolver *r)
 {
 	if (r->known == 0)

@@ -30,6 +30,12 @@ void resolve_sums(struct resolver *resolver, const float *sums, uint32_t first_r
 // Fill rows of the AOVs that the frame has, from AOV_WORDS words a pixel.
 void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *frame);
 
+// Bytes of the bits that tell which pixels met a surface: MET_WORDS words for each tile of the picture.
+uint64_t met_bytes(uint32_t width, uint32_t height);
+
+// The number of a picture's pixels that have no such bit.
+uint64_t met_missed(const uint32_t *met, uint32_t width, uint32_t height);
+
 // The estimated error of the rows that were resolved, for techniques without fireflies: every pixel's own value stands for
 // the true one. Unknown if a half has no sample.
 struct estimate resolver_error(const struct resolver *resolver);

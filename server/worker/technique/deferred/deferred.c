@@ -151,6 +151,19 @@ static enum status deferred_read_band(struct deferred *d, uint32_t index, struct
 	return s;
 }
 
+static enum status deferred_count_missed(const struct deferred *d, struct frame *f, struct error *err)
+{
+	const uint64_t bytes = met_bytes(f->width, f->height);
+	uint32_t *met = malloc(bytes);
+	if (!met)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	enum status s = gl_buffer_read(&d->counters, d->device, sizeof(struct pass_counters), bytes, met, err);
+	if (s == STATUS_OK)
+		f->missed_pixels = met_missed(met, f->width, f->height);
+	free(met);
+	return s;
+}
+
 // The number of tiles whose sums have one sample more than d->sample: those of whole bands, and those of the cursor's band
 // that the sum pass has done.
 static uint32_t tiles_ahead(const struct deferred *d)
@@ -186,6 +199,8 @@ enum status deferred_read(struct deferred *d, struct frame **frame, struct error
 	resolver_init(&resolver, d->plan.first_sample, d->sample, tiles_ahead(d), 1);
 	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++)
 		s = deferred_read_band(d, i, f, &resolver, err);
+	if (s == STATUS_OK)
+		s = deferred_count_missed(d, f, err);
 	if (s != STATUS_OK) {
 		frame_destroy(f);
 		return s;

@@ -46,7 +46,7 @@ struct deferred {
 	uint32_t pass_count;
 
 	struct gl_buffer job; // struct scene_params
-	struct gl_buffer counters; // struct pass_counters, growing
+	struct gl_buffer counters; // struct pass_counters, growing, and the bits of pixels that met a surface
 	struct gl_texture visibility, depth, radiance; // of a band
 	unsigned framebuffer;
 	struct deferred_band *bands;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "server/base/clock.h"
+#include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/deferred/deferred_job.h"
 #include "shaders/gl/aov_comp.h"
@@ -42,6 +43,7 @@ uint64_t deferred_bytes(const struct devices *devices, const struct plan *plan, 
 	const uint64_t pixels = (uint64_t)plan->width * plan->height;
 	const uint64_t texels = (uint64_t)plan->width * deferred_band_rows(devices->gl, plan, rows);
 	uint64_t bytes = sizeof(struct scene_params) + sizeof(struct pass_counters), summed = pixels;
+	bytes += met_bytes(plan->width, plan->height);
 	const uint32_t most = band_tile_rows(devices->gl, plan, rows), all = tiles_over(plan->height);
 	if (most > 2 && most < all)
 		summed += 2ull * ((all - 1) / (most - 2)) * TILE_SIDE * plan->width; // rows that two bands work on
@@ -90,7 +92,8 @@ static enum status deferred_make_buffers(struct deferred *d, struct error *err)
 	scene_params_fill(&d->plan, &d->scene->view, false, &params);
 	enum status s = gl_buffer_init(&d->job, d->device, sizeof params, &params, err);
 	if (s == STATUS_OK)
-		s = gl_buffer_init(&d->counters, d->device, sizeof(struct pass_counters), NULL, err);
+		s = gl_buffer_init(&d->counters, d->device,
+				   sizeof(struct pass_counters) + met_bytes(d->plan.width, d->plan.height), NULL, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++) {
 		struct deferred_band *b = &d->bands[i];
 		const uint64_t pixels = (uint64_t)b->outer.rows * d->plan.width;

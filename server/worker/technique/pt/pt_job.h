@@ -39,7 +39,7 @@ struct technique_job {
 	uint32_t batch_most; // the most samples in a batch
 	const struct pt_light_tree *tree; // the tree over lamps, the scene's; NULL: lamps are chosen by power
 	struct buffer job; // struct scene_params
-	struct buffer counters; // struct pass_counters, growing
+	struct buffer counters; // struct pass_counters, growing, and the bits of pixels that met a surface
 	struct buffer counters_host; // a copy of them after the last submission
 	struct buffer paths; // only if segments > 1
 	struct pipeline *path;

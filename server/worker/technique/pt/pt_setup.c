@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "server/base/clock.h"
+#include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/pt/pt.h"
 #include "server/worker/technique/pt/pt_error.h"
@@ -98,6 +99,7 @@ static uint64_t paths_bytes(const struct plan *plan)
 uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
 	uint64_t bytes = sizeof(struct scene_params) + 2 * sizeof(struct pass_counters);
+	bytes += met_bytes(plan->width, plan->height);
 	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
 	if (pt_light_tree_wanted(devices, scene, plan))
@@ -169,7 +171,8 @@ static enum status pt_make_buffers(struct technique_job *j, struct error *err)
 	if (s == STATUS_OK)
 		s = buffer_init_with(&j->job, d, &params, sizeof params, err);
 	if (s == STATUS_OK)
-		s = buffer_init(&j->counters, d, sizeof(struct pass_counters), BUFFER_DEVICE, err);
+		s = buffer_init(&j->counters, d, sizeof(struct pass_counters) + met_bytes(j->plan.width, j->plan.height),
+				BUFFER_DEVICE, err);
 	if (s == STATUS_OK)
 		s = buffer_init(&j->counters_host, d, sizeof(struct pass_counters), BUFFER_READBACK, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++) {
