@@ -9,32 +9,6 @@ static bool is_simulated(const struct candil_effect_report *effect)
 	return effect->state == CANDIL_EFFECT_SIMULATED || effect->state == CANDIL_EFFECT_FORCED;
 }
 
-// If every source of light is left out, print that, and what would give light.
-static void print_unlit(const struct candil_accepted *accepted, FILE *stream)
-{
-	const uint32_t sources = 1u << CANDIL_EFFECT_EMITTERS | 1u << CANDIL_EFFECT_LIGHTS | 1u << CANDIL_EFFECT_ENVIRONMENT;
-	uint32_t left_out = 0, off = 0;
-	for (uint32_t i = 0; i < accepted->plan_count; i++) {
-		const struct candil_effect_report *e = &accepted->plan[i];
-		if (is_simulated(e) || (uint32_t)e->effect >= CANDIL_EFFECT_COUNT)
-			continue;
-		left_out |= 1u << e->effect;
-		if (e->state == CANDIL_EFFECT_SWITCHED_OFF)
-			off |= 1u << e->effect;
-	}
-	if ((left_out & sources) != sources)
-		return;
-	fputs("light      nothing gives any, so all is black", stream);
-	const char *separator = "; switched off: ";
-	for (uint32_t i = 0; i < CANDIL_EFFECT_COUNT; i++) {
-		if (!(off & sources & 1u << i))
-			continue;
-		fprintf(stream, "%s%s", separator, candil_effect_name((enum candil_effect)i));
-		separator = ", ";
-	}
-	fputs(off & sources ? "\n" : "; --background 1,1,1 would\n", stream);
-}
-
 static void print_effects(const struct candil_accepted *accepted, bool simulated, FILE *stream)
 {
 	const char *separator = simulated ? "simulated  " : "left out   ";
@@ -91,6 +65,11 @@ void report_print_error(const struct candil_done *done, FILE *stream)
 			low);
 }
 
+json_t *report_verdict_json(const struct candil_verdict *verdict)
+{
+	return json_pack("{s:f,s:f,s:f}", "black", verdict->black, "clipped", verdict->clipped, "missed", verdict->missed);
+}
+
 void report_print(const struct report *r, FILE *stream)
 {
 	const struct candil_render_request *request = &r->options->request;
@@ -110,6 +89,8 @@ void report_print(const struct report *r, FILE *stream)
 	if (strcmp(done->reason, "time") == 0)
 		fprintf(stream, "ended      at the deadline, after %" PRIu32 " sample%s\n", done->samples,
 			cli_s(done->samples));
+	fprintf(stream, "verdict    %.3g %% of the pixels black, %.3g %% clipped, %.3g %% see no surface\n",
+		100 * done->verdict.black, 100 * done->verdict.clipped, 100 * done->verdict.missed);
 	print_clamp(done, stream);
 	if (done->non_finite_samples > 0)
 		fprintf(stream, "mended     %" PRIu64 " sample%s not finite, counted as zero\n", done->non_finite_samples,
@@ -122,7 +103,6 @@ void report_print(const struct report *r, FILE *stream)
 			"%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,0,1,0,%g)\n",
 			request->eye.x, request->eye.y, request->eye.z, request->target.x, request->target.y,
 			request->target.z, request->vfov_degrees);
-	print_unlit(&r->accepted, stream);
 	for (uint32_t i = 0; i < r->accepted.note_count; i++)
 		fprintf(stream, "note       %s\n", r->accepted.notes[i]);
 	for (uint32_t i = 0; i < done->note_count; i++)
@@ -262,6 +242,7 @@ json_t *report_json(const struct report *r)
 		json_array_append_new(notes, cli_json_text(done->notes[i]));
 	json_object_set_new(o, "notes", notes);
 	json_object_set_new(o, "default_light", json_boolean(r->accepted.default_light));
+	json_object_set_new(o, "verdict", report_verdict_json(&done->verdict));
 	json_object_set_new(o, "stages", report_stages_json(done));
 	json_object_set_new(o, "figures", report_figures_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);

@@ -21,14 +21,17 @@ struct report {
 	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
 	"\"effects\": [{\"name\", \"state\", \"why\", where measured \"cost_us\", \"share\"}],\n" \
 	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"default_light\" (whether it was given),\n" \
-	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\",\n" \
-	"\"estimated_relmse\", \"relmse_low\", \"relmse_high\" (null: unknown, or no upper end),\n" \
+	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels), \"stages\": [{\"name\", \"us\"}],\n" \
+	"\"elapsed_us\", \"estimated_relmse\", \"relmse_low\", \"relmse_high\" (null: unknown, or no upper end),\n" \
 	"\"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
 	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
 
 // The stages, [{"name", "us"}], and the figures, [{"name", "value", "unit"}], of a finished render.
 json_t *report_stages_json(const struct candil_done *done);
 json_t *report_figures_json(const struct candil_done *done);
+
+// The verdict on a picture, {"black", "clipped", "missed"}.
+json_t *report_verdict_json(const struct candil_verdict *verdict);
 
 // Print a line such as "time       12.3 ms: queue 0.0, …".
 void report_print_stages(const struct candil_done *done, FILE *stream);

@@ -22,7 +22,10 @@ struct picture {
 	bool there; // the file is whole, and what this call would write
 	bool written; // by this call
 	const char *why; // a file was there and is written anew; NULL: none was, or --force
+	struct candil_verdict verdict; // where this call wrote it
 };
+
+#define NOTES_MAX 8u // more sentences than that nobody reads
 
 #define REASONS_MAX 32u // sweep_compare has fewer
 
@@ -52,6 +55,9 @@ struct sweep {
 	uint64_t rays, elapsed_us;
 	struct candil_done error; // its relMSE alone: sums over the images that were written, negative where unknown
 	char device[128];
+	bool default_light; // what was rendered got it
+	char notes[NOTES_MAX][192]; // of all requests, each once
+	uint32_t note_count;
 };
 
 // ---- before the scene ------------------------------------------------------------------------------------------------
@@ -230,6 +236,7 @@ static bool sweep_write_image(struct sweep *sweep, const struct candil_image *im
 	const bool good = output_save(p->name, image->data, image->bytes);
 	p->there = p->there || good;
 	p->written = good;
+	p->verdict = image->verdict;
 	sweep->written += good;
 	return good;
 }
@@ -248,6 +255,17 @@ static void add_error(struct sweep *sweep, const struct candil_done *done)
 	sum->relmse_high = add_known(sum->relmse_high, done->relmse_high, sweep->batch_count);
 }
 
+static void sweep_add_notes(struct sweep *sweep, const char (*notes)[192], uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t at = 0;
+		while (at < sweep->note_count && strcmp(sweep->notes[at], notes[i]) != 0)
+			at++;
+		if (at == sweep->note_count && at < NOTES_MAX)
+			memcpy(sweep->notes[sweep->note_count++], notes[i], sizeof(notes[i]));
+	}
+}
+
 // Take one event of a request. false: an image cannot be written, errno says why.
 static bool sweep_take_event(void *user, const struct candil_event *event)
 {
@@ -255,6 +273,8 @@ static bool sweep_take_event(void *user, const struct candil_event *event)
 	switch (event->kind) {
 	case CANDIL_EVENT_ACCEPTED:
 		job_take_accepted(&sweep->job, &event->u.accepted);
+		sweep->default_light |= event->u.accepted.default_light;
+		sweep_add_notes(sweep, event->u.accepted.notes, event->u.accepted.note_count);
 		return true;
 	case CANDIL_EVENT_PROGRESS: {
 		// The progress is over the images of this request. Those that are written are counted already.
@@ -274,6 +294,7 @@ static bool sweep_take_event(void *user, const struct candil_event *event)
 		sweep->late |= strcmp(event->u.done.reason, "time") == 0;
 		sweep->elapsed_us += event->u.done.elapsed_us;
 		memcpy(sweep->device, event->u.done.device, sizeof(sweep->device));
+		sweep_add_notes(sweep, event->u.done.notes, event->u.done.note_count);
 		return true;
 	default:
 		return true;
@@ -345,6 +366,8 @@ static json_t *sweep_picture_json(const struct sweep *sweep, const struct pictur
 		json_object_set_new(o, "camera", sweep_camera_json(c));
 	if (o && c && sweep->animation)
 		json_object_set_new(o, "time_s", json_real(c->time_s));
+	if (o && p->written)
+		json_object_set_new(o, "verdict", report_verdict_json(&p->verdict));
 	if (o && p->why)
 		json_object_set_new(o, "why", json_string(p->why));
 	return o;
@@ -370,18 +393,47 @@ static json_t *sweep_summary_json(const struct sweep *sweep)
 	json_t *images = json_array();
 	for (uint32_t i = 0; i < sweep->picture_count; i++)
 		json_array_append_new(images, sweep_picture_json(sweep, &sweep->pictures[i]));
+	json_t *notes = json_array();
+	for (uint32_t i = 0; i < sweep->note_count; i++)
+		json_array_append_new(notes, cli_json_text(sweep->notes[i]));
 	json_t *o = json_pack(
-	    "{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "output",
+	    "{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "output",
 	    cli_json_text(sweep->job.options.output), "scene", cli_json_text(sweep->job.options.scene), "format",
 	    candil_format_name(r->format), "width", cli_json_u64(r->width), "height", cli_json_u64(r->height), "samples",
 	    cli_json_u64(r->samples), "cameras", cli_json_u64(sweep->count), "shard", cli_json_u64(sweep->shard), "shards",
 	    cli_json_u64(sweep->shards), "written", cli_json_u64(sweep->written), "skipped", cli_json_u64(sweep->skipped),
 	    "redone", cli_json_u64(sweep->redone), "elapsed_us", cli_json_u64(sweep->elapsed_us), "rays",
-	    cli_json_u64(sweep->rays), "retries", cli_json_u64(sweep->retries), "images", images);
+	    cli_json_u64(sweep->rays), "retries", cli_json_u64(sweep->retries), "default_light", sweep->default_light,
+	    "notes", notes, "images", images);
 	const struct candil_done mean = mean_error(sweep);
 	if (o)
 		report_put_error(o, &mean);
 	return o;
+}
+
+// From these shares on a picture counts as black, clipped or missed as a whole.
+#define WHOLE_BLACK 0.98
+#define WHOLE_CLIPPED 0.5
+#define WHOLE_MISSED 1.0
+
+// How many of the pictures that were written are of no use; nothing if none is.
+static void print_verdict(const struct sweep *sweep)
+{
+	uint32_t black = 0, clipped = 0, missed = 0;
+	for (uint32_t i = 0; i < sweep->picture_count; i++) {
+		const struct picture *p = &sweep->pictures[i];
+		black += p->written && p->verdict.black >= WHOLE_BLACK;
+		clipped += p->written && p->verdict.clipped >= WHOLE_CLIPPED;
+		missed += p->written && p->verdict.missed >= WHOLE_MISSED;
+	}
+	if (black > 0)
+		printf("verdict    %u of %u images are black\n", black, sweep->written);
+	if (clipped > 0)
+		printf("verdict    %u of %u images are mostly clipped\n", clipped, sweep->written);
+	if (missed > 0)
+		printf("verdict    %u of %u images see no surface\n", missed, sweep->written);
+	for (uint32_t i = 0; i < sweep->note_count; i++)
+		printf("note       %s\n", sweep->notes[i]);
 }
 
 static enum exit_code sweep_say_summary(struct sweep *sweep)
@@ -407,6 +459,7 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 		       (double)sweep->elapsed_us * 1e-3 / sweep->written, sweep->device);
 	const struct candil_done mean = mean_error(sweep);
 	report_print_error(&mean, stdout);
+	print_verdict(sweep);
 	if (sweep->late)
 		puts("ended      at the deadline, for at least one image");
 	if (sweep->retries > 0)
@@ -527,9 +580,10 @@ const struct command sweep_command = {
 	"--json: {\"output\", \"scene\", \"format\", \"width\", \"height\", \"samples\", \"cameras\", \"shard\", "
 	"\"shards\",\n"
 	"\"written\", \"skipped\", \"redone\" (of those written), \"estimated_relmse\", \"relmse_low\", \"relmse_high\"\n"
-	"(means over those written, null: unknown), \"elapsed_us\", \"rays\", \"retries\", \"images\": "
-	"[{\"index\", \"image\",\n"
+	"(means over those written, null: unknown), \"elapsed_us\", \"rays\", \"retries\",\n"
+	"\"default_light\" (whether it was given), \"notes\": [], \"images\": [{\"index\", \"image\",\n"
 	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: the scene's first), \"time_s\" (of an animation),\n"
+	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels, of one written),\n"
 	"\"why\" (what differed in the image that was there)}], \"warnings\": [] (about the scene), \"warnings_more\"}\n"
 	"Exit codes: 0 every image of the call is there; others as in candil --help. Images already written stay.\n",
     .run = run_sweep,

@@ -358,6 +358,13 @@ struct candil_figure {
 	char unit[16]; // "" if there is none
 };
 
+// What of a picture's file is likely to disappoint: shares of its pixels, 0 to 1. A pixel may be counted in several.
+struct candil_verdict {
+	double black; // every channel of the file is 0
+	double clipped; // some channel is 1 or more behind a PNG's exposure and view, or above 65504 in an EXR of 16 bits
+	double missed; // no sample of the pixel met a surface
+};
+
 // The account of a finished job.
 struct candil_done {
 	uint32_t samples; // per pixel
@@ -375,7 +382,8 @@ struct candil_done {
 	uint32_t figure_count;
 	struct candil_figure figures[32];
 	uint32_t note_count;
-	char notes[2][192]; // sentences on what may surprise and came out in the work alone
+	char notes[4][192]; // sentences on what may surprise and came out in the work alone
+	struct candil_verdict verdict; // on the picture; of a sweep, the mean
 };
 
 // An encoded image file, whole: EXR or PNG bytes, to be written to a file as they are.
@@ -387,6 +395,7 @@ struct candil_image {
 	uint32_t samples; // that are in it, per pixel
 	bool final; // false: an intermediate one
 	uint32_t index; // of the camera in a sweep, from 0; else 0
+	struct candil_verdict verdict; // of a final one
 };
 
 // ---- the daemon ------------------------------------------------------------------------------------------------------

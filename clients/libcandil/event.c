@@ -99,6 +99,7 @@ static bool image_append(candil_client *client, struct request *request, const s
 	    .samples = image->frame.samples,
 	    .final = image->frame.final,
 	    .index = image->frame.index,
+	    .verdict = message_read_verdict(&image->frame.verdict),
 	};
 	client->event_image = image->data;
 	request->finished += image->frame.final;

@@ -350,17 +350,28 @@ static double known(double x, double least, double most)
 	return isfinite(x) && x >= least && x <= most ? x : -1.0;
 }
 
+// fmin and fmax return the other number for a NaN.
+static double read_share(double share)
+{
+	return fmin(fmax(share, 0.0), 1.0);
+}
+
 static void read_progress(const candil_Progress *from, struct candil_progress *to)
 {
 	to->samples_done = from->samples_done;
 	to->samples = from->samples;
-	// fmin and fmax return the other number for a NaN.
-	to->fraction = fmin(fmax(from->fraction, 0.0), 1.0);
+	to->fraction = read_share(from->fraction);
 	to->device_us = from->device_us;
 	to->elapsed_us = from->elapsed_us;
 	to->estimated_relmse = known(from->estimated_relmse, 0, INFINITY);
 	to->relmse_low = known(from->relmse_low, 0, to->estimated_relmse);
 	to->relmse_high = known(from->relmse_high, fmax(to->estimated_relmse, 0), INFINITY);
+}
+
+struct candil_verdict message_read_verdict(const candil_Verdict *from)
+{
+	return (struct candil_verdict){
+	    .black = read_share(from->black), .clipped = read_share(from->clipped), .missed = read_share(from->missed)};
 }
 
 static void read_figures(const candil_Done *from, struct candil_done *to)
@@ -401,6 +412,7 @@ static void read_done(const candil_Done *from, struct candil_done *to)
 	to->note_count = from->notes_count;
 	for (size_t i = 0; i < from->notes_count; i++)
 		TEXT(to->notes[i], from->notes[i]);
+	to->verdict = message_read_verdict(&from->verdict);
 	read_figures(from, to);
 }
 

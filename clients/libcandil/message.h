@@ -8,6 +8,7 @@
 // Decode the body of a reply into the event, all but its id. false: the bytes are no message of that type.
 bool message_read_event(uint8_t type, const uint8_t *body, size_t bytes, struct candil_event *event);
 bool message_read_image(const uint8_t *body, size_t bytes, candil_ImageFrame *frame);
+struct candil_verdict message_read_verdict(const candil_Verdict *from); // each share brought within 0 to 1
 bool message_read_server(const uint8_t *body, size_t bytes, struct candil_server *server);
 
 // Fill in a message, which must be all default. Fails with BAD_ARGUMENT (a string is missing or too long) and LIMIT (a list

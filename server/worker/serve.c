@@ -286,6 +286,31 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 	}
 }
 
+// What the picture's verdict must know of its scene and plan.
+static struct verdict_about about_of(const struct job *job)
+{
+	const struct plan *p = &job->plan;
+	const struct blob_view *scene = &job->scene->view;
+	struct verdict_about about = {.surfaces = scene->counts[BLOB_TRIANGLES] > 0};
+	about.lamps = scene_emitter_power(p, scene) > 0 || scene_light_power(p, scene) > 0;
+	about.background = plan_has(p, candil_Effect_EFFECT_ENVIRONMENT) && (plan_has_colour(p) || p->environment.power > 0);
+	about.background_lights = about.background && (!job->technique->sky_is_seen_alone || p->default_light);
+	const uint32_t lights =
+	    1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT;
+	const char *off[EFFECT_COUNT];
+	size_t count = 0;
+	for (uint32_t i = 0; i < p->report_count; i++)
+		if (lights >> p->reports[i].effect & 1u &&
+		    p->reports[i].state == candil_EffectState_EFFECT_STATE_SWITCHED_OFF)
+			off[count++] = effect_name(p->reports[i].effect);
+	names_list(off, count, "and", about.off, sizeof about.off);
+	for (int c = 0; c < 3; c++) {
+		const double eye = p->camera.eye[c] - scene->blob->origin[c];
+		about.outside |= eye < (double)scene->bounds_min[c] || eye > (double)scene->bounds_max[c];
+	}
+	return about;
+}
+
 static enum status on_read(struct server *s, const struct ipc_read *m)
 {
 	struct ipc_image failure = {.head = {.op = IPC_IMAGE, .job = m->head.job}};
@@ -301,9 +326,10 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 	const struct encoder_task task = {.job = job->id,
 					  .final = m->final != 0,
 					  .frame = frame,
-					  .format = (enum codec_format)job->plan.format,
-					  .view = (enum codec_view)job->plan.view,
-					  .exposure_ev = job->plan.exposure_ev};
+					  .file = {.format = (enum codec_format)job->plan.format,
+						   .view = (enum codec_view)job->plan.view,
+						   .exposure_ev = job->plan.exposure_ev},
+					  .about = about_of(job)};
 	encoder_submit(s->encoder, &task);
 	return STATUS_OK;
 }

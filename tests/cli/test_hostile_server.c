@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -124,6 +125,13 @@ static void test_no_known_reply_is_passed_over(void **state)
 	}
 }
 
+// Whatever the server sends as shares, a caller gets numbers from 0 to 1.
+static void assert_shares(const struct candil_verdict *v)
+{
+	assert_true(v->black >= 0 && v->black <= 1 && v->clipped >= 0 && v->clipped <= 1 && v->missed >= 0 &&
+		    v->missed <= 1);
+}
+
 // A valid conversation with random bytes changed: whatever happens, no crash, no leak, and an end.
 static void test_mutated_replies(void **state)
 {
@@ -134,7 +142,13 @@ static void test_mutated_replies(void **state)
 		uint32_t id = submit_render(f.client, 8);
 		uint8_t out[4096], body[512];
 		candil_Progress progress = {.samples_done = 1, .samples = 4, .fraction = 0.5};
-		candil_ImageFrame image = {true, 0, candil_Format_FORMAT_EXR_FLOAT, 8, 8, 4, 300};
+		candil_ImageFrame image = {.format = candil_Format_FORMAT_EXR_FLOAT,
+					   .width = 8,
+					   .height = 8,
+					   .samples = 4,
+					   .bytes = 300,
+					   .has_verdict = true,
+					   .verdict = {.black = NAN, .clipped = -1, .missed = 7}};
 		candil_Done done = {.samples = 4, .stages_count = 2};
 		size_t n = frame(out, MESSAGE_PROGRESS, id, body, encode(body, 512, candil_Progress_fields, &progress));
 		image.final = true;
@@ -153,8 +167,11 @@ static void test_mutated_replies(void **state)
 		candil_process(f.client, NULL);
 		struct candil_event event;
 		bool ended = false;
-		while (candil_next_event(f.client, &event))
+		while (candil_next_event(f.client, &event)) {
 			ended = ended || event.ends_request;
+			if (event.kind == CANDIL_EVENT_IMAGE)
+				assert_shares(&event.u.image.verdict);
+		}
 		assert_true(ended);
 		stop(&f);
 	}

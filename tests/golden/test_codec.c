@@ -282,8 +282,8 @@ static void the_encoder_answers_every_frame_in_order(void **state)
 		f->non_finite_samples = i;
 		f->estimate.relmse = 0.25;
 		frame_add_stage(f, "trace", 42);
-		encoder_submit(encoder,
-			       &(struct encoder_task){.job = 100 + i, .final = i % 2, .frame = f, .format = CODEC_PNG});
+		encoder_submit(encoder, &(struct encoder_task){
+					    .job = 100 + i, .final = i % 2, .frame = f, .file = {.format = CODEC_PNG}});
 	}
 	encoder_destroy(encoder);
 	close(line[0]);
@@ -333,7 +333,8 @@ static void the_encoder_outlives_its_peer(void **state)
 	assert_int_equal(encoder_create(line[0], "a device", &encoder, &err), STATUS_OK);
 	close(line[1]);
 	for (uint32_t i = 0; i < 2 * ENCODER_QUEUE_FRAMES; i++)
-		encoder_submit(encoder, &(struct encoder_task){.job = i, .frame = make_frame(4, 4, 0), .format = CODEC_PNG});
+		encoder_submit(
+		    encoder, &(struct encoder_task){.job = i, .frame = make_frame(4, 4, 0), .file = {.format = CODEC_PNG}});
 	encoder_destroy(encoder);
 	encoder_destroy(NULL);
 	close(line[0]);

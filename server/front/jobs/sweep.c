@@ -5,6 +5,7 @@
 
 #include "server/base/clock.h"
 
+#define MAX_NOTES (sizeof((candil_Done *)0)->notes / sizeof((candil_Done *)0)->notes[0])
 #define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
 
 struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, struct scene *environment,
@@ -73,6 +74,16 @@ static void divide_known(double *sum, uint32_t count)
 		*sum /= count;
 }
 
+// Add a sentence that no image before has had, as long as there is room.
+static void add_note(candil_Done *total, const char *note)
+{
+	for (pb_size_t i = 0; i < total->notes_count; i++)
+		if (!strcmp(total->notes[i], note))
+			return;
+	if (total->notes_count < MAX_NOTES)
+		memcpy(total->notes[total->notes_count++], note, sizeof total->notes[0]);
+}
+
 void sweep_add(struct sweep *sweep, const candil_Done *done)
 {
 	candil_Done *total = &sweep->total;
@@ -83,8 +94,12 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 	add_known(&total->relmse_high, done->relmse_high);
 	total->figures_count = done->figures_count;
 	memcpy(total->figures, done->figures, sizeof total->figures);
-	total->notes_count = done->notes_count;
-	memcpy(total->notes, done->notes, sizeof total->notes);
+	for (pb_size_t i = 0; i < done->notes_count; i++)
+		add_note(total, done->notes[i]);
+	total->has_verdict = true;
+	total->verdict.black += done->verdict.black;
+	total->verdict.clipped += done->verdict.clipped;
+	total->verdict.missed += done->verdict.missed;
 	total->samples = done->samples;
 	total->non_finite_samples += done->non_finite_samples;
 	total->rays += done->rays;
@@ -102,6 +117,9 @@ void sweep_close(struct sweep *sweep, uint64_t now_us)
 	divide_known(&sweep->total.estimated_relmse, sweep_count(sweep));
 	divide_known(&sweep->total.relmse_low, sweep_count(sweep));
 	divide_known(&sweep->total.relmse_high, sweep_count(sweep));
+	sweep->total.verdict.black /= sweep_count(sweep);
+	sweep->total.verdict.clipped /= sweep_count(sweep);
+	sweep->total.verdict.missed /= sweep_count(sweep);
 	sweep->total.elapsed_us = now_us - sweep->asked_us;
 }
 

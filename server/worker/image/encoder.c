@@ -46,7 +46,7 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 	const struct frame *f = task->frame;
 	image->frame.index = 0;
 	image->frame.final = task->final;
-	image->frame.format = (candil_Format)task->format;
+	image->frame.format = (candil_Format)task->file.format;
 	image->frame.width = f->width;
 	image->frame.height = f->height;
 	image->frame.samples = f->samples;
@@ -70,6 +70,20 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 	done->non_finite_samples = f->non_finite_samples;
 	done->rays = f->rays;
 	memcpy(done->device, e->device, sizeof done->device);
+}
+
+// Judge a final frame, for the reply and for the last of its notes.
+static void judge(const struct encoder_task *task, struct ipc_image *image)
+{
+	char note[sizeof task->frame->notes[0]];
+	if (!task->final)
+		return;
+	const candil_Verdict verdict = verdict_of(task->frame, &task->file);
+	verdict_note(task->frame, &task->file, &task->about, &verdict, note, sizeof note);
+	if (note[0])
+		frame_add_note(task->frame, "%s", note);
+	image->frame.has_verdict = image->done.has_verdict = true;
+	image->frame.verdict = image->done.verdict = verdict;
 }
 
 static void send_image(int socket, const struct ipc_image *image, int fd)
@@ -97,7 +111,9 @@ static void work(const struct encoder *e, const struct encoder_task *task)
 	int fd = -1;
 	size_t bytes = 0;
 	uint64_t start = clock_us();
-	image.error.code = codec_encode(task->frame, task->format, task->view, task->exposure_ev, &fd, &bytes, &image.error);
+	const struct verdict_file *file = &task->file;
+	image.error.code = codec_encode(task->frame, file->format, file->view, file->exposure_ev, &fd, &bytes, &image.error);
+	judge(task, &image);
 	frame_add_stage(task->frame, "encode", clock_us() - start);
 	fill_image(e, task, bytes, &image);
 	send_image(e->socket, &image, fd);

@@ -9,6 +9,7 @@
 #include "server/base/error.h"
 #include "server/worker/image/codec.h"
 #include "server/worker/image/frame.h"
+#include "server/worker/image/verdict.h"
 
 #define ENCODER_QUEUE_FRAMES 4u // waiting ones; one more is being encoded
 
@@ -19,9 +20,8 @@ struct encoder_task {
 	uint32_t job; // goes into the message's head
 	bool final; // the job's last frame, no preview
 	struct frame *frame; // the encoder's from encoder_submit on
-	enum codec_format format;
-	enum codec_view view; // of a PNG
-	double exposure_ev; // of a PNG
+	struct verdict_file file;
+	struct verdict_about about;
 };
 
 // Start the thread. `socket`, the one to the front, stays the caller's and must outlive the encoder. `device`, the device's

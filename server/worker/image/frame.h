@@ -14,7 +14,7 @@
 #define FRAME_METADATA_MAX 80u // entries of each list at most
 #define FRAME_STAGES_MAX (LIMIT_STAGES - 1u) // the front adds the wait
 #define FRAME_FIGURES_MAX 32u
-#define FRAME_NOTES_MAX 2u
+#define FRAME_NOTES_MAX 4u
 
 // The time that a stage of the job took, for the reply's account.
 struct frame_stage {

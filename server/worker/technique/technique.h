@@ -100,6 +100,9 @@ struct technique {
 	// the words of names.h. If the function is NULL, they fit every effect.
 	const char *(*simulates)(const struct plan *plan, candil_Effect effect);
 
+	// A background is seen by the camera, and lights no surface, unless it is default light.
+	bool sky_is_seen_alone;
+
 	// Change plan->effects once all of them are decided. `allowed`: bits 1 << candil_Effect of those that the request
 	// does not switch off. NULL: nothing to change.
 	void (*settle)(struct plan *plan, uint32_t allowed);

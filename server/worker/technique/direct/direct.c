@@ -122,6 +122,7 @@ const struct technique technique_direct = {.number = candil_Technique_TECHNIQUE_
 					   .effects = DEFERRED_EFFECTS,
 					   .cannot = direct_cannot,
 					   .simulates = direct_simulates,
+					   .sky_is_seen_alone = true,
 					   .bytes = direct_bytes,
 					   .advise = direct_advise,
 					   .begin = direct_begin,

@@ -307,6 +307,7 @@ static enum status vct_read(struct technique_job *job, struct frame **frame, str
 		return s;
 	if (job->volume && vct_volume_finished(job->volume))
 		vct_figures(*frame, job->volume->voxels, job->volume, job->scene->blob->origin);
+	(*frame)->diagram = job->show != NULL;
 	if (job->show && vct_show_finished(job->show))
 		s = vct_show_figures(job->show, *frame, err);
 	if (s != STATUS_OK)

@@ -1,0 +1,36 @@
+// The verdict on a picture: shares of its pixels that are black, clipped or missed, as candil.proto defines them; and where
+// that is likely a mistake, a sentence that says what to do. Pure functions, any thread; none fails.
+#ifndef CANDIL_WORKER_VERDICT_H
+#define CANDIL_WORKER_VERDICT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "candil.pb.h"
+#include "server/worker/image/codec.h"
+
+// What a picture was made of, as far as a sentence about it must know.
+struct verdict_about {
+	bool surfaces; // the scene has some
+	bool lamps; // some surface or light shines, and is simulated
+	bool background; // what rays meet that leave the scene is not black
+	bool background_lights; // and surfaces take light from it
+	char off[64]; // kinds of light that the request switches off, as a list in a sentence; "": none
+	bool outside; // the camera is outside of the scene's bounds
+};
+
+// How a frame becomes a file, as codec_encode takes it.
+struct verdict_file {
+	enum codec_format format;
+	enum codec_view view;
+	double exposure_ev;
+};
+
+// The shares of a frame. Each is counted, none estimated.
+candil_Verdict verdict_of(const struct frame *frame, const struct verdict_file *file);
+
+// Write the sentence about a frame to `text`; "" where nothing looks like a mistake.
+void verdict_note(const struct frame *frame, const struct verdict_file *file, const struct verdict_about *about,
+		  const candil_Verdict *verdict, char *text, size_t capacity);
+
+#endif
