@@ -77,7 +77,7 @@
 #define LIMIT_PRIORITY 255u // of a clear body among those that it overlaps
 #define LIMIT_TEXTURES 4096u
 #define LIMIT_TEXTURE_SIDE 16384u
-#define LIMIT_TEXELS (256u * 1024u * 1024u) // all textures together
+#define LIMIT_TEXELS (256u * 1024u * 1024u) // all textures together; one of 16 bits a channel counts twice
 #define LIMIT_ENVIRONMENT_TEXELS (32u * 1024u * 1024u) // of a picture of the surroundings; a side as a texture's
 #define LIMIT_PUNCTUAL_LIGHTS 4096u
 #define LIMIT_CAMERAS 1024u

@@ -158,35 +158,76 @@ extern "C" enum status image_open_surroundings(const uint8_t *bytes, size_t size
 			 "its pixels fill another window than the picture's: crop or extend it to all directions");
 }
 
-// Convert a row with `channels` bytes a pixel to texels.
-static void pack_row(const uint8_t *row, int width, int channels, uint32_t *texels)
+// Convert pixels of `channels` values each to texels, of two words if `deep`. `one` is the value of full alpha.
+template <typename value>
+static void pack(const std::vector<value> &pixels, int channels, value one, bool deep, uint32_t *texels)
 {
-	for (int x = 0; x < width; x++) {
-		const uint8_t *p = row + (size_t)x * (size_t)channels;
+	const size_t step = (size_t)channels, count = pixels.size() / step;
+	const int bits = deep ? 16 : 8;
+	for (size_t i = 0; i < count; i++) {
+		const value *p = &pixels[i * step];
 		const uint32_t r = p[0];
 		const uint32_t g = channels >= 3 ? p[1] : r;
 		const uint32_t b = channels >= 3 ? p[2] : r;
-		const uint32_t a = channels == 2 ? p[1] : channels >= 4 ? p[3] : 255;
-		texels[x] = r | g << 8 | b << 16 | a << 24;
+		const uint32_t a = channels == 2 ? p[1] : channels >= 4 ? p[3] : one;
+		if (deep) {
+			texels[2 * i] = r | g << bits;
+			texels[2 * i + 1] = b | a << bits;
+		} else {
+			texels[i] = r | g << bits | b << 2 * bits | a << 3 * bits;
+		}
 	}
 }
 
-extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texels, struct error *err)
+static bool has_deep_channels(const image_reader *reader)
 {
+	return reader->input->spec().format.size() > 1;
+}
+
+extern "C" uint32_t image_words(const struct image_reader *reader)
+{
+	return has_deep_channels(reader) ? 2 : 1;
+}
+
+static enum status read_pixels(image_reader *reader, int channels, OIIO::TypeDesc type, void *pixels, struct error *err)
+{
+	if (reader->input->read_image(0, 0, 0, channels, type, pixels))
+		return STATUS_OK;
+	std::string why = reader->input->geterror();
+	return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", why.c_str());
+}
+
+// Files often have 8 bits a channel in 16, as 257 times their value. They are kept as 8, without loss.
+static enum status deep_pixels(image_reader *reader, int channels, std::vector<uint16_t> &pixels, uint32_t *texels,
+			       bool *deep, struct error *err)
+{
+	enum status status = read_pixels(reader, channels, OIIO::TypeDesc::UINT16, pixels.data(), err);
+	if (status != STATUS_OK)
+		return status;
+	*deep = std::any_of(pixels.begin(), pixels.end(), [](uint16_t v) { return v % 257 != 0; });
+	if (!*deep)
+		std::transform(pixels.begin(), pixels.end(), pixels.begin(), [](uint16_t v) { return (uint16_t)(v / 257); });
+	pack<uint16_t>(pixels, channels, *deep ? 65535 : 255, *deep, texels);
+	return STATUS_OK;
+}
+
+extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texels, bool *deep, struct error *err)
+{
+	*deep = false;
 	try {
 		ignore_leaks here;
 		const OIIO::ImageSpec spec = reader->input->spec();
 		const int channels = std::min(spec.nchannels, 4);
-		const size_t row_bytes = (size_t)spec.width * (size_t)channels;
-		std::vector<uint8_t> pixels(row_bytes * (size_t)spec.height);
-		if (!reader->input->read_image(0, 0, 0, channels, OIIO::TypeDesc::UINT8, pixels.data())) {
-			std::string why = reader->input->geterror();
-			return error_set(err, STATUS_SCENE_INVALID, "the image is damaged (%.120s)", why.c_str());
+		const size_t values = (size_t)spec.width * (size_t)spec.height * (size_t)channels;
+		if (has_deep_channels(reader)) {
+			std::vector<uint16_t> pixels(values);
+			return deep_pixels(reader, channels, pixels, texels, deep, err);
 		}
-		for (int y = 0; y < spec.height; y++)
-			pack_row(&pixels[row_bytes * (size_t)y], spec.width, channels,
-				 texels + (size_t)y * (size_t)spec.width);
-		return STATUS_OK;
+		std::vector<uint8_t> pixels(values);
+		enum status status = read_pixels(reader, channels, OIIO::TypeDesc::UINT8, pixels.data(), err);
+		if (status == STATUS_OK)
+			pack<uint8_t>(pixels, channels, 255, false, texels);
+		return status;
 	} catch (const std::bad_alloc &) {
 		return no_memory(err);
 	} catch (const std::exception &e) {

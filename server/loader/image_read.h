@@ -1,4 +1,4 @@
-// Decodes images to RGBA8 texels or to linear floats, through OpenImageIO. The size is known, and checked, before a pixel
+// Decodes images to texels or to linear floats, through OpenImageIO. The size is known, and checked, before a pixel
 // is read. Failures of decoding are STATUS_SCENE_INVALID, unknown formats STATUS_SCENE_UNSUPPORTED, sizes beyond a limit
 // STATUS_SCENE_LIMIT. One thread.
 #ifndef CANDIL_LOADER_IMAGE_READ_H
@@ -22,9 +22,13 @@ struct image_reader;
 enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool any_format, struct image_reader **reader,
 		       uint32_t *width, uint32_t *height, struct error *err);
 
-// Decode to width · height texels of the caller's, rows from the top, red in the low byte. 16-bit and float channels are
-// converted to 8 bits, grey to RGB, and a missing alpha to 255. Colours are not multiplied by alpha.
-enum status image_pixels(struct image_reader *reader, uint32_t *texels, struct error *err);
+// Words that image_pixels needs for a texel, at most: 2 if the file has more than 8 bits a channel, else 1.
+uint32_t image_words(const struct image_reader *reader);
+
+// Decode to texels of the caller's, as struct texture_info has them, rows from the top. There is room for width · height ·
+// image_words of them. *deep tells whether they are deep: some channel has a value that 8 bits cannot hold. Grey is
+// converted to RGB, floats to 0 … 1 in 16 bits, and a missing alpha to 1. Colours are not multiplied by alpha.
+enum status image_pixels(struct image_reader *reader, uint32_t *texels, bool *deep, struct error *err);
 
 // As image_open, for an environment map: exr, hdr, tiff, png, jpeg. A file whose pixels do not cover exactly its whole
 // window is refused.

@@ -43,6 +43,7 @@ struct import_node {
 struct import_image {
 	char *key;
 	bool derived; // made of another image, whose key it has; not a file's own
+	bool deep; // its texels are TEXTURE_DEEP
 	uint32_t offset;
 	uint32_t width; // 0: the image could not be read
 	uint32_t height;
@@ -140,9 +141,10 @@ struct import_sampling import_plain_sampling(uint32_t flags);
 enum status import_texture(struct import *import, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 			   const struct import_sampling *sampling, uint32_t *texture, struct error *err);
 // Make a texture of what was derived from the image `key`, such as the normals of a bump map. If nothing was derived from it
-// yet, take the caller's texels, 1 … LIMIT_TEXTURE_SIDE a side. STATUS_SCENE_LIMIT, STATUS_MEMORY.
+// yet, take the caller's texels, 1 … LIMIT_TEXTURE_SIDE a side, of two words each if `deep`. STATUS_SCENE_LIMIT,
+// STATUS_MEMORY.
 enum status import_derived_texture(struct import *import, const char *key, const uint32_t *texels, uint32_t width,
-				   uint32_t height, const struct import_sampling *sampling, uint32_t *texture,
+				   uint32_t height, bool deep, const struct import_sampling *sampling, uint32_t *texture,
 				   struct error *err);
 
 // Whether an image with this key exists, readable or not.

@@ -69,17 +69,17 @@ static enum status image_decode(struct import *im, const char *key, const uint8_
 	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
 	const size_t count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
-	if (make_texel_room(im, count, err) != STATUS_OK) {
+	if (make_texel_room(im, count * image_words(reader), err) != STATUS_OK) {
 		image_close(reader);
 		return err->code;
 	}
-	status = image_pixels(reader, im->texels + im->texel_count, &why);
+	status = image_pixels(reader, im->texels + im->texel_count, &image.deep, &why);
 	image_close(reader);
 	if (status == STATUS_MEMORY)
 		return error_set(err, status, "%s", why.text);
 	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
-	im->texel_count += count;
+	im->texel_count += image.deep ? 2 * count : count;
 	return image_add(im, key, &image, err);
 }
 
@@ -92,7 +92,8 @@ struct import_sampling import_plain_sampling(uint32_t flags)
 static enum status texture_over(struct import *im, const struct import_image *image, const struct import_sampling *sampling,
 				uint32_t *texture, struct error *err)
 {
-	struct texture_info info = {image->offset, image->width, image->height, sampling->flags, {0}, {0}};
+	const uint32_t flags = sampling->flags | (image->deep ? TEXTURE_DEEP : 0);
+	struct texture_info info = {image->offset, image->width, image->height, flags, {0}, {0}};
 	memcpy(info.row_u, sampling->row_u, sizeof info.row_u);
 	memcpy(info.row_v, sampling->row_v, sizeof info.row_v);
 	for (size_t i = 0; i < im->texture_count; i++) {
@@ -125,14 +126,14 @@ enum status import_texture(struct import *im, const char *key, const uint8_t *by
 }
 
 enum status import_derived_texture(struct import *im, const char *key, const uint32_t *texels, uint32_t width,
-				   uint32_t height, const struct import_sampling *sampling, uint32_t *texture,
+				   uint32_t height, bool deep, const struct import_sampling *sampling, uint32_t *texture,
 				   struct error *err)
 {
-	const size_t count = (size_t)width * height;
+	const size_t count = (size_t)width * height * (deep ? 2 : 1);
 	*texture = NONE;
 	if (!image_find(im, key, true)) {
 		const struct import_image image = {
-		    .derived = true, .offset = (uint32_t)im->texel_count, .width = width, .height = height};
+		    .derived = true, .deep = deep, .offset = (uint32_t)im->texel_count, .width = width, .height = height};
 		if (make_texel_room(im, count, err) != STATUS_OK)
 			return err->code;
 		memcpy(im->texels + im->texel_count, texels, count * sizeof *texels);

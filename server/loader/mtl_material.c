@@ -30,16 +30,17 @@ static enum status find_map(struct import *im, const struct mtl_note *note, enum
 static enum status normals_of_bumps(struct import *im, const char *name, uint32_t *texture, struct error *err)
 {
 	const struct texture_info bumps = im->textures[*texture];
-	const struct import_sampling sampling = {
-	    bumps.flags, {bumps.row_u[0], bumps.row_u[1], bumps.row_u[2]}, {bumps.row_v[0], bumps.row_v[1], bumps.row_v[2]}};
+	const struct import_sampling sampling = {bumps.flags & ~TEXTURE_DEEP,
+						 {bumps.row_u[0], bumps.row_u[1], bumps.row_u[2]},
+						 {bumps.row_v[0], bumps.row_v[1], bumps.row_v[2]}};
 	uint32_t *normals = NULL;
 
-	if (mtl_is_normal_map(im->texels + bumps.offset, bumps.width, bumps.height))
+	if (mtl_is_normal_map(&bumps, im->texels))
 		return STATUS_OK;
-	if (!import_knows_derived(im, name) &&
-	    mtl_normals_of_heights(im->texels + bumps.offset, bumps.width, bumps.height, &normals, err) != STATUS_OK)
+	if (!import_knows_derived(im, name) && mtl_normals_of_heights(&bumps, im->texels, &normals, err) != STATUS_OK)
 		return err->code;
-	enum status status = import_derived_texture(im, name, normals, bumps.width, bumps.height, &sampling, texture, err);
+	enum status status = import_derived_texture(im, name, normals, bumps.width, bumps.height, bumps.flags & TEXTURE_DEEP,
+						    &sampling, texture, err);
 	free(normals);
 	return status;
 }

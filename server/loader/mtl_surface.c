@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "server/scene/texel.h"
+
 float mtl_roughness(double exponent)
 {
 	const double ns = exponent >= 0 && isfinite(exponent) ? exponent : 0;
@@ -130,45 +132,55 @@ bool mtl_set_surface(struct import *im, const struct mtl_note *note, struct mate
 	return (!glossy || set_highlight(note, m)) && fit;
 }
 
-bool mtl_is_normal_map(const uint32_t *texels, uint32_t width, uint32_t height)
+bool mtl_is_normal_map(const struct texture_info *texture, const uint32_t *texels)
 {
-	const size_t count = (size_t)width * height;
+	const size_t count = (size_t)texture->width * texture->height;
 	uint64_t sum[3] = {0, 0, 0};
 	for (size_t i = 0; i < count; i++)
-		for (int c = 0; c < 3; c++)
-			sum[c] += texels[i] >> (8 * c) & 255u;
+		for (unsigned c = 0; c < 3; c++)
+			sum[c] += texel_channel(texture, texels, i, c);
 	double mean[3];
 	for (int c = 0; c < 3; c++)
-		mean[c] = (double)sum[c] / (255.0 * (double)count);
+		mean[c] = (double)sum[c] / (65535.0 * (double)count);
 	return fabs(mean[0] - 0.5) < 0.1 && fabs(mean[1] - 0.5) < 0.1 && mean[2] > 0.75;
 }
 
-static double height_at(const uint32_t *texels, uint32_t width, uint32_t x, uint32_t y)
+static double height_at(const struct texture_info *t, const uint32_t *texels, uint32_t x, uint32_t y)
 {
-	const uint32_t texel = texels[(size_t)y * width + x];
-	return ((texel & 255u) + (texel >> 8 & 255u) + (texel >> 16 & 255u)) / 765.0;
+	const size_t i = (size_t)y * t->width + x;
+	return (texel_channel(t, texels, i, 0) + texel_channel(t, texels, i, 1) + texel_channel(t, texels, i, 2)) / 196605.0;
 }
 
-static uint32_t encoded(double component)
+static uint32_t encoded(double component, double most)
 {
-	return (uint32_t)lround((component * 0.5 + 0.5) * 255.0);
+	return (uint32_t)lround((component * 0.5 + 0.5) * most);
 }
 
-enum status mtl_normals_of_heights(const uint32_t *texels, uint32_t width, uint32_t height, uint32_t **out,
-				   struct error *err)
+// Store a unit vector as the texel `i`.
+static void put_normal(uint32_t *texels, size_t i, bool deep, double x, double y, double z)
 {
-	*out = malloc((size_t)width * height * sizeof **out); // both ≤ LIMIT_TEXTURE_SIDE
+	if (deep) {
+		texels[2 * i] = encoded(x, 65535) | encoded(y, 65535) << 16;
+		texels[2 * i + 1] = encoded(z, 65535) | 65535u << 16;
+	} else {
+		texels[i] = encoded(x, 255) | encoded(y, 255) << 8 | encoded(z, 255) << 16 | 255u << 24;
+	}
+}
+
+enum status mtl_normals_of_heights(const struct texture_info *t, const uint32_t *texels, uint32_t **out, struct error *err)
+{
+	const uint32_t width = t->width, height = t->height; // both ≤ LIMIT_TEXTURE_SIDE
+	*out = malloc((size_t)width * height * texel_words(t) * sizeof **out);
 	if (!*out)
 		return error_set(err, STATUS_MEMORY, "no memory for a normal map of %u x %u", width, height);
 	for (uint32_t y = 0; y < height; y++)
 		for (uint32_t x = 0; x < width; x++) {
 			const uint32_t left = (x + width - 1) % width, right = (x + 1) % width;
 			const uint32_t above = (y + height - 1) % height, below = (y + 1) % height;
-			const double dx = 0.5 * (height_at(texels, width, right, y) - height_at(texels, width, left, y));
-			const double dy = 0.5 * (height_at(texels, width, x, above) - height_at(texels, width, x, below));
+			const double dx = 0.5 * (height_at(t, texels, right, y) - height_at(t, texels, left, y));
+			const double dy = 0.5 * (height_at(t, texels, x, above) - height_at(t, texels, x, below));
 			const double scale = 1 / sqrt(dx * dx + dy * dy + 1);
-			(*out)[(size_t)y * width + x] =
-			    encoded(-dx * scale) | encoded(-dy * scale) << 8 | encoded(scale) << 16 | 255u << 24;
+			put_normal(*out, (size_t)y * width + x, t->flags & TEXTURE_DEEP, -dx * scale, -dy * scale, scale);
 		}
 	return STATUS_OK;
 }

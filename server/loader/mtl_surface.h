@@ -36,13 +36,13 @@ float mtl_roughness(double exponent);
 // overlaps.
 bool mtl_set_surface(struct import *import, const struct mtl_note *note, struct material *material);
 
-// Whether texels are a normal map rather than heights: the mean of a normal map points out of the surface, (0.5, 0.5, 1).
-bool mtl_is_normal_map(const uint32_t *texels, uint32_t width, uint32_t height);
+// Whether a texture is a normal map rather than heights: the mean of a normal map points out of the surface, (0.5, 0.5, 1).
+bool mtl_is_normal_map(const struct texture_info *texture, const uint32_t *texels);
 
 // Make a normal map from a height map, by central differences; the map repeats at its edges. White is one texel's width
 // higher than black. So the steepness depends on the size of the picture, but MTL has no better measure. *out becomes an
-// array that the caller frees. STATUS_MEMORY.
-enum status mtl_normals_of_heights(const uint32_t *texels, uint32_t width, uint32_t height, uint32_t **out,
+// array that the caller frees, as deep as the heights. STATUS_MEMORY.
+enum status mtl_normals_of_heights(const struct texture_info *texture, const uint32_t *texels, uint32_t **out,
 				   struct error *err);
 
 #endif

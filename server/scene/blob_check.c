@@ -9,6 +9,7 @@
 #include "server/scene/blob.h"
 #include "server/scene/blob_check_nodes.h"
 #include "server/scene/facts.h"
+#include "server/scene/texel.h"
 
 static enum status bad(struct error *err, const char *what)
 {
@@ -312,15 +313,15 @@ static enum status check_materials(const struct blob_header *h, struct error *er
 static enum status check_textures(const struct blob_header *h, struct error *err)
 {
 	const struct texture_info *textures = blob_section(h, BLOB_TEXTURES);
-	const uint32_t known =
-	    3u << TEXTURE_WRAP_S_SHIFT | 3u << TEXTURE_WRAP_T_SHIFT | TEXTURE_NEAREST | TEXTURE_SRGB | TEXTURE_UV1;
+	const uint32_t known = 3u << TEXTURE_WRAP_S_SHIFT | 3u << TEXTURE_WRAP_T_SHIFT | TEXTURE_NEAREST | TEXTURE_SRGB |
+			       TEXTURE_UV1 | TEXTURE_DEEP;
 	const bool has_uv1 = blob_count(h, BLOB_UV1) == blob_count(h, BLOB_VERTICES);
 
 	for (uint32_t i = 0; i < blob_count(h, BLOB_TEXTURES); i++) {
 		const struct texture_info *t = &textures[i];
 		if (t->width == 0 || t->height == 0 || t->width > LIMIT_TEXTURE_SIDE || t->height > LIMIT_TEXTURE_SIDE)
 			return bad(err, "a texture's size is out of range");
-		if ((uint64_t)t->offset + (uint64_t)t->width * t->height > blob_count(h, BLOB_TEXELS))
+		if ((uint64_t)t->offset + (uint64_t)t->width * t->height * texel_words(t) > blob_count(h, BLOB_TEXELS))
 			return bad(err, "a texture ends behind the texels");
 		if ((t->flags & ~known) || (t->flags >> TEXTURE_WRAP_S_SHIFT & 3u) > WRAP_MIRROR ||
 		    (t->flags >> TEXTURE_WRAP_T_SHIFT & 3u) > WRAP_MIRROR)

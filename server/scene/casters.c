@@ -7,6 +7,7 @@
 #include "server/scene/alias.h"
 #include "server/scene/lights.h"
 #include "server/scene/ranges.h"
+#include "server/scene/texel.h"
 
 // Number of texels sampled in each direction of a texture.
 #define LOOKS 32u
@@ -62,9 +63,9 @@ double casters_strength(const struct blob_view *scene, const struct material *ma
 	for (uint32_t y = 0; y < down; y++)
 		for (uint32_t x = 0; x < across; x++) {
 			const uint64_t row = (uint64_t)y * t->height / down, column = (uint64_t)x * t->width / across;
-			const uint32_t texel = texels[t->offset + row * t->width + column];
-			sum += strength_at(m, (double)m->roughness * (texel >> 8 & 255u) / 255,
-					   (double)m->metallic * (texel >> 16 & 255u) / 255);
+			const size_t i = (size_t)(row * t->width + column);
+			sum += strength_at(m, (double)m->roughness * texel_channel(t, texels, i, 1) / 65535,
+					   (double)m->metallic * texel_channel(t, texels, i, 2) / 65535);
 		}
 	return sum / ((double)across * down);
 }

@@ -8,6 +8,7 @@
 #include "server/base/luminance.h"
 #include "server/base/vec3.h"
 #include "server/scene/alias.h"
+#include "server/scene/texel.h"
 
 // Whether w may be a weight: the sum of all weights must fit a float, and a double that is not normal has lost digits.
 static bool is_weight(double w)
@@ -21,6 +22,7 @@ static double linear(uint32_t byte)
 	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
+// The mean is a weight, for which the high byte of a deep texel is enough, rounded up so that no light is taken for none.
 static void mean_colour(const struct texture_info *t, const uint32_t *texels, double mean[3])
 {
 	const size_t count = (size_t)t->width * t->height;
@@ -28,11 +30,9 @@ static void mean_colour(const struct texture_info *t, const uint32_t *texels, do
 
 	for (uint32_t i = 0; i < 256; i++)
 		table[i] = t->flags & TEXTURE_SRGB ? linear(i) : i / 255.0;
-	for (size_t i = 0; i < count; i++) {
-		const uint32_t texel = texels[t->offset + i];
-		for (int c = 0; c < 3; c++)
-			sum[c] += table[texel >> (8 * c) & 255u];
-	}
+	for (size_t i = 0; i < count; i++)
+		for (unsigned c = 0; c < 3; c++)
+			sum[c] += table[(texel_channel(t, texels, i, c) + 256u) / 257u];
 	for (int c = 0; c < 3; c++)
 		mean[c] = sum[c] / (double)count;
 }

@@ -10,8 +10,12 @@
 
 #ifdef VULKAN
 #define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
+layout(constant_id = SPEC_DEEP_TEXTURES) const bool DEEP_TEXTURES = false;
 #else
 #define SCENE_BUFFER(n) layout(std430, binding = n)
+#ifndef DEEP_TEXTURES
+#define DEEP_TEXTURES false
+#endif
 #endif
 
 // Some OpenGL drivers count every declared block, used or not, against the sixteen that a stage may have. A program that

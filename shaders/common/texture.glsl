@@ -17,11 +17,25 @@ int wrap_index(int i, int n, uint mode)
 	return m < n ? m : period - 1 - m;
 }
 
+// The channels of a deep texture's texel `i`.
+vec4 fetch_deep(texture_info info, uint i)
+{
+	uvec2 bits = uvec2(texels[info.offset + 2u * i], texels[info.offset + 2u * i + 1u]);
+	vec4 c = vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y));
+	if ((info.flags & TEXTURE_SRGB) != 0u)
+		c.rgb = vec3(srgb_table[256u + (bits.x & 65535u)], srgb_table[256u + (bits.x >> 16)],
+			     srgb_table[256u + (bits.y & 65535u)]);
+	return c;
+}
+
 vec4 fetch_texel(texture_info info, int x, int y)
 {
 	int u = wrap_index(x, int(info.width), info.flags >> TEXTURE_WRAP_S_SHIFT & 3u);
 	int v = wrap_index(y, int(info.height), info.flags >> TEXTURE_WRAP_T_SHIFT & 3u);
-	uint bits = texels[info.offset + uint(v) * info.width + uint(u)];
+	uint i = uint(v) * info.width + uint(u);
+	if (DEEP_TEXTURES && (info.flags & TEXTURE_DEEP) != 0u)
+		return fetch_deep(info, i);
+	uint bits = texels[info.offset + i];
 	vec4 c = unpackUnorm4x8(bits);
 	if ((info.flags & TEXTURE_SRGB) != 0u)
 		c.rgb = vec3(srgb_table[bits & 255u], srgb_table[bits >> 8 & 255u], srgb_table[bits >> 16 & 255u]);

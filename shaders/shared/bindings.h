@@ -14,7 +14,7 @@
 #define BIND_TEXELS 6
 #define BIND_EMITTERS 7
 #define BIND_LIGHTS 8
-#define BIND_SRGB_TABLE 9 // 256 floats: sRGB byte to linear
+#define BIND_SRGB_TABLE 9 // 256 floats: sRGB byte to linear; then, if a texture is deep, 65536 more: 16 bits to linear
 #define BIND_UV1 10
 #define BIND_COLORS 11
 #define BIND_TANGENTS 12
@@ -49,6 +49,10 @@
 #define SPEC_PACKET 32 // subgroups walk the BVH as packets
 #define SPEC_WIDTH 33 // lanes of a subgroup
 #define SPEC_PASS 34
+// Constants by the scene, of every pass that shades it: scene_traits of server/worker/technique/common/scene_params.h.
+#define SPEC_SCENE 64
+#define SPEC_DEEP_TEXTURES 64 // some texture is deep
+#define SPEC_SCENE_END 65
 
 // How paths find the light of emissive surfaces: by points sampled on them and by BSDF sampling, weighted; by points alone;
 // by BSDF sampling alone.

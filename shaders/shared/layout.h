@@ -118,9 +118,11 @@ LAYOUT_ASSERT(material, 144)
 #define TEXTURE_NEAREST (1u << 4) // else bilinear, in linear light
 #define TEXTURE_SRGB (1u << 5) // texels are sRGB-encoded
 #define TEXTURE_UV1 (1u << 6) // uses the second set of texture coordinates
+#define TEXTURE_DEEP (1u << 7) // texels have 16 bits a channel
 
-// RGBA8 texels, one uint each (R in the low byte), row by row from the top, starting at texels[offset]. Textures that
-// differ only in sampler, coordinate set or transform share texels.
+// RGBA texels, row by row from the top, starting at texels[offset]. A texel is one uint of 8 bits a channel, R in the low
+// byte; of a deep texture two, R in the low half of the first and B in that of the second. Textures that differ only in
+// sampler, coordinate set or transform share texels.
 struct texture_info {
 	uint offset;
 	uint width;

@@ -224,22 +224,24 @@ static void normal_maps_are_told_from_heights(void **state)
 {
 	const uint32_t flat = 128u | 128u << 8 | 255u << 16, grey = 128u | 128u << 8 | 128u << 16, white = 0xFFFFFF;
 	const uint32_t mixed[4] = {flat, 90u | 128u << 8 | 240u << 16, 160u | 100u << 8 | 240u << 16, flat};
+	const struct texture_info one = {.width = 1, .height = 1}, four = {.width = 2, .height = 2};
 	(void)state;
-	assert_true(mtl_is_normal_map(&flat, 1, 1));
-	assert_true(mtl_is_normal_map(mixed, 2, 2));
-	assert_false(mtl_is_normal_map(&grey, 1, 1));
-	assert_false(mtl_is_normal_map(&white, 1, 1));
+	assert_true(mtl_is_normal_map(&one, &flat));
+	assert_true(mtl_is_normal_map(&four, mixed));
+	assert_false(mtl_is_normal_map(&one, &grey));
+	assert_false(mtl_is_normal_map(&one, &white));
 }
 
 // Four columns of grey: 0, 51, 102, 51 of 255, that is 0, 0.2, 0.4, 0.2.
 static void heights_become_normals(void **state)
 {
 	static const uint32_t grey[4] = {0, 51, 102, 51};
+	const struct texture_info wide = {.width = 4, .height = 2}, high = {.width = 1, .height = 4};
 	uint32_t heights[8], *normals;
 	(void)state;
 	for (int i = 0; i < 8; i++)
 		heights[i] = grey[i % 4] * 0x010101u;
-	assert_int_equal(mtl_normals_of_heights(heights, 4, 2, &normals, NULL), STATUS_OK);
+	assert_int_equal(mtl_normals_of_heights(&wide, heights, &normals, NULL), STATUS_OK);
 	const double rise = 0.2, x = rise / sqrt(rise * rise + 1), z = 1 / sqrt(rise * rise + 1);
 	const uint32_t up = (uint32_t)lround(255 * (0.5 - x / 2)), down = (uint32_t)lround(255 * (0.5 + x / 2));
 	const uint32_t out = (uint32_t)lround(255 * (0.5 + z / 2));
@@ -249,8 +251,26 @@ static void heights_become_normals(void **state)
 	free(normals);
 	// The same along y, which points up: bright below dark leans up.
 	const uint32_t column[4] = {0, 51u * 0x010101u, 102u * 0x010101u, 51u * 0x010101u};
-	assert_int_equal(mtl_normals_of_heights(column, 1, 4, &normals, NULL), STATUS_OK);
+	assert_int_equal(mtl_normals_of_heights(&high, column, &normals, NULL), STATUS_OK);
 	assert_int_equal(normals[1], 128u | down << 8 | out << 16 | 255u << 24);
+	free(normals);
+}
+
+// A slope of three of 65535 steps a texel, which 8 bits would flatten.
+static void deep_heights_become_deep_normals(void **state)
+{
+	const struct texture_info deep = {.width = 4, .height = 1, .flags = TEXTURE_DEEP};
+	uint32_t heights[8], *normals;
+	(void)state;
+	for (uint32_t i = 0; i < 4; i++) {
+		const uint32_t h = 30000 + 3 * (i < 3 ? i : 1);
+		heights[2 * i] = h | h << 16;
+		heights[2 * i + 1] = h | 65535u << 16;
+	}
+	assert_int_equal(mtl_normals_of_heights(&deep, heights, &normals, NULL), STATUS_OK);
+	const uint32_t lean = (uint32_t)lround(65535 * 0.5 - 1.5);
+	assert_int_equal(normals[2], lean | 32768u << 16);
+	assert_int_equal(normals[3], 65535u | 65535u << 16);
 	free(normals);
 }
 
@@ -266,6 +286,7 @@ int main(void)
 	    cmocka_unit_test_setup(statements, fresh),
 	    cmocka_unit_test(normal_maps_are_told_from_heights),
 	    cmocka_unit_test(heights_become_normals),
+	    cmocka_unit_test(deep_heights_become_deep_normals),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

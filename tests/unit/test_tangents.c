@@ -24,8 +24,8 @@ static int fresh(void **state)
 	(void)state;
 	memset(&info, 0, sizeof info);
 	import_init(&import, NULL, &info);
-	assert_int_equal(import_derived_texture(&import, "map", &texel, 1, 1, &sampling, &mapped.normal_texture, NULL),
-			 STATUS_OK);
+	assert_int_equal(
+	    import_derived_texture(&import, "map", &texel, 1, 1, false, &sampling, &mapped.normal_texture, NULL), STATUS_OK);
 	assert_int_equal(import_add_material(&import, &mapped, "mapped", NULL), STATUS_OK);
 	mapped.normal_texture = NONE;
 	assert_int_equal(import_add_material(&import, &mapped, "plain", NULL), STATUS_OK);

@@ -308,23 +308,39 @@ void resident_release(struct resident_scenes *scenes, struct resident_scene *sce
 		trim_variants(scenes);
 }
 
-// The linear value of each of sRGB's 256 codes: IEC 61966-2-1.
-static const float *srgb_table(void)
+bool resident_has_deep_textures(const struct resident_scene *s)
 {
-	static float table[256];
-	for (int i = 0; table[255] == 0.0f && i < 256; i++) {
-		const double c = i / 255.0;
+	const struct texture_info *textures = scene_section(s, BLOB_TEXTURES);
+	for (uint32_t i = 0; i < scene_count(s, BLOB_TEXTURES); i++)
+		if (textures[i].flags & TEXTURE_DEEP)
+			return true;
+	return false;
+}
+
+// The linear value of each of a code's `most` + 1 values: IEC 61966-2-1. A table that is filled in is left as it is.
+static void fill_srgb(float *table, uint32_t most)
+{
+	for (uint32_t i = 0; i <= most && table[most] == 0.0f; i++) {
+		const double c = (double)i / most;
 		table[i] = (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
 	}
+}
+
+// As shared/bindings.h has it.
+static const float *srgb_table(bool deep, uint64_t *bytes)
+{
+	static float table[256 + 65536];
+	fill_srgb(table, 255);
+	if (deep)
+		fill_srgb(table + 256, 65535);
+	*bytes = deep ? sizeof table : 256 * sizeof *table;
 	return table;
 }
 
 const void *resident_data(const struct resident_scene *s, uint32_t binding, uint64_t *bytes)
 {
-	if (binding == BIND_SRGB_TABLE) {
-		*bytes = 256 * sizeof(float);
-		return srgb_table();
-	}
+	if (binding == BIND_SRGB_TABLE)
+		return srgb_table(resident_has_deep_textures(s), bytes);
 	if (binding == BIND_GGX_TABLE) {
 		*bytes = sizeof ggx_table;
 		return ggx_table;

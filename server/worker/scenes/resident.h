@@ -95,6 +95,9 @@ enum status resident_upload(struct resident_scene *scene, struct device *device,
 // the scene's. *bytes is 0 for a section without elements.
 const void *resident_data(const struct resident_scene *scene, uint32_t binding, uint64_t *bytes);
 
+// Whether some texture of the scene is deep (TEXTURE_DEEP).
+bool resident_has_deep_textures(const struct resident_scene *scene);
+
 // What the maker with this kind has derived from the scene before; NULL: nothing.
 struct derived *resident_derived(const struct resident_scene *scene, const void *kind);
 

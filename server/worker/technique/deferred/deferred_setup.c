@@ -6,6 +6,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/common/scene_params.h"
+#include "server/worker/technique/common/scene_traits.h"
 #include "server/worker/technique/deferred/deferred_job.h"
 #include "shaders/gl/aov_comp.h"
 #include "shaders/gl/sum_comp.h"
@@ -139,7 +140,7 @@ static enum status make_program(struct deferred *d, struct deferred_work *work, 
 	struct gl_program *program;
 	if (defines)
 		all = *defines;
-	gl_define_effects(&all, d->plan.effects);
+	scene_define(&all, d->scene, d->plan.effects);
 	const uint64_t start = clock_us();
 	enum status s = gl_program_get(d->device, source, &all, &program, err);
 	if (s != STATUS_OK)

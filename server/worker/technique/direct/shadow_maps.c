@@ -7,6 +7,7 @@
 #include "server/base/clock.h"
 #include "server/worker/gl/scene.h"
 #include "server/worker/technique/common/scene_params.h"
+#include "server/worker/technique/common/scene_traits.h"
 #include "server/worker/technique/direct/shadow_views.h"
 #include "shaders/gl/shadow_frag.h"
 #include "shaders/gl/shadow_vert.h"
@@ -212,7 +213,7 @@ static enum status make_programs(struct shadow_maps *m, const struct plan *plan,
 		struct gl_defines defines = {0};
 		struct gl_program *program;
 		if (i == 1)
-			gl_define_effects(&defines, m->key.effects);
+			scene_define(&defines, m->scene, m->key.effects);
 		enum status s = gl_program_get(m->device, i ? &cut_source : &whole_source, &defines, &program, err);
 		if (s != STATUS_OK)
 			return s;

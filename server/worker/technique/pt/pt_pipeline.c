@@ -2,6 +2,7 @@
 // pt_setup.c, pt_light.c and pt_effects.c.
 #include "protocol/names.h"
 #include "server/worker/technique/common/scene_params.h"
+#include "server/worker/technique/common/scene_traits.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
 #include "server/worker/technique/pt/pt_light_tree.h"
@@ -14,7 +15,8 @@ _Static_assert(FILTER_BOX == (int)candil_Filter_FILTER_BOX && FILTER_GAUSSIAN ==
 _Static_assert(BIND_PATH_COUNT <= BIND_MOST && BIND_LIGHT_COUNT <= BIND_MOST && BIND_TRACE_COUNT <= BIND_MOST &&
 		   BIND_ERROR_COUNT <= BIND_MOST,
 	       "a binding set has room for every pass");
-_Static_assert(EFFECT_COUNT + SPEC_END - SPEC_EFFECTS <= PIPELINE_CONSTANTS_MAX,
+_Static_assert(EFFECT_COUNT + SPEC_END - SPEC_EFFECTS + SPEC_SCENE_END - SPEC_SCENE <= PIPELINE_CONSTANTS_MAX &&
+		   SPEC_END <= SPEC_SCENE,
 	       "a pipeline has room for every effect and every constant of a pass");
 
 enum status pt_job_bind(struct technique_job *j, struct pipeline *pipeline, const struct buffer *result,
@@ -71,7 +73,7 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 				 struct pipeline **pipeline, struct error *err)
 {
 	struct constants c = {0};
-	constants_set_effects(&c, effects);
+	scene_set_constants(&c, j->scene, effects);
 	constants_set(&c, SPEC_RESUMED, j->segments > 1);
 	trace_set_constants(&j->trace, &c);
 	constants_set(&c, SPEC_CAMERA,

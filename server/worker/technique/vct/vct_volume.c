@@ -6,6 +6,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/technique/common/scene_params.h"
+#include "server/worker/technique/common/scene_traits.h"
 #include "server/worker/technique/direct/lighting.h"
 #include "server/worker/technique/vct/vct_build.h"
 #include "server/worker/trace/trace.h"
@@ -120,7 +121,7 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 		of_light.effects &= ~(1u << candil_Effect_EFFECT_EMITTERS);
 	v->bindings = scene_bindings_shade(&of_light) | TRACE_BINDINGS;
 	v->emission_most = brightest(v->scene);
-	gl_define_effects(&v->light_defines, of_light.effects);
+	scene_define(&v->light_defines, v->scene, of_light.effects);
 	lighting_define(&v->light_defines, &of_light, v->scene, &wish);
 	vct_define(&v->light_defines, &v->options);
 	// The ambient term is added at pixels only, so it takes no part in bounces.

@@ -8,6 +8,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/worker/technique/common/scene_params.h"
+#include "server/worker/technique/common/scene_traits.h"
 #include "shaders/gl/voxel_count_comp.h"
 #include "shaders/gl/voxel_finish_comp.h"
 #include "shaders/gl/voxel_mark_comp.h"
@@ -162,7 +163,7 @@ static enum status compile_piece(struct voxels *v, struct error *err)
 	}
 	const uint64_t start = clock_us();
 	if (i == VOXEL_PROGRAM_SUM)
-		gl_define_effects(&defines, v->effects);
+		scene_define(&defines, b->scene, v->effects);
 	enum status r = gl_program_get(v->device, &sources[i], &defines, &b->programs[i], err);
 	if (r != STATUS_OK)
 		return r;
