@@ -77,8 +77,8 @@ static bool take_number(const struct pair *pair, double *out)
 
 struct light_text {
 	struct candil_vec3 at, to, direction, intensity;
-	bool has_at, has_to, has_direction, has_intensity, has_cone, has_angle;
-	double inner, outer, angle;
+	bool has_at, has_to, has_direction, has_intensity, has_cone, has_angle, has_range;
+	double inner, outer, angle, range;
 };
 
 static bool take_light_pair(const struct pair *pair, struct light_text *t)
@@ -93,6 +93,8 @@ static bool take_light_pair(const struct pair *pair, struct light_text *t)
 		return (t->has_intensity = take_vector(pair, true, &t->intensity));
 	if (strcmp(pair->key, "angle") == 0)
 		return (t->has_angle = take_number(pair, &t->angle));
+	if (strcmp(pair->key, "range") == 0)
+		return (t->has_range = take_number(pair, &t->range));
 	t->inner = pair->v[0];
 	t->outer = pair->count > 1 ? pair->v[1] : 0;
 	t->has_cone = true;
@@ -106,7 +108,7 @@ static bool light_fits(unsigned kind, const struct light_text *t)
 	const bool place = traits & LIGHT_HAS_PLACE, direction = traits & LIGHT_HAS_DIRECTION;
 	const bool cone = traits & LIGHT_HAS_CONE, disc = traits & LIGHT_HAS_DISC;
 	return t->has_intensity && t->has_at == place && t->has_cone == cone && (disc || !t->has_angle) &&
-	       t->has_to + t->has_direction == direction && (place || !t->has_to);
+	       t->has_to + t->has_direction == direction && (place || (!t->has_to && !t->has_range));
 }
 
 static bool take_light(char *text, struct edit_options *o)
@@ -135,7 +137,8 @@ static bool take_light(char *text, struct edit_options *o)
 								  .intensity = t.intensity,
 								  .inner_degrees = t.inner,
 								  .outer_degrees = t.outer,
-								  .angle_degrees = t.angle};
+								  .angle_degrees = t.angle,
+								  .range = t.range};
 	return true;
 }
 

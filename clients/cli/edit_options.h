@@ -49,7 +49,8 @@ const char *edit_option_form(int option);
 	"                        one more light for this picture, up to 32 times:\n" \
 	"                        {lights}.\n" \
 	"                        A cone's degrees are from its axis; direction= may stand in place of to=;\n" \
-	"                        angle=DEGREES makes a directional light a disc so wide (path tracing; the sun: 0.53).\n" \
+	"                        angle=DEGREES makes a directional light a disc so wide (path tracing; the sun: 0.53);\n" \
+	"                        range=METRES ends the light of a point light or a spot there, as glTF's.\n" \
 	"                        I is one number or r,g,b, in W/sr, of a directional light W/m²\n" \
 	"  --replace-lights      the scene's own point, spot and directional lights are out\n" \
 	"  --material NAME:KEY=VALUE,...\n" \

@@ -160,6 +160,7 @@ struct candil_light {
 	double inner_degrees, outer_degrees; // of a spot, from its axis: 0 <= inner < outer <= 90
 	double angle_degrees; // of a directional light: across the disc that it shines from, 0 to below 180; 0: one
 			      // direction. Only path tracing shines from all of the disc
+	double range; // of a point light or a spot: metres beyond which it sends no light, finite; 0: no bound
 };
 
 // Another look for a material. What has no `has_` set stays as the scene has it. Textures go on multiplying.

@@ -88,7 +88,8 @@ static candil_status write_light(const struct candil_light *from, candil_Light *
 			     .has_intensity = true,
 			     .inner_degrees = from->inner_degrees,
 			     .outer_degrees = from->outer_degrees,
-			     .angle_degrees = from->angle_degrees};
+			     .angle_degrees = from->angle_degrees,
+			     .range = from->range};
 	to->position = vec3_write(&from->position);
 	to->direction = vec3_write(&from->direction);
 	to->intensity = vec3_write(&from->intensity);

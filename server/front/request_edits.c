@@ -45,6 +45,11 @@ static enum status check_light(const candil_Light *l, struct error *err)
 		light_kind_list(LIGHT_HAS_DIRECTION, "or", kinds, sizeof kinds);
 		return error_set(err, STATUS_BAD_ARGUMENT, "%s needs a direction that is finite and not zero", kinds);
 	}
+	if (!(l->range >= 0 && isfinite(l->range)) || (l->range > 0 && !(traits & LIGHT_HAS_PLACE))) {
+		light_kind_list(LIGHT_HAS_PLACE, "or", kinds, sizeof kinds);
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "a range is finite metres above zero, or 0 for no bound, and only of %s", kinds);
+	}
 	if (traits & LIGHT_HAS_DISC && !(l->angle_degrees >= 0 && l->angle_degrees < 180))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "a directional light's angle_degrees are from 0 to below 180, across its disc");

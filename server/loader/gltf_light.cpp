@@ -6,6 +6,7 @@
 extern "C" {
 #include "protocol/text.h"
 #include "server/base/angle.h"
+#include "server/scene/lights.h"
 #include "server/scene/nodes.h"
 }
 
@@ -69,6 +70,7 @@ bool fill_light(struct import_light *out, const tinygltf::Light &light, const tr
 	l->kind = point ? LIGHT_POINT : spot ? LIGHT_SPOT : LIGHT_DIRECTIONAL;
 	if (!set_intensity(l, light) || !node_place_light(&world, l, out->position))
 		return false;
+	l->range = point || spot ? lights_range(light.range) : 0.0f;
 	return point || (spot ? set_cone(l, light.spot) : light.type == "directional");
 }
 
@@ -108,7 +110,7 @@ enum status gltf_add_light(gltf_reader *reader, const tinygltf::Node &node, cons
 			    light.name.c_str());
 		return STATUS_OK;
 	}
-	if (light.range > 0)
-		import_ignore(import, "light range");
+	if (out.light.kind != LIGHT_DIRECTIONAL && light.range < 0)
+		import_warn(import, "light '%.60s' has a range below zero, taken as none", light.name.c_str());
 	return import_add_light(import, &out, err);
 }

@@ -354,7 +354,7 @@ static bool light_is_sane(const struct punctual_light *l, uint32_t count)
 	return l->kind < LIGHT_KIND_COUNT && l->alias < count && is_share(l->keep) && is_share(l->pmf) &&
 	       finite_all(l->position, 3) && finite_all(l->direction, 3) && finite_all(l->intensity, 3) &&
 	       l->intensity[0] >= 0 && l->intensity[1] >= 0 && l->intensity[2] >= 0 && is_share(l->inner) &&
-	       is_share(l->outer) && is_share(l->spread);
+	       is_share(l->outer) && is_share(l->spread) && isfinite(l->range) && l->range >= 0;
 }
 
 // Shaders index the environment map by its width and height, so the counts must agree with them.

@@ -112,6 +112,11 @@ out:
 	return status;
 }
 
+float lights_range(double metres)
+{
+	return metres > 0 && metres <= LIMIT_COORDINATE ? fmaxf((float)metres, FLT_MIN) : 0;
+}
+
 static double light_weight(const struct punctual_light *l, double radius)
 {
 	const double value = luminance(l->intensity);

@@ -9,6 +9,10 @@
 // factor times the mean of its texture in linear light; all texels of the texture are read.
 float lights_power_density(const struct material *material, const struct texture_info *textures, const uint32_t *texels);
 
+// A light's range in metres as struct punctual_light has it: never 0 for a range above zero, and 0, which is no bound, for
+// one beyond LIMIT_COORDINATE.
+float lights_range(double metres);
+
 // The area of a triangle, m². Infinite if the squares of the coordinates exceed a double.
 double lights_area(const struct vertex *vertices, const struct triangle *triangle);
 

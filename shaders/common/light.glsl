@@ -214,6 +214,8 @@ vec3 punctual_irradiance(punctual_light light, vec3 origin, out vec3 w, out vec3
 	vec3 irradiance = to_vec3(light.intensity);
 	if (!directional)
 		irradiance /= away2;
+	if (RANGED_LIGHTS && !directional)
+		irradiance *= within_range(light.range, d2);
 	if (light.kind == LIGHT_SPOT)
 		irradiance *= spot_attenuation(light, -w);
 	return directional || d2 > 0.0 ? irradiance : vec3(0.0);

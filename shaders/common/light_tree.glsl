@@ -100,6 +100,18 @@ float light_importance(light_node n, vec3 here, vec3 normal)
 	return near * max(0.0, cos_left(c1, s1, cos_size, sin_size));
 }
 
+// The bound for a node, less what the range of its light takes away if it is a leaf with one.
+float ranged_importance(light_node n, vec3 here, vec3 normal)
+{
+	float bound = light_importance(n, here, normal);
+	uint number = n.child & ~LIGHT_LEAF;
+	if (RANGED_LIGHTS && n.child >= LIGHT_LEAF && number >= job.emitter_count && !is_far(n)) {
+		vec3 to_here = here - to_vec3(n.min);
+		bound *= within_range(lights[number - job.emitter_count].range, dot(to_here, to_here));
+	}
+	return bound;
+}
+
 // The probability of the second of a node's two children. Where neither child could send anything, power decides. Between
 // local lamps and directional lights, neither gets less than a tenth: the latter are often a sun that does not reach into a
 // room.
@@ -107,8 +119,8 @@ float second_chance(uint child, vec3 here, vec3 normal)
 {
 	light_node a = light_node_at(child);
 	light_node b = light_node_at(child + 1u);
-	float first = light_importance(a, here, normal);
-	float second = light_importance(b, here, normal);
+	float first = ranged_importance(a, here, normal);
+	float second = ranged_importance(b, here, normal);
 	if (!(first + second > 0.0)) {
 		first = a.power;
 		second = b.power;

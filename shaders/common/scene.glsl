@@ -11,10 +11,14 @@
 #ifdef VULKAN
 #define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
 layout(constant_id = SPEC_DEEP_TEXTURES) const bool DEEP_TEXTURES = false;
+layout(constant_id = SPEC_RANGED_LIGHTS) const bool RANGED_LIGHTS = false;
 #else
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #ifndef DEEP_TEXTURES
 #define DEEP_TEXTURES false
+#endif
+#ifndef RANGED_LIGHTS
+#define RANGED_LIGHTS false
 #endif
 #endif
 
@@ -87,6 +91,15 @@ SCENE_BUFFER(BIND_JOB) readonly buffer Job {
 };
 
 #define INFINITY uintBitsToFloat(0x7f800000u)
+
+// The share of a point or spot light that is left at the square `d2` of a distance, beside the square's law: Khronos,
+// KHR_lights_punctual, "Range Property". 1 without a range.
+float within_range(float range, float d2)
+{
+	float r2 = range * range;
+	float share = d2 / r2;
+	return RANGED_LIGHTS && range > 0.0 ? clamp(1.0 - share * share, 0.0, 1.0) : 1.0;
+}
 
 vec3 to_vec3(float v[3])
 {

@@ -23,11 +23,12 @@ struct launch {
 	float inverse;    // without an area: `inverse` for lamp_density
 	bool parallel;    // light from afar: `spread` is unused; aimed rays have a density over the area across them
 	uint target;      // triangle that was aimed at, or NONE
+	float range;      // of a point or spot light; 0: no bound
 };
 
 launch launch_none()
 {
-	return launch(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0.0, 0.0, 1.0, 0.0, false, NONE);
+	return launch(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0.0, 0.0, 1.0, 0.0, false, NONE, 0.0);
 }
 
 // The direction from a point to a target, or `otherwise` where the two are one.
@@ -92,6 +93,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	l.spread = l.cos_lamp / (both ? 2.0 * PI : PI);
 	l.inverse = 0.0;
 	l.parallel = false;
+	l.range = 0.0;
 	return l;
 }
 
@@ -125,6 +127,7 @@ launch launch_punctual(sampler_state rnd, bool aims, float share)
 	l.pdf_area = 0.0;
 	l.cos_lamp = 1.0;
 	l.inverse = 0.0;
+	l.range = l.parallel ? 0.0 : light.range;
 	return l;
 }
 
@@ -144,6 +147,7 @@ launch launch_sky(sampler_state rnd, float share)
 	l.cos_lamp = 1.0;
 	l.inverse = path_inverse(v);
 	l.parallel = true;
+	l.range = 0.0;
 	return l;
 }
 
@@ -169,13 +173,15 @@ launch launch_make(sampler_state rnd)
 }
 
 // Power, W, of the first ray after it hit triangle `id` at distance t with this cosine. `density` is that of aimed points
-// on this material, 1/m². Zero if the ray was aimed at another triangle.
+// on this material, 1/m². Zero if the ray was aimed at another triangle, or where the lamp's range ends. Light that has reached
+// a surface within the range goes on without a bound, as from any surface.
 vec3 launch_power(launch l, uint id, float density, float cosine, float t)
 {
 	float reach = l.parallel ? 1.0 : t * t;
 	float share = aimed_share(l.parallel);
 	float pdf = l.pick * ((1.0 - share) * l.spread + min(share * density * reach / max(cosine, 1e-30), 1e30));
-	return (l.target == NONE || l.target == id) && pdf > 0.0 ? l.power / pdf : vec3(0.0);
+	vec3 power = RANGED_LIGHTS ? l.power * within_range(l.range, t * t) : l.power;
+	return (l.target == NONE || l.target == id) && pdf > 0.0 ? power / pdf : vec3(0.0);
 }
 
 // lamp_density for the same ray. `pdf` is the density of the camera's sampling where the ray ended, 1/sr.

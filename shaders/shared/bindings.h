@@ -52,7 +52,8 @@
 // Constants by the scene, of every pass that shades it: scene_traits of server/worker/technique/common/scene_params.h.
 #define SPEC_SCENE 64
 #define SPEC_DEEP_TEXTURES 64 // some texture is deep
-#define SPEC_SCENE_END 65
+#define SPEC_RANGED_LIGHTS 65 // some point or spot light has a range
+#define SPEC_SCENE_END 66
 
 // How paths find the light of emissive surfaces: by points sampled on them and by BSDF sampling, weighted; by points alone;
 // by BSDF sampling alone.

@@ -192,8 +192,9 @@ struct punctual_light {
 	uint alias;
 	float pmf;
 	float spread; // directional: 1 − cos of the half aperture of its disc, 0 … 1; 0: a single direction
+	float range; // point and spot: metres; no light reaches further; 0: no bound
 };
-LAYOUT_ASSERT(punctual_light, 64)
+LAYOUT_ASSERT(punctual_light, 68)
 
 // ---- surroundings -----------------------------------------------------------------------------------------------------
 

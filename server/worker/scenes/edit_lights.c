@@ -66,6 +66,8 @@ static struct punctual_light light_of(const struct blob_view *view, const candil
 			out.direction[c] = (float)direction[c];
 	if (traits & LIGHT_HAS_DISC)
 		out.spread = (float)angle_spread(from->angle_degrees * PI / 360);
+	if (traits & LIGHT_HAS_PLACE)
+		out.range = lights_range(from->range);
 	if (traits & LIGHT_HAS_CONE) {
 		out.inner = (float)angle_spread(from->inner_degrees * PI / 180);
 		out.outer = (float)fmin(angle_spread(from->outer_degrees * PI / 180), 1);

@@ -11,15 +11,27 @@ static bool has_deep_textures(const struct resident_scene *scene, uint32_t effec
 	       resident_has_deep_textures(scene);
 }
 
+static bool has_ranges(const struct resident_scene *scene, uint32_t effects)
+{
+	const struct punctual_light *lights = scene_section(scene, BLOB_LIGHTS);
+	for (uint32_t i = 0; has(effects, candil_Effect_EFFECT_LIGHTS) && i < scene_count(scene, BLOB_LIGHTS); i++)
+		if (lights[i].range > 0)
+			return true;
+	return false;
+}
+
 void scene_define(struct gl_defines *defines, const struct resident_scene *scene, uint32_t effects)
 {
 	gl_define_effects(defines, effects);
 	if (has_deep_textures(scene, effects))
 		gl_define(defines, "DEEP_TEXTURES", "true");
+	if (has_ranges(scene, effects))
+		gl_define(defines, "RANGED_LIGHTS", "true");
 }
 
 void scene_set_constants(struct constants *constants, const struct resident_scene *scene, uint32_t effects)
 {
 	constants_set_effects(constants, effects);
 	constants_set(constants, SPEC_DEEP_TEXTURES, has_deep_textures(scene, effects));
+	constants_set(constants, SPEC_RANGED_LIGHTS, has_ranges(scene, effects));
 }
