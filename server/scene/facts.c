@@ -1,5 +1,7 @@
 #include "server/scene/facts.h"
 
+#include <math.h>
+
 #include "protocol/names.h"
 #include "server/scene/casters.h"
 #include "server/scene/ranges.h"
@@ -263,9 +265,37 @@ uint32_t facts_given(const struct blob_view *view, uint32_t hidden, uint32_t for
 	return facts & ~hidden;
 }
 
+// Rays start off a triangle by some 2⁻²⁰ of its coordinates. That must be no length of interest: neither a millimetre nor an
+// eighth of a triangle.
+#define VAST_FROM 1024.0 // metres
+#define VAST_RATIO 131072.0
+
+// The longest extent of a triangle along an axis.
+static double extent(const struct vertex *vertices, const struct triangle *t)
+{
+	const float *a = vertices[t->vertex[0]].position, *b = vertices[t->vertex[1]].position;
+	const float *c = vertices[t->vertex[2]].position;
+	double longest = 0;
+	for (int i = 0; i < 3; i++)
+		longest = fmax(longest, fmax(fmax(a[i], b[i]), c[i]) - fmin(fmin(a[i], b[i]), c[i]));
+	return longest;
+}
+
+static bool is_vast(const struct blob_view *view)
+{
+	const struct triangle *triangles = view->sections[BLOB_TRIANGLES];
+	double reach = 0;
+	for (int i = 0; i < 3; i++)
+		reach = fmax(reach, fmax(fabs((double)view->bounds_min[i]), fabs((double)view->bounds_max[i])));
+	bool vast = reach >= VAST_FROM;
+	for (uint32_t i = 0; i < view->counts[BLOB_TRIANGLES] && !vast; i++)
+		vast = extent(view->sections[BLOB_VERTICES], &triangles[i]) * VAST_RATIO < reach;
+	return vast;
+}
+
 uint32_t facts_of_view(const struct blob_view *view)
 {
-	return facts_given(view, 0, 0);
+	return facts_given(view, 0, 0) | (is_vast(view) ? FACT_VAST : 0);
 }
 
 uint32_t facts_collect(const struct blob_header *blob)
@@ -354,6 +384,8 @@ const char *fact_name(enum fact fact)
 		return "polished surfaces";
 	case FACT_DARK_NORMAL_MAPS:
 		return "normal maps on black";
+	case FACT_VAST:
+		return "lengths many decades apart";
 	}
 	return NULL;
 }

@@ -12,6 +12,7 @@
 #define SCENE_BUFFER(n) layout(std430, set = 0, binding = n)
 layout(constant_id = SPEC_DEEP_TEXTURES) const bool DEEP_TEXTURES = false;
 layout(constant_id = SPEC_RANGED_LIGHTS) const bool RANGED_LIGHTS = false;
+layout(constant_id = SPEC_VAST_SCENE) const bool VAST_SCENE = false;
 #else
 #define SCENE_BUFFER(n) layout(std430, binding = n)
 #ifndef DEEP_TEXTURES
@@ -19,6 +20,9 @@ layout(constant_id = SPEC_RANGED_LIGHTS) const bool RANGED_LIGHTS = false;
 #endif
 #ifndef RANGED_LIGHTS
 #define RANGED_LIGHTS false
+#endif
+#ifndef VAST_SCENE
+#define VAST_SCENE false
 #endif
 #endif
 

@@ -84,13 +84,36 @@ float position_error(corners c)
 	return OFFSET_ERROR * max(m.x, max(m.y, m.z));
 }
 
+// In a vast scene: a bound of what rounding does across a triangle's plane to the place q, and to its distance from the plane
+// by plane_distance of trace/triangle.glsl, metres. Unlike position_error, it is next to nothing for a level floor, however
+// wide, that is not high.
+float plane_error(corners c, vec3 own, vec3 q)
+{
+	vec3 a = c.v1 - c.v0;
+	vec3 b = c.v2 - c.v0;
+	vec3 m = max(abs(a), abs(b));
+	float k = 1.0 / max(max(m.x, max(m.y, m.z)), 1e-30);
+	a *= k;
+	b *= k;
+	vec3 products = abs(a.yzx * b.zxy) + abs(a.zxy * b.yzx);
+	return OFFSET_ERROR * (dot(abs(c.normal), own) + dot(products, abs(c.v0 - q)) / max(length(cross(a, b)), 1e-30));
+}
+
+// At what distance from a triangle, in metres along its normal, rays start that leave it at q.
+float start_offset(corners c, vec3 q)
+{
+	float error = position_error(c);
+	return VAST_SCENE ? min(error, plane_error(c, abs(q), q)) : error;
+}
+
 // How far off a triangle's plane, in metres, a segment from `origin` must end so as not to hit the triangle. It covers the
 // rounding of the corners and of their translation to the origin, which the intersection begins with.
 float segment_offset(corners c, vec3 origin)
 {
 	vec3 own = max(abs(c.v0), max(abs(c.v1), abs(c.v2)));
 	vec3 reach = max(abs(c.v0 - origin), max(abs(c.v1 - origin), abs(c.v2 - origin)));
-	return OFFSET_ERROR * (dot(abs(c.normal), own) + max(reach.x, max(reach.y, reach.z)));
+	float error = OFFSET_ERROR * (dot(abs(c.normal), own) + max(reach.x, max(reach.y, reach.z)));
+	return VAST_SCENE ? min(error, plane_error(c, own, origin)) : error;
 }
 
 // The vector that moves p away from the edge a b, within the triangle's plane, if p is closer to it than `clearance`.
@@ -109,6 +132,18 @@ vec3 point_inside(corners c, vec2 uv, float error)
 	float clearance = 4.0 * error;
 	return p + away_from_edge(p, c.v0, c.v1, c.normal, clearance) + away_from_edge(p, c.v1, c.v2, c.normal, clearance) +
 	       away_from_edge(p, c.v2, c.v0, c.normal, clearance);
+}
+
+// Where a ray has hit a triangle. In a vast scene it is the ray's place at distance t, put onto the triangle's plane, if
+// the ray is shorter than the triangle's coordinates: barycentrics of corners 10⁷ metres away are a metre uncertain.
+vec3 point_met(corners c, vec2 uv, vec3 origin, vec3 direction, float t)
+{
+	vec3 p = origin + t * direction;
+	vec3 own = max(abs(c.v0), max(abs(c.v1), abs(c.v2)));
+	vec3 way = abs(origin) + t * abs(direction);
+	if (VAST_SCENE && max(way.x, max(way.y, way.z)) < max(own.x, max(own.y, own.z)))
+		return p - c.normal * dot(c.normal, p - c.v0);
+	return point_inside(c, uv, position_error(c));
 }
 
 vec3 emission_at(material m, vec4 uv)
@@ -209,15 +244,16 @@ vec3 coat_normal_at(material m, triangle tri, vec3 bary, vec4 uv, vec3 n)
 	return mapped ? mapped_normal(m.coat_normal_texture, m.coat_normal_scale, tri, bary, uv, n) : n;
 }
 
-surface surface_at(uint id, vec2 uv, vec3 direction)
+// The surface that a ray hit: triangle `id` at the barycentrics uv, at distance t along the unit vector `direction`.
+surface surface_at(uint id, vec2 uv, vec3 origin, vec3 direction, float t)
 {
 	triangle tri = triangles[id];
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
 	vec3 bary = vec3(1.0 - uv.x - uv.y, uv);
 	surface s;
-	s.offset = position_error(k);
-	s.position = point_inside(k, uv, s.offset);
+	s.position = point_met(k, uv, origin, direction, t);
+	s.offset = start_offset(k, s.position);
 	vec4 at = EFFECT_TEXTURES || EFFECT_NORMAL_MAPS ? coordinates_at(tri, bary) : vec4(0.0);
 
 	bool front = dot(k.normal, direction) < 0.0;

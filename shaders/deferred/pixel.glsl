@@ -42,7 +42,7 @@ surface without_clear(surface s)
 
 surface pixel_surface(visible_point v)
 {
-	surface s = surface_at(v.id, v.uv, v.direction);
+	surface s = surface_at(v.id, v.uv, v.origin, v.direction, v.t);
 	if (EFFECT_GLASS)
 		s = without_clear(s);
 	return s;

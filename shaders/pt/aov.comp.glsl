@@ -37,7 +37,7 @@ void main()
 	if (!mine)
 		return;
 	if (found) {
-		surface s = surface_at(hit.id, hit.uv, direction);
+		surface s = surface_at(hit.id, hit.uv, origin, direction, hit.t);
 		depth = CAMERA == CAMERA_PANORAMA ? hit.t : hit.t * dot(direction, to_vec3(job.forward));
 		normal = s.shading;
 		albedo = s.base;

@@ -81,7 +81,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	// The side from which the path leaves: the side of the target, or any that emits.
 	bool front = aims ? dot(target - q, k.normal) > 0.0 : !both || sample_2d(rnd, SET_LENS).x < 0.5;
 	vec3 n = front ? k.normal : -k.normal;
-	l.origin = q + n * position_error(k);
+	l.origin = q + n * start_offset(k, q);
 	vec3 x, y;
 	frame_make(n, x, y);
 	vec3 local = cosine_hemisphere(u);

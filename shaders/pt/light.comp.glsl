@@ -100,7 +100,7 @@ surface facing(surface s, vec3 w)
 // Handles a hit. False if the path ends.
 bool meet(inout walker p, launch l, ray_hit hit, out surface s)
 {
-	s = surface_at(hit.id, hit.uv, p.direction);
+	s = surface_at(hit.id, hit.uv, p.origin, p.direction, hit.t);
 	if (EFFECT_UNLIT && s.unlit)
 		return false;
 	if (p.event == 0u) {

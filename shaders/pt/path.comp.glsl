@@ -179,7 +179,7 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 			p.radiance += p.throughput * to_vec3(job.background);
 		return false;
 	}
-	s = surface_at(hit.id, hit.uv, p.direction);
+	s = surface_at(hit.id, hit.uv, p.origin, p.direction, hit.t);
 	if (EFFECT_GLASS) {
 		p.media = media_before(p.media, s);
 		p.throughput *= media_transmittance(p.media, hit.t);

@@ -53,7 +53,8 @@
 #define SPEC_SCENE 64
 #define SPEC_DEEP_TEXTURES 64 // some texture is deep
 #define SPEC_RANGED_LIGHTS 65 // some point or spot light has a range
-#define SPEC_SCENE_END 66
+#define SPEC_VAST_SCENE 66 // FACT_VAST
+#define SPEC_SCENE_END 67
 
 // How paths find the light of emissive surfaces: by points sampled on them and by BSDF sampling, weighted; by points alone;
 // by BSDF sampling alone.

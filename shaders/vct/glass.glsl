@@ -56,7 +56,7 @@ bool glass_follow(inout glass_way w, out surface s, out float far)
 			w.weight = w.absorption == vec3(0.0) ? w.weight : vec3(0.0);
 			return false;
 		}
-		s = surface_at(hit.id, hit.uv, w.direction);
+		s = surface_at(hit.id, hit.uv, w.origin, w.direction, hit.t);
 		w.weight *= exp(-w.absorption * hit.t);
 		far = hit.t;
 		if (s.transmission < 0.5 || i == GLASS_FACES)

@@ -452,6 +452,21 @@ static void every_fact_has_a_name(void **state)
 	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
 }
 
+static void lengths_that_floats_cannot_bridge(void **state)
+{
+	struct vertex *vertices = small_section(&blob, BLOB_VERTICES);
+	const struct triangle *t = small_section(&blob, BLOB_TRIANGLES);
+	(void)state;
+	assert_false(facts() & FACT_VAST);
+	small_header(&blob)->bounds_max[1] = 2000;
+	assert_true(facts() & FACT_VAST);
+	small_make(&blob);
+	for (int i = 1; i < 3; i++)
+		vertices[t->vertex[i]] = vertices[t->vertex[0]];
+	vertices[t->vertex[1]].position[0] += 1e-6f;
+	assert_true(facts() & FACT_VAST);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -466,6 +481,7 @@ int main(void)
 	    cmocka_unit_test_setup(glass, fresh),
 	    cmocka_unit_test_setup(coats_and_matte_facets, fresh),
 	    cmocka_unit_test_setup(polished, fresh),
+	    cmocka_unit_test_setup(lengths_that_floats_cannot_bridge, fresh),
 	    cmocka_unit_test_setup(what_reflects_little_casts_if_it_is_smooth, fresh),
 	    cmocka_unit_test_setup(a_texture_says_how_much_is_polished, fresh),
 	    cmocka_unit_test_setup(white_vertices_have_no_colour, fresh),

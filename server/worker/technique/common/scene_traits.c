@@ -27,6 +27,8 @@ void scene_define(struct gl_defines *defines, const struct resident_scene *scene
 		gl_define(defines, "DEEP_TEXTURES", "true");
 	if (has_ranges(scene, effects))
 		gl_define(defines, "RANGED_LIGHTS", "true");
+	if (scene->view.facts & FACT_VAST)
+		gl_define(defines, "VAST_SCENE", "true");
 }
 
 void scene_set_constants(struct constants *constants, const struct resident_scene *scene, uint32_t effects)
@@ -34,4 +36,5 @@ void scene_set_constants(struct constants *constants, const struct resident_scen
 	constants_set_effects(constants, effects);
 	constants_set(constants, SPEC_DEEP_TEXTURES, has_deep_textures(scene, effects));
 	constants_set(constants, SPEC_RANGED_LIGHTS, has_ranges(scene, effects));
+	constants_set(constants, SPEC_VAST_SCENE, (scene->view.facts & FACT_VAST) != 0);
 }
