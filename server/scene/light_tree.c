@@ -115,7 +115,8 @@ static struct lamp emitter_lamp(const struct light_tree_lamps *in, uint32_t numb
 	const double area = 0.5 * sqrt(vec3_dot(n, n));
 	for (int i = 0; i < 3; i++)
 		l.bound.axis[i] = area > 0 ? n[i] / (2 * area) : i == 2;
-	l.bound.power = area * (double)m->power_density / (both ? 2 : 1);
+	const double share = in->grids ? (double)in->grids[number].share : 1;
+	l.bound.power = area * (double)m->power_density * share / (both ? 2 : 1);
 	return l;
 }
 

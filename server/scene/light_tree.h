@@ -21,6 +21,7 @@ struct light_tree_lamps {
 	const struct vertex *vertices;
 	const struct triangle *triangles;
 	const struct emitter *emitters; // emitters whose material emits
+	const struct emitter_grid *grids; // of the emitters: emitter_cells.h; NULL: each sends its material's mean light
 	uint32_t emitter_count;
 	const struct punctual_light *lights; // lights whose luminance is above zero
 	uint32_t light_count;

@@ -22,19 +22,50 @@ static double linear(uint32_t byte)
 	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
-// The mean is a weight, for which the high byte of a deep texel is enough, rounded up so that no light is taken for none.
+// The linear value of each step of a channel of 8 bits. A deep texel's is that of its high byte, rounded up so that no light
+// is taken for none: for a weight that is enough.
+static void fill_linear(const struct texture_info *t, double table[256])
+{
+	for (uint32_t i = 0; i < 256; i++)
+		table[i] = t->flags & TEXTURE_SRGB ? linear(i) : i / 255.0;
+}
+
+static double linear_channel(const struct texture_info *t, const uint32_t *texels, const double table[256], size_t i,
+			     unsigned c)
+{
+	return table[(texel_channel(t, texels, i, c) + 256u) / 257u];
+}
+
 static void mean_colour(const struct texture_info *t, const uint32_t *texels, double mean[3])
 {
 	const size_t count = (size_t)t->width * t->height;
 	double table[256], sum[3] = {0, 0, 0};
 
-	for (uint32_t i = 0; i < 256; i++)
-		table[i] = t->flags & TEXTURE_SRGB ? linear(i) : i / 255.0;
+	fill_linear(t, table);
 	for (size_t i = 0; i < count; i++)
 		for (unsigned c = 0; c < 3; c++)
-			sum[c] += table[(texel_channel(t, texels, i, c) + 256u) / 257u];
+			sum[c] += linear_channel(t, texels, table, i, c);
 	for (int c = 0; c < 3; c++)
 		mean[c] = sum[c] / (double)count;
+}
+
+void lights_texture_luminance(const struct texture_info *t, const uint32_t *texels, const float factor[3], uint32_t width,
+			      uint32_t height, float *out)
+{
+	double table[256];
+	fill_linear(t, table);
+	for (uint32_t y = 0; y < t->height; y++)
+		for (uint32_t x = 0; x < t->width; x++) {
+			const size_t i = (size_t)y * t->width + x;
+			double c[3];
+			for (unsigned k = 0; k < 3; k++)
+				c[k] = (double)factor[k] * linear_channel(t, texels, table, i, k);
+			const size_t row = (uint64_t)y * height / t->height, column = (uint64_t)x * width / t->width;
+			out[row * width + column] += (float)luminance_of(c[0], c[1], c[2]);
+		}
+	const double scale = (double)width * height / ((double)t->width * t->height);
+	for (size_t i = 0; i < (size_t)width * height; i++)
+		out[i] = (float)((double)out[i] * scale);
 }
 
 float lights_power_density(const struct material *m, const struct texture_info *textures, const uint32_t *texels)

@@ -1,11 +1,15 @@
 // Next-event estimation. A call chooses one light by power, from an alias table, then a point on it. A program that defines
-// the constant LIGHT_TREE as true chooses by the tree over all lamps instead.
+// the constant LIGHT_TREE as true chooses by the tree over all lamps instead; one that defines EMITTER_CELLS as true chooses
+// points of textured triangles by their cells.
 #ifndef COMMON_LIGHT_GLSL
 #define COMMON_LIGHT_GLSL
 
 #include "common/bsdf.glsl"
 #ifdef LIGHT_TREE
 #include "common/light_tree.glsl"
+#endif
+#ifdef EMITTER_CELLS
+#include "common/emitter_cells.glsl"
 #endif
 
 #ifndef LAMPS_BY
@@ -60,7 +64,9 @@ vec3 facing_of(bsdf b)
 struct lamp_pick {
 	bool emissive;
 	uint number;     // of the triangle or of the punctual light
+	uint row;        // of an emissive triangle: its emitter
 	float density;   // of an emissive triangle: over its area, 1/m², uniform; of a punctual light: its probability
+	float cell;      // with EMITTER_CELLS: density of the chosen cell, which `density` contains; else 1
 };
 
 // Chooses an emissive triangle by power.
@@ -70,7 +76,7 @@ lamp_pick pick_emitter(uvec2 pick)
 	emitter e = emitters[row];
 	bool keep = float(pick.y >> 8) * UNIT_24 < e.keep;
 	uint id = keep ? e.triangle : emitters[e.alias].triangle;
-	return lamp_pick(true, id, materials[triangles[id].material].power_density * job.emitter_power_inv);
+	return lamp_pick(true, id, keep ? row : e.alias, materials[triangles[id].material].power_density * job.emitter_power_inv, 1.0);
 }
 
 // Chooses a punctual light by power.
@@ -80,7 +86,7 @@ lamp_pick pick_light(uvec2 pick)
 	punctual_light light = lights[number];
 	bool keep = float(pick.y >> 8) * UNIT_24 < light.keep;
 	number = keep ? number : light.alias;
-	return lamp_pick(false, number, lights[number].pmf);
+	return lamp_pick(false, number, 0u, lights[number].pmf, 1.0);
 }
 
 #ifdef LIGHT_TREE
@@ -91,20 +97,37 @@ lamp_pick pick_by_tree(vec3 origin, vec3 facing, uvec2 pick)
 	uint number = light_tree_pick(origin, facing, pick, chance);
 	chance *= job.emitter_share + job.light_share;
 	if (number >= job.emitter_count)
-		return lamp_pick(false, number - job.emitter_count, chance);
+		return lamp_pick(false, number - job.emitter_count, 0u, chance, 1.0);
 	uint id = emitters[number].triangle;
-	return lamp_pick(true, id, chance / max(area_of(corners_of(triangles[id])), 1e-37));
+#ifdef EMITTER_CELLS
+	chance /= EMITTER_CELLS ? emitter_grids[number].share : 1.0;
+#endif
+	return lamp_pick(true, id, number, chance / max(area_of(corners_of(triangles[id])), 1e-37), 1.0);
 }
 #endif
 
-// The density over area, 1/m², with which choosing a lamp and a uniform point on it gives a particular point of the
-// emissive triangle `id`, for a receiver at `origin`.
-float emitter_density(vec3 origin, vec3 facing, uint id, float by_power)
+// Chooses a point of the lamp, an emissive triangle, by u and, if it has cells, by 64 random bits: barycentrics of corners 1
+// and 2.
+vec2 place_on(inout lamp_pick lamp, uvec2 bits, vec2 u)
+{
+	u = sample_triangle(u);
+#ifdef EMITTER_CELLS
+	if (EMITTER_CELLS) {
+		lamp.cell = cell_choose(lamp.row, bits, u);
+		lamp.density *= lamp.cell;
+	}
+#endif
+	return u;
+}
+
+// The density over area, 1/m², with which choosing a lamp and a point on it gives a particular point of the emissive
+// triangle `id`, for a receiver at `origin`. `by_power` is the same, were the lamp chosen by power; `cell` is cell_at.
+float emitter_density(vec3 origin, vec3 facing, uint id, float by_power, vec2 cell)
 {
 #ifdef LIGHT_TREE
 	if (LIGHT_TREE && by_power > 0.0)
 		return light_tree_chance(origin, facing, id) * (job.emitter_share + job.light_share) /
-		       max(area_of(corners_of(triangles[id])), 1e-37);
+		       max(area_of(corners_of(triangles[id])), 1e-37) * (cell.x / cell.y);
 #endif
 	return by_power;
 }
@@ -125,15 +148,15 @@ vec3 emitted_towards(material m, triangle tri, vec3 n, vec2 uv, vec3 w)
 	return radiance;
 }
 
-// Chooses a point of an emissive triangle by u. False if the receiver sees its dark side or its edge.
-bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
+// The point of an emissive triangle at barycentrics uv of corners 1 and 2. False if the receiver sees its dark side or its
+// edge.
+bool view_emitter(vec3 origin, lamp_pick lamp, vec2 uv, out emitter_view v)
 {
 	triangle tri = triangles[lamp.number];
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
 	vec3 n = k.normal;
 
-	vec2 uv = sample_triangle(u);
 	vec3 q = k.v0 + uv.x * (k.v1 - k.v0) + uv.y * (k.v2 - k.v0);
 	float away = dot(n, origin - q);
 	bool lit = away > 0.0 || (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;
@@ -152,7 +175,7 @@ bool view_emitter(vec3 origin, lamp_pick lamp, vec2 u, out emitter_view v)
 	if (!lit || !(d2 > 0.0) || cos_light == 0.0)
 		return false;
 	v.inverse = min(cos_light / (d2 * lamp.density), 1e18);
-	v.by_power = min(cos_light / (d2 * m.power_density * job.emitter_power_inv * job.emitter_share), 1e18);
+	v.by_power = min(cos_light / (d2 * m.power_density * job.emitter_power_inv * job.emitter_share * lamp.cell), 1e18);
 	v.spread = cos_light / (PI * d2);
 	v.radiance = emitted_towards(m, tri, n, uv, -w);
 	return true;
@@ -248,10 +271,11 @@ vec3 in_disc(punctual_light light, vec3 w, vec2 u, inout vec3 irradiance)
 	return normalize((1.0 - lower) * w + across * (cos(turn) * x + sin(turn) * y));
 }
 
-bool choose_point(vec3 origin, lamp_pick lamp, vec2 u, out light_choice c)
+bool choose_point(vec3 origin, lamp_pick lamp, uvec2 cell, vec2 u, out light_choice c)
 {
 	emitter_view v;
-	bool lit = view_emitter(origin, lamp, u, v);
+	vec2 uv = place_on(lamp, cell, u);
+	bool lit = view_emitter(origin, lamp, uv, v);
 	c = light_choice(v.segment / max(length(v.segment), 1e-37), v.radiance, v.inverse, v.inverse, v.segment, 1.0,
 			 v.by_power, v.spread);
 	return lit;
@@ -288,16 +312,16 @@ lamp_pick pick_lamp(vec3 origin, vec3 facing, float table, uvec2 pick)
 	return lamp;
 }
 
-// Chooses a light and, by `u`, a point on it. False if this sample brings no light, or if the light is left to BSDF
+// Chooses a light and, by `cell` and u, a point on it. False if this sample brings no light, or if the light is left to BSDF
 // sampling.
-bool choose_light(bsdf b, vec3 origin, float table, uvec2 pick, vec2 u, out light_choice c)
+bool choose_light(bsdf b, vec3 origin, float table, uvec2 pick, uvec2 cell, vec2 u, out light_choice c)
 {
 	bool some = (EFFECT_EMITTERS && job.emitter_count > 0u) || (EFFECT_LIGHTS && job.light_count > 0u);
 	if (!some)
 		return false;
 	lamp_pick lamp = pick_lamp(origin, facing_of(b), table, pick);
 	if (lamp.emissive)
-		return EFFECT_EMITTERS && LAMPS_BY != LAMPS_BY_CHANCE && choose_point(origin, lamp, u, c);
+		return EFFECT_EMITTERS && LAMPS_BY != LAMPS_BY_CHANCE && choose_point(origin, lamp, cell, u, c);
 	return EFFECT_LIGHTS && choose_punctual(origin, lamp, u, c);
 }
 

@@ -26,6 +26,8 @@ const uint SET_CLEAR = 6u;         // x: whether a partly transparent surface is
 
 const uint SET_LENS = 7u;          // position on the lens; first event only
 
+const uint SET_CELL = 0x40000000u;  // which cell of an emissive triangle; to be added to the event's first set
+
 const uint SET_ALPHA = 0x80000000u; // seeds the sets of blended surfaces, one a triangle; to be added to event
 
 const float UNIT_24 = 5.9604644775390625e-08;   // 2⁻²⁴

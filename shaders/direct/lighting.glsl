@@ -203,7 +203,7 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 	emitter_view v;
 	direct_point(pattern, k, pick, where);
 	lamp_pick lamp = pick_emitter(pick);
-	if (!view_emitter(origin, lamp, where, v))
+	if (!view_emitter(origin, lamp, sample_triangle(where), v))
 		return;
 	vec3 w = normalize(v.segment);
 	vec4 facets;

@@ -70,7 +70,7 @@ launch launch_emitter(sampler_state rnd, bool aims, float share)
 	triangle tri = triangles[lamp.number];
 	material m = materials[tri.material];
 	corners k = corners_of(tri);
-	vec2 uv = sample_triangle(sample_2d(rnd, SET_LIGHT));
+	vec2 uv = place_on(lamp, EMITTER_CELLS ? sample_bits(rnd, SET_CELL) : uvec2(0u), sample_2d(rnd, SET_LIGHT));
 	vec3 q = corner_mix(k, uv);
 	vec2 u = sample_2d(rnd, SET_BSDF);
 	bool both = (m.flags & MATERIAL_EMITS_BOTH_SIDES) != 0u;

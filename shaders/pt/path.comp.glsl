@@ -132,9 +132,10 @@ void scatter(inout walker p, surface s, sampler_state rnd, inout light_sample l,
 	if (EFFECT_EMITTERS || EFFECT_LIGHTS || SKY) {
 		uvec2 pick = sample_bits(rnd, set + SET_PICK);
 		vec2 place = sample_2d(rnd, set + SET_LIGHT);
+		uvec2 cell = EMITTER_CELLS ? sample_bits(rnd, set + SET_CELL) : uvec2(0u);
 		light_choice c;
 		bool some = sky_chosen(chance.y) ? choose_sky(pick, place, c)
-						 : choose_light(b, p.origin, chance.y, pick, place, c);
+						 : choose_light(b, p.origin, chance.y, pick, cell, place, c);
 		if (some && light_scattered(b, c, l))
 			l.contribution *= p.throughput * (EFFECT_CAUSTICS ? keeps_of_choice(p, s, beyond, c, l.pdf) : 1.0);
 		else
@@ -188,7 +189,9 @@ bool arrive(inout walker p, bool found, ray_hit hit, out surface s)
 		if (EFFECT_CLEARCOAT && s.coat > 0.0)
 			s.emission *= coat_lets(s.coat_normal, -p.direction, s.coat, s.coat_roughness);
 		float c = abs(dot(s.geometric, p.direction));
-		float pdf_area = p.event == 0u ? 0.0 : emitter_density(p.origin, p.facing, hit.id, s.emission_pdf);
+		vec2 cell = EMITTER_CELLS && s.emission_pdf > 0.0 ? cell_at(hit.id, hit.uv) : vec2(1.0);
+		s.emission_pdf *= cell.x;
+		float pdf_area = p.event == 0u ? 0.0 : emitter_density(p.origin, p.facing, hit.id, s.emission_pdf, cell);
 		float weight = emission_weight(p.event, p.pdf, pdf_area, hit.t, c);
 		if (EFFECT_CAUSTICS)
 			weight *= keeps_of_lamp(p, s, hit.t, c);

@@ -13,6 +13,7 @@ layout(constant_id = SPEC_ROULETTE) const bool WAY_ROULETTE = true;
 layout(constant_id = SPEC_LIGHT_TREE) const bool WAY_LIGHT_TREE = false;
 layout(constant_id = SPEC_CLAMP) const bool WAY_CLAMP = false;
 layout(constant_id = SPEC_DISCS) const bool WAY_DISCS = false;
+layout(constant_id = SPEC_EMITTER_CELLS) const bool WAY_EMITTER_CELLS = false;
 layout(constant_id = SPEC_PRIORITIES) const bool PRIORITIES = false;
 
 #define SAMPLES_INDEPENDENT (WAY_SAMPLER == SAMPLER_INDEPENDENT)
@@ -20,5 +21,6 @@ layout(constant_id = SPEC_PRIORITIES) const bool PRIORITIES = false;
 #define LAMPS_BY WAY_LAMPS
 #define DISC_LIGHTS WAY_DISCS
 #define LIGHT_TREE WAY_LIGHT_TREE
+#define EMITTER_CELLS WAY_EMITTER_CELLS
 
 #endif

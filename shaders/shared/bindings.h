@@ -39,8 +39,11 @@
 // Where there is a light tree: struct light_node as texels, and each emitter's trail, a uint.
 #define BIND_LIGHT_NODES 24
 #define BIND_LIGHT_TRAILS 25
+// Where emission has textures: struct emitter_grid of each emitter, and struct emitter_cell.
+#define BIND_EMITTER_GRIDS 26
+#define BIND_EMITTER_CELLS 27
 // No pass has more bindings than BIND_MOST, of which at most BIND_TEXELS_MOST are texel buffers.
-#define BIND_MOST 26
+#define BIND_MOST 28
 #define BIND_TEXELS_MOST 3
 
 // Specialization constants. 0 … 31 switch the effects, by their number (effects.glsl, generated from protocol/names.h).

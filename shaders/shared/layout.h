@@ -164,6 +164,22 @@ struct emitter {
 };
 LAYOUT_ASSERT(emitter, 16)
 
+// The cells of an emitter: server/scene/emitter_cells.h.
+struct emitter_grid {
+	uint first; // of its cells
+	uint level; // it has 4^level
+	float share; // mean of their densities: its light per area over its material's mean
+};
+LAYOUT_ASSERT(emitter_grid, 12)
+
+// A row of the alias table over a triangle's cells, as in `emitter`.
+struct emitter_cell {
+	float keep;
+	uint alias; // relative to the grid's first
+	float density; // of a place in it, over that of a place chosen by the material's mean emission; its mean is `share`
+};
+LAYOUT_ASSERT(emitter_cell, 12)
+
 // A node of the light tree: server/scene/light_tree.h. Its children are `child` and `child` + 1. In a leaf, `child` is
 // LIGHT_LEAF plus the lamp's number: in the job, emitters come first, then lights.
 struct light_node {

@@ -13,8 +13,8 @@
 // The light pass has the bindings of the path pass and these two:
 #define BIND_FILM 16 // struct film_pixel
 #define BIND_CASTERS 23 // struct emitter: polished triangles in an alias table
-#define BIND_PATH_COUNT 26
-#define BIND_LIGHT_COUNT 26
+#define BIND_PATH_COUNT 28
+#define BIND_LIGHT_COUNT 28
 #define BIND_ERROR_FILM 18 // error: the film, as at BIND_FILM
 #define BIND_ERROR_COUNT 19
 
@@ -31,7 +31,8 @@
 #define SPEC_DISCS 43 // some directional light is a disc
 #define SPEC_LIGHT_TREE 44 // choose lamps by the light tree, not by their power alone
 #define SPEC_PRIORITIES 45 // some clear body has a priority above 0
-#define SPEC_END 46
+#define SPEC_EMITTER_CELLS 46 // choose places on textured emissive triangles by their cells
+#define SPEC_END 47
 
 // Where sample points come from: Sobol' points for each pixel, independent random numbers, or Sobol' points distributed
 // over neighbouring pixels.

@@ -37,6 +37,7 @@ struct technique_job {
 	uint32_t segment; // the most scattering events in a dispatch, for each of its samples
 	uint32_t segments; // dispatches that a batch takes
 	uint32_t batch_most; // the most samples in a batch
+	const struct pt_cells *cells; // of textured emissive triangles, the scene's; NULL: there are none
 	const struct pt_light_tree *tree; // the tree over lamps, the scene's; NULL: lamps are chosen by power
 	struct buffer job; // struct scene_params
 	struct buffer counters; // struct pass_counters, growing, and the bits of pixels that met a surface

@@ -18,7 +18,7 @@ struct tree {
 };
 
 // A kind of struct derived for each choice of what is in the tree.
-static const char kinds[4];
+static const char kinds[8];
 
 static struct light_tree_lamps lamps_of(const struct resident_scene *scene, const struct plan *plan)
 {
@@ -95,10 +95,12 @@ static enum status make(struct tree *t, const struct light_tree_lamps *lamps, st
 }
 
 enum status pt_light_tree_get(struct device *device, struct resident_scene *scene, const struct plan *plan,
-			      const struct pt_light_tree **out, uint64_t *us, struct error *err)
+			      const struct emitter_cells *cells, const struct pt_light_tree **out, uint64_t *us,
+			      struct error *err)
 {
-	const struct light_tree_lamps lamps = lamps_of(scene, plan);
-	const char *kind = &kinds[(lamps.emitter_count > 0 ? 1 : 0) + (lamps.light_count > 0 ? 2 : 0)];
+	struct light_tree_lamps lamps = lamps_of(scene, plan);
+	lamps.grids = cells ? cells->grids : NULL;
+	const char *kind = &kinds[(lamps.emitter_count > 0 ? 1 : 0) + (lamps.light_count > 0 ? 2 : 0) + (cells ? 4 : 0)];
 	const uint64_t start = clock_us();
 	struct tree *t = (struct tree *)resident_derived(scene, kind);
 	enum status s = STATUS_OK;

@@ -3,6 +3,7 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_PT_LIGHT_TREE_H
 #define CANDIL_WORKER_TECHNIQUE_PT_LIGHT_TREE_H
 
+#include "server/scene/emitter_cells.h"
 #include "server/worker/devices.h"
 #include "server/worker/plan/plan.h"
 #include "server/worker/scenes/resident.h"
@@ -19,9 +20,11 @@ bool pt_light_tree_wanted(const struct devices *devices, const struct resident_s
 // Device memory of the tree, in bytes.
 uint64_t pt_light_tree_bytes(const struct resident_scene *scene, const struct plan *plan);
 
-// The scene's tree for a job of this plan, made unless it is there. It lives as long as the scene is on the device. *us
-// grows by the time that making it took. STATUS_MEMORY, STATUS_DEVICE.
+// The scene's tree for a job of this plan, with the emitters' light as `cells` has it (NULL: there are none), made unless it
+// is there. It lives as long as the scene is on the device. *us grows by the time that making it took. STATUS_MEMORY,
+// STATUS_DEVICE.
 enum status pt_light_tree_get(struct device *device, struct resident_scene *scene, const struct plan *plan,
-			      const struct pt_light_tree **out, uint64_t *us, struct error *err);
+			      const struct emitter_cells *cells, const struct pt_light_tree **out, uint64_t *us,
+			      struct error *err);
 
 #endif

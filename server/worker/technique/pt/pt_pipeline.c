@@ -3,6 +3,7 @@
 #include "protocol/names.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/common/scene_traits.h"
+#include "server/worker/technique/pt/pt_cells.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
 #include "server/worker/technique/pt/pt_light_tree.h"
@@ -24,6 +25,11 @@ enum status pt_job_bind(struct technique_job *j, struct pipeline *pipeline, cons
 {
 	const struct buffer *buffers[BIND_MOST] = {NULL};
 	trace_fill_buffers(j->scene, buffers);
+	if (j->cells) {
+		buffers[BIND_EMITTERS] = &j->cells->emitters;
+		buffers[BIND_EMITTER_GRIDS] = &j->cells->grids;
+		buffers[BIND_EMITTER_CELLS] = &j->cells->cells;
+	}
 	if (j->tree) {
 		buffers[BIND_LIGHT_NODES] = &j->tree->nodes;
 		buffers[BIND_LIGHT_TRAILS] = &j->tree->trails;
@@ -85,6 +91,8 @@ enum status pt_job_make_pipeline(struct technique_job *j, const struct shader *s
 	constants_set(&c, SPEC_SKY, j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u);
 	constants_set(&c, SPEC_DISCS, effects >> candil_Effect_EFFECT_LIGHTS & 1u && scene_has_discs(j->scene));
 	constants_set(&c, SPEC_LIGHT_TREE, j->tree != NULL);
+	constants_set(&c, SPEC_EMITTER_CELLS,
+		      j->cells && effects >> candil_Effect_EFFECT_EMITTERS & effects >> candil_Effect_EFFECT_TEXTURES & 1u);
 	constants_set(&c, SPEC_PRIORITIES, effects >> candil_Effect_EFFECT_GLASS & 1u && has_priorities(j->scene));
 	return pipeline_get(j->device, shader, &c, pipeline, err);
 }

@@ -6,6 +6,7 @@
 #include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/pt/pt.h"
+#include "server/worker/technique/pt/pt_cells.h"
 #include "server/worker/technique/pt/pt_error.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
@@ -102,6 +103,8 @@ uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene
 	bytes += met_bytes(plan->width, plan->height);
 	if (segment_of(devices->vk, plan) <= plan->depth)
 		bytes += paths_bytes(plan);
+	if (pt_cells_wanted(scene, plan))
+		bytes += pt_cells_bytes(scene);
 	if (pt_light_tree_wanted(devices, scene, plan))
 		bytes += pt_light_tree_bytes(scene, plan);
 	if (plan_has_sky(plan))
@@ -167,6 +170,8 @@ static enum status pt_make_buffers(struct technique_job *j, struct error *err)
 	struct scene_params params;
 	scene_params_fill(&j->plan, &j->scene->view, plan_has_sky(&j->plan), &params);
 	pt_options_fill(pt_settings(&j->plan), &params);
+	if (j->cells)
+		params.emitter_power_inv = 1.0f / j->cells->tables.power;
 	enum status s = pt_light_init(j, &params, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&j->job, d, &params, sizeof params, err);
@@ -260,13 +265,15 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 		j->trace = trace_choose(device, scene, (enum trace_way)pt_settings(plan)->traversal);
 	if (s == STATUS_OK && plan_has_sky(plan))
 		s = pt_sky_get(plan->environment.scene, device, &j->sky, err);
+	if (s == STATUS_OK && pt_cells_wanted(scene, plan))
+		s = pt_cells_get(device, scene, &j->cells, err);
 	if (s == STATUS_OK)
 		s = pt_cut_bands(j, err);
 	if (s == STATUS_OK)
 		s = pt_make_buffers(j, err);
 	j->upload_us = clock_us() - start;
 	if (s == STATUS_OK && pt_light_tree_wanted(devices, scene, plan))
-		s = pt_light_tree_get(device, scene, plan, &j->tree, &j->tree_us, err);
+		s = pt_light_tree_get(device, scene, plan, j->cells ? &j->cells->tables : NULL, &j->tree, &j->tree_us, err);
 	if (s == STATUS_OK)
 		s = make_path_pass(j, segment_of(device, plan), err);
 	if (s == STATUS_OK && plan->aovs)

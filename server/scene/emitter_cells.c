@@ -1,0 +1,358 @@
+#include "server/scene/emitter_cells.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/base/angle.h"
+#include "server/base/luminance.h"
+#include "server/scene/alias.h"
+#include "server/scene/lights.h"
+#include "server/scene/texel.h"
+
+#define PYRAMID_LEVELS 32u
+#define PYRAMID_BASE (1u << 22) // cells of its finest level, at most
+#define BOX_CELLS 8.0 // a cell's mean is that of at most so many cells of the pyramid, each way
+
+// Mean luminance of a texture, by halves.
+struct pyramid {
+	float *levels[PYRAMID_LEVELS];
+	uint32_t width[PYRAMID_LEVELS], height[PYRAMID_LEVELS];
+	uint32_t count;
+};
+
+static const struct material *material_of(const struct blob_view *scene, uint32_t emitter)
+{
+	const struct emitter *emitters = scene->sections[BLOB_EMITTERS];
+	const struct triangle *triangles = scene->sections[BLOB_TRIANGLES];
+	const struct material *materials = scene->sections[BLOB_MATERIALS];
+	return &materials[triangles[emitters[emitter].triangle].material];
+}
+
+static const struct texture_info *texture_of(const struct blob_view *scene, uint32_t emitter)
+{
+	const uint32_t texture = material_of(scene, emitter)->emission_texture;
+	return texture == NONE ? NULL : &((const struct texture_info *)scene->sections[BLOB_TEXTURES])[texture];
+}
+
+bool emitter_cells_wanted(const struct blob_view *scene)
+{
+	for (uint32_t i = 0; i < scene->counts[BLOB_EMITTERS]; i++)
+		if (texture_of(scene, i))
+			return true;
+	return false;
+}
+
+// ---- sizes --------------------------------------------------------------------------------------------------------------
+
+// The texture coordinates, in texels, of an emitter's corners. False if they are no use.
+static bool corners_in_texels(const struct blob_view *scene, uint32_t emitter, double out[3][2])
+{
+	const struct texture_info *t = texture_of(scene, emitter);
+	const struct emitter *emitters = scene->sections[BLOB_EMITTERS];
+	const struct triangle *tri = &((const struct triangle *)scene->sections[BLOB_TRIANGLES])[emitters[emitter].triangle];
+	const struct vertex *vertices = scene->sections[BLOB_VERTICES];
+	const struct vertex_uv1 *uv1 = scene->sections[BLOB_UV1];
+	for (int c = 0; c < 3; c++) {
+		const float *uv = t->flags & TEXTURE_UV1 ? uv1[tri->vertex[c]].uv : vertices[tri->vertex[c]].uv;
+		const double u = (double)uv[0], v = (double)uv[1];
+		out[c][0] = ((double)t->row_u[0] * u + (double)t->row_u[1] * v + (double)t->row_u[2]) * t->width;
+		out[c][1] = ((double)t->row_v[0] * u + (double)t->row_v[1] * v + (double)t->row_v[2]) * t->height;
+		if (!(fabs(out[c][0]) < 1e9 && fabs(out[c][1]) < 1e9))
+			return false;
+	}
+	return true;
+}
+
+// The level at which a cell's sides are about half a texel: the longest side decides.
+static uint32_t level_of(const struct blob_view *scene, uint32_t emitter)
+{
+	double at[3][2], longest = 0;
+	if (!texture_of(scene, emitter) || !corners_in_texels(scene, emitter, at))
+		return 0;
+	for (int c = 0; c < 3; c++)
+		longest = fmax(longest, hypot(at[(c + 1) % 3][0] - at[c][0], at[(c + 1) % 3][1] - at[c][1]));
+	uint32_t level = 0;
+	while (level < CELL_LEVEL_MAX && ldexp(longest, -(int)level) > 0.75)
+		level++;
+	return level;
+}
+
+static uint64_t cells_below(const struct blob_view *scene, uint32_t most)
+{
+	uint64_t sum = 1; // that of triangles without a texture
+	for (uint32_t i = 0; i < scene->counts[BLOB_EMITTERS]; i++) {
+		const uint32_t level = texture_of(scene, i) ? level_of(scene, i) : 0;
+		sum += texture_of(scene, i) ? 1u << 2 * (level < most ? level : most) : 0;
+	}
+	return sum;
+}
+
+// The highest level that the scene's number of cells allows.
+static uint32_t highest_level(const struct blob_view *scene)
+{
+	uint32_t most = CELL_LEVEL_MAX;
+	while (most > 0 && cells_below(scene, most) > CELLS_MAX)
+		most--;
+	return most;
+}
+
+uint32_t emitter_cells_count(const struct blob_view *scene)
+{
+	return (uint32_t)cells_below(scene, highest_level(scene));
+}
+
+// ---- means of a texture -------------------------------------------------------------------------------------------------
+
+static void pyramid_finish(struct pyramid *p)
+{
+	for (uint32_t i = 0; i < p->count; i++)
+		free(p->levels[i]);
+	*p = (struct pyramid){0};
+}
+
+static float *pyramid_add(struct pyramid *p, uint32_t width, uint32_t height)
+{
+	float *level = calloc((size_t)width * height, sizeof *level);
+	if (level) {
+		p->width[p->count] = width;
+		p->height[p->count] = height;
+		p->levels[p->count++] = level;
+	}
+	return level;
+}
+
+// The next cell of half as many that cell i of `from` falls in.
+static uint32_t halved(uint32_t i, uint32_t from, uint32_t to)
+{
+	return (uint32_t)((uint64_t)i * to / from);
+}
+
+// Add what each cell of one level has to the cell of the other that it falls in, and divide by their numbers.
+static void reduce(struct pyramid *p, uint32_t to)
+{
+	const uint32_t w = p->width[to], h = p->height[to], fw = p->width[to - 1], fh = p->height[to - 1];
+	float *out = p->levels[to];
+	for (uint32_t y = 0; y < fh; y++)
+		for (uint32_t x = 0; x < fw; x++)
+			out[(size_t)halved(y, fh, h) * w + halved(x, fw, w)] += p->levels[to - 1][(size_t)y * fw + x];
+	const double scale = (double)w * h / ((double)fw * fh);
+	for (size_t i = 0; i < (size_t)w * h; i++)
+		out[i] = (float)((double)out[i] * scale);
+}
+
+static bool pyramid_init(struct pyramid *p, const struct blob_view *scene, uint32_t emitter)
+{
+	const struct texture_info *t = texture_of(scene, emitter);
+	const struct material *m = material_of(scene, emitter);
+	uint32_t w = t->width, h = t->height;
+	*p = (struct pyramid){0};
+	while ((uint64_t)w * h > PYRAMID_BASE) {
+		w = (w + 1) / 2;
+		h = (h + 1) / 2;
+	}
+	float *base = pyramid_add(p, w, h);
+	if (!base)
+		return false;
+	lights_texture_luminance(t, scene->sections[BLOB_TEXELS], m->emission, w, h, base);
+	while (w > 1 || h > 1) {
+		w = (w + 1) / 2;
+		h = (h + 1) / 2;
+		if (!pyramid_add(p, w, h))
+			return false;
+		reduce(p, p->count - 1);
+	}
+	return true;
+}
+
+// As wrap_index of shaders/common/texture.glsl.
+static uint32_t wrapped(int64_t i, uint32_t side, uint32_t mode)
+{
+	const int64_t n = side, period = mode == WRAP_MIRROR ? 2 * n : n;
+	if (mode == WRAP_CLAMP)
+		return (uint32_t)(i < 0 ? 0 : i >= n ? n - 1 : i);
+	const int64_t m = (i % period + period) % period;
+	return (uint32_t)(m < n ? m : period - 1 - m);
+}
+
+// The mean over a box in texels.
+static double box_mean(const struct pyramid *p, const struct texture_info *t, const double low[2], const double high[2])
+{
+	uint32_t l = 0;
+	while (l + 1 < p->count &&
+	       fmax((high[0] - low[0]) * p->width[l] / t->width, (high[1] - low[1]) * p->height[l] / t->height) > BOX_CELLS)
+		l++;
+	const uint32_t w = p->width[l], h = p->height[l];
+	const double sx = (double)w / t->width, sy = (double)h / t->height;
+	const double x0 = low[0] * sx, x1 = high[0] * sx, y0 = low[1] * sy, y1 = high[1] * sy;
+	// A texture of a few cells that is repeated many times: its mean.
+	if (x1 - x0 > 2 * BOX_CELLS || y1 - y0 > 2 * BOX_CELLS)
+		return (double)p->levels[p->count - 1][0];
+	double sum = 0, area = 0;
+	for (int64_t y = (int64_t)floor(y0); (double)y < y1; y++)
+		for (int64_t x = (int64_t)floor(x0); (double)x < x1; x++) {
+			const double part = (fmin(x1, (double)x + 1) - fmax(x0, (double)x)) *
+					    (fmin(y1, (double)y + 1) - fmax(y0, (double)y));
+			const size_t row = wrapped(y, h, t->flags >> TEXTURE_WRAP_T_SHIFT & 3u);
+			sum += part * (double)p->levels[l][row * w + wrapped(x, w, t->flags >> TEXTURE_WRAP_S_SHIFT & 3u)];
+			area += part;
+		}
+	return area > 0 ? sum / area : 0;
+}
+
+// The mean over cell (a, b) of n² cells of a triangle: over the box about its corners, which the filter widens.
+static double cell_mean(const struct pyramid *p, const struct texture_info *t, double corners[3][2], uint32_t n, uint32_t a,
+			uint32_t b)
+{
+	const bool upper = a + b >= n;
+	const double x = upper ? n - 1 - a : a, y = upper ? n - 1 - b : b;
+	const double own = upper ? 1 : 0, margin = t->flags & TEXTURE_NEAREST ? 1e-3 : 0.5;
+	const double at[3][2] = {{x + own, y + own}, {x + 1, y}, {x, y + 1}}; // barycentrics of corners 1 and 2, times n
+	double low[2], high[2];
+	for (int i = 0; i < 2; i++) {
+		low[i] = INFINITY;
+		high[i] = -INFINITY;
+		for (int c = 0; c < 3; c++) {
+			const double v =
+			    corners[0][i] +
+			    (at[c][0] * (corners[1][i] - corners[0][i]) + at[c][1] * (corners[2][i] - corners[0][i])) / n;
+			low[i] = fmin(low[i], v - margin);
+			high[i] = fmax(high[i], v + margin);
+		}
+	}
+	return box_mean(p, t, low, high);
+}
+
+// ---- tables -------------------------------------------------------------------------------------------------------------
+
+// Room for the work on one triangle.
+struct work {
+	double *weights;
+	struct alias_row *rows;
+};
+
+// Fill a triangle's cells, and its grid's share: the mean of their densities.
+static enum status fill_grid(struct emitter_cells *out, const struct blob_view *scene, uint32_t emitter, uint32_t level,
+			     const struct pyramid *p, struct work *work, struct error *err)
+{
+	struct emitter_grid *g = &out->grids[emitter];
+	struct emitter_cell *cells = &out->cells[out->cell_count];
+	const uint32_t n = 1u << level, count = n * n;
+	const double mean = (double)p->levels[p->count - 1][0];
+	double corners[3][2], sum;
+	const bool useful = corners_in_texels(scene, emitter, corners) && mean > 0;
+	for (uint32_t i = 0; i < count; i++) {
+		const double of = useful ? cell_mean(p, texture_of(scene, emitter), corners, n, i % n, i / n) / mean : 1;
+		work->weights[i] = (1 - CELL_EVEN) * of + CELL_EVEN;
+	}
+	const enum status s = alias_build(work->weights, count, work->rows, &sum, err);
+	if (s != STATUS_OK)
+		return s;
+	g->first = out->cell_count;
+	g->level = level;
+	g->share = (float)(sum / count);
+	// The density is that of the table as it is, not of the weights.
+	for (uint32_t i = 0; i < count; i++)
+		cells[i] = (struct emitter_cell){work->rows[i].keep, work->rows[i].alias,
+						 (float)((double)work->rows[i].pmf * count * (double)g->share)};
+	out->cell_count += count;
+	return STATUS_OK;
+}
+
+struct order {
+	uint32_t material, emitter;
+};
+
+static int compare_orders(const void *a, const void *b)
+{
+	const struct order *x = a, *y = b;
+	if (x->material != y->material)
+		return x->material < y->material ? -1 : 1;
+	return x->emitter < y->emitter ? -1 : x->emitter > y->emitter;
+}
+
+// Fill the grids material by material, so that each has its pyramid for as long as it needs it.
+static enum status fill_grids(struct emitter_cells *out, const struct blob_view *scene, struct order *order,
+			      struct work *work, struct error *err)
+{
+	const uint32_t most = highest_level(scene);
+	const struct material *materials = scene->sections[BLOB_MATERIALS];
+	struct pyramid p = {0};
+	enum status s = STATUS_OK;
+	for (uint32_t i = 0; i < out->count; i++)
+		order[i] = (struct order){(uint32_t)(material_of(scene, i) - materials), i};
+	qsort(order, out->count, sizeof *order, compare_orders);
+	out->cells[out->cell_count++] = (struct emitter_cell){1, 0, 1};
+	for (uint32_t i = 0; i < out->count && s == STATUS_OK; i++) {
+		const uint32_t emitter = order[i].emitter, level = level_of(scene, emitter);
+		if (!texture_of(scene, emitter)) {
+			out->grids[emitter] = (struct emitter_grid){0, 0, 1};
+			continue;
+		}
+		if (p.count == 0 || order[i].material != order[i - 1].material) {
+			pyramid_finish(&p);
+			if (!pyramid_init(&p, scene, emitter))
+				s = error_set(err, STATUS_MEMORY, "no memory for the means of an emissive texture");
+		}
+		if (s == STATUS_OK)
+			s = fill_grid(out, scene, emitter, level < most ? level : most, &p, work, err);
+	}
+	pyramid_finish(&p);
+	return s;
+}
+
+// Weigh the emitters anew, by the light of their own part of the texture.
+static enum status weigh_emitters(struct emitter_cells *out, const struct blob_view *scene, struct error *err)
+{
+	const struct emitter *emitters = scene->sections[BLOB_EMITTERS];
+	const struct triangle *triangles = scene->sections[BLOB_TRIANGLES];
+	double *weights = malloc(out->count * sizeof *weights), sum = 0;
+	struct alias_row *rows = malloc(out->count * sizeof *rows);
+	enum status s = weights && rows ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory for %u emitters", out->count);
+	for (uint32_t i = 0; i < out->count && s == STATUS_OK; i++)
+		weights[i] = fmax((double)material_of(scene, i)->power_density * (double)out->grids[i].share *
+				      lights_area(scene->sections[BLOB_VERTICES], &triangles[emitters[i].triangle]),
+				  DBL_MIN);
+	if (s == STATUS_OK)
+		s = alias_build(weights, out->count, rows, &sum, err);
+	for (uint32_t i = 0; i < out->count && s == STATUS_OK; i++)
+		out->emitters[i] = (struct emitter){emitters[i].triangle, rows[i].keep, rows[i].alias, rows[i].pmf};
+	out->power = (float)fmin(sum, FLT_MAX);
+	free(weights);
+	free(rows);
+	return s;
+}
+
+enum status emitter_cells_init(struct emitter_cells *out, const struct blob_view *scene, struct error *err)
+{
+	const uint32_t cells = emitter_cells_count(scene);
+	const size_t most = (size_t)1 << 2 * highest_level(scene);
+	*out = (struct emitter_cells){.count = scene->counts[BLOB_EMITTERS]};
+	out->grids = malloc(out->count * sizeof *out->grids);
+	out->cells = malloc(cells * sizeof *out->cells);
+	out->emitters = malloc(out->count * sizeof *out->emitters);
+	struct order *order = malloc(out->count * sizeof *order);
+	struct work work = {malloc(most * sizeof *work.weights), malloc(most * sizeof *work.rows)};
+	enum status s = STATUS_OK;
+	if (!out->grids || !out->cells || !out->emitters || !order || !work.weights || !work.rows)
+		s = error_set(err, STATUS_MEMORY, "no memory for %u cells of emissive triangles", cells);
+	if (s == STATUS_OK)
+		s = fill_grids(out, scene, order, &work, err);
+	if (s == STATUS_OK)
+		s = weigh_emitters(out, scene, err);
+	free(order);
+	free(work.weights);
+	free(work.rows);
+	if (s != STATUS_OK)
+		emitter_cells_finish(out);
+	return s;
+}
+
+void emitter_cells_finish(struct emitter_cells *c)
+{
+	free(c->grids);
+	free(c->cells);
+	free(c->emitters);
+	*c = (struct emitter_cells){0};
+}
