@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "server/loader/mtl_surface.h"
+#include "server/scene/texel.h"
 
 static bool fit_colour(const double from[3], float out[3], double limit)
 {
@@ -78,15 +79,20 @@ static enum status find_scalar(struct import *im, const struct mtl_note *note, e
 		return status;
 	const struct texture_info *t = &im->textures[map->texture];
 	for (size_t i = 0; i < (size_t)t->width * t->height && !map->channel; i++)
-		if (kind == MTL_DISSOLVE && im->texels[t->offset + i] >> 24 < 255)
+		if (kind == MTL_DISSOLVE && texel_channel(t, im->texels, i, 3) < TEXEL_WHITE)
 			map->channel = 'm';
 	return STATUS_OK;
 }
 
-static uint32_t scalar_of(uint32_t texel, char channel)
+// The number of texel `i`, 0 … TEXEL_WHITE.
+static uint32_t scalar_of(const struct import *im, const struct scalar_map *map, size_t i)
 {
-	const uint32_t red = texel & 255u, green = texel >> 8 & 255u, blue = texel >> 16 & 255u;
-	switch (channel) {
+	if (map->texture == NONE)
+		return TEXEL_WHITE;
+	const struct texture_info *t = &im->textures[map->texture];
+	const uint32_t red = texel_channel(t, im->texels, i, 0), green = texel_channel(t, im->texels, i, 1);
+	const uint32_t blue = texel_channel(t, im->texels, i, 2);
+	switch (map->channel) {
 	case 'r':
 		return red;
 	case 'g':
@@ -94,7 +100,7 @@ static uint32_t scalar_of(uint32_t texel, char channel)
 	case 'b':
 		return blue;
 	case 'm':
-		return texel >> 24;
+		return texel_channel(t, im->texels, i, 3);
 	default:
 		return (red + green + blue + 1) / 3;
 	}
@@ -103,50 +109,60 @@ static uint32_t scalar_of(uint32_t texel, char channel)
 // Whether two textures show their texels at the same places.
 static bool are_alike(const struct texture_info *a, const struct texture_info *b)
 {
-	return a->width == b->width && a->height == b->height && ((a->flags ^ b->flags) & ~TEXTURE_SRGB) == 0 &&
+	return a->width == b->width && a->height == b->height &&
+	       ((a->flags ^ b->flags) & ~(TEXTURE_SRGB | TEXTURE_DEEP)) == 0 &&
 	       memcmp(a->row_u, b->row_u, sizeof a->row_u) == 0 && memcmp(a->row_v, b->row_v, sizeof a->row_v) == 0;
 }
 
+// The texels of put_scalars, in the caller's room: `texture` says of which size and depth.
+static void fill_scalars(const struct import *im, uint32_t base, const struct scalar_map *maps, unsigned first,
+			 unsigned count, const struct texture_info *texture, uint32_t *texels)
+{
+	for (size_t i = 0; i < (size_t)texture->width * texture->height; i++)
+		for (unsigned c = 0; c < 4; c++) {
+			uint32_t number = TEXEL_WHITE;
+			if (c >= first && c < first + count)
+				number = scalar_of(im, &maps[c - first], i);
+			else if (base != NONE)
+				number = texel_channel(&im->textures[base], im->texels, i, c);
+			texel_put(texture, texels, i, c, number);
+		}
+}
+
 // Make one texture of the colours of *texture (NONE: white) and of numbers in the place of channels `first` and on: two maps
-// at most, of which one may be missing. *texture becomes that one. False: the maps differ in size or place.
-static enum status put_scalars(struct import *im, uint32_t *texture, const struct scalar_map *maps, int first, int count,
-			       uint32_t flags, bool *done, struct error *err)
+// at most, of which one may be missing. *texture becomes that one, deep if any of them is. False: the maps differ in size or
+// place.
+static enum status put_scalars(struct import *im, uint32_t *texture, const struct scalar_map *maps, unsigned first,
+			       unsigned count, uint32_t flags, bool *done, struct error *err)
 {
 	const uint32_t base = *texture;
-	uint32_t like = base;
+	uint32_t like = base, deep = base == NONE ? 0 : im->textures[base].flags & TEXTURE_DEEP;
 	char key[128] = "";
 	*done = true;
-	for (int i = 0; i < count; i++) {
+	for (unsigned i = 0; i < count; i++) {
 		const uint32_t at = maps[i].texture;
 		like = like == NONE ? at : like;
+		deep |= at == NONE ? 0 : im->textures[at].flags & TEXTURE_DEEP;
 		*done = *done && (at == NONE || are_alike(&im->textures[at], &im->textures[like]));
 	}
 	if (like == NONE || !*done)
 		return STATUS_OK;
 	// A name that no file can have: it holds line breaks.
-	for (int i = 0; i < count; i++)
-		snprintf(key + strlen(key), sizeof key - strlen(key), "\n%d %u %c", first + i, maps[i].texture,
+	for (unsigned i = 0; i < count; i++)
+		snprintf(key + strlen(key), sizeof key - strlen(key), "\n%u %u %c", first + i, maps[i].texture,
 			 maps[i].channel ? maps[i].channel : ' ');
 	snprintf(key + strlen(key), sizeof key - strlen(key), "\n%u", base);
-	const struct texture_info t = im->textures[like];
-	const size_t texels = (size_t)t.width * t.height; // both ≤ LIMIT_TEXTURE_SIDE
-	const struct import_sampling sampling = {
-	    (t.flags & ~TEXTURE_SRGB) | flags, {t.row_u[0], t.row_u[1], t.row_u[2]}, {t.row_v[0], t.row_v[1], t.row_v[2]}};
-	uint32_t *out = malloc(texels * sizeof *out);
+	struct texture_info t = im->textures[like];
+	const struct import_sampling sampling = {(t.flags & ~(TEXTURE_SRGB | TEXTURE_DEEP)) | flags,
+						 {t.row_u[0], t.row_u[1], t.row_u[2]},
+						 {t.row_v[0], t.row_v[1], t.row_v[2]}};
+	t.flags = deep;
+	t.offset = 0;
+	uint32_t *out = calloc((size_t)t.width * t.height, texel_words(&t) * sizeof *out); // both ≤ LIMIT_TEXTURE_SIDE
 	if (!out)
 		return error_set(err, STATUS_MEMORY, "no memory for a map of %u x %u", t.width, t.height);
-	for (size_t i = 0; i < texels; i++) {
-		out[i] = base == NONE ? 0xFFFFFFFFu : im->texels[im->textures[base].offset + i];
-		for (int k = 0; k < count; k++) {
-			const uint32_t shift = 8u * (uint32_t)(first + k);
-			const uint32_t number =
-			    maps[k].texture == NONE
-				? 255u
-				: scalar_of(im->texels[im->textures[maps[k].texture].offset + i], maps[k].channel);
-			out[i] = (out[i] & ~(255u << shift)) | number << shift;
-		}
-	}
-	enum status status = import_derived_texture(im, key, out, t.width, t.height, &sampling, texture, err);
+	fill_scalars(im, base, maps, first, count, &t, out);
+	enum status status = import_derived_texture(im, key, out, t.width, t.height, deep != 0, &sampling, texture, err);
 	free(out);
 	return status;
 }

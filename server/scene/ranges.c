@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "server/scene/texel.h"
+
 // Texels between two looks at whether anything is left to be learned.
 #define STRIDE 4096u
 
@@ -68,6 +70,28 @@ static struct texture_range range_of_texels(const uint32_t *texels, size_t count
 	return range_of_lanes(&l);
 }
 
+// Of texels of 16 bits a channel: rounded away from the middle, so that no number lies outside.
+static struct texture_range range_of_deep(const struct texture_info *texture, const uint32_t *texels)
+{
+	struct texture_range range = {.low = {255, 255, 255, 255}};
+	const size_t count = (size_t)texture->width * texture->height;
+	for (size_t i = 0; i < count && (i % STRIDE || !is_whole(&range)); i++)
+		for (unsigned c = 0; c < 4; c++) {
+			const uint32_t number = texel_channel(texture, texels, i, c);
+			const uint8_t low = (uint8_t)(number / 257), high = (uint8_t)((number + 256) / 257);
+			range.low[c] = low < range.low[c] ? low : range.low[c];
+			range.high[c] = high > range.high[c] ? high : range.high[c];
+		}
+	return range;
+}
+
+static struct texture_range range_of(const struct texture_info *texture, const uint32_t *texels)
+{
+	if (texture->flags & TEXTURE_DEEP)
+		return range_of_deep(texture, texels);
+	return range_of_texels(texels + texture->offset, (size_t)texture->width * texture->height);
+}
+
 void ranges_of_textures(const struct texture_info *textures, uint32_t count, const uint32_t *texels,
 			struct texture_range *out)
 {
@@ -76,9 +100,7 @@ void ranges_of_textures(const struct texture_info *textures, uint32_t count, con
 		while (textures[same].offset != textures[i].offset || textures[same].width != textures[i].width ||
 		       textures[same].height != textures[i].height)
 			same++;
-		out[i] = same < i
-			     ? out[same]
-			     : range_of_texels(texels + textures[i].offset, (size_t)textures[i].width * textures[i].height);
+		out[i] = same < i ? out[same] : range_of(&textures[i], texels);
 	}
 }
 
