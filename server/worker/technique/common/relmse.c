@@ -4,9 +4,9 @@
 #include <stdbool.h>
 
 #define NORMAL_90 1.645 // standard deviations on either side that hold nine of ten
-#define SYSTEMATIC 0.12 // of the sum: standard deviation of what all pixels share, measured by tests/bench/bench_error.py
+#define SYSTEMATIC 0.15 // of the sum: standard deviation of what all pixels share, measured by tests/bench/bench_error.py
 #define LUCKY_MOST 0.5
-#define ALIKE 2.0 // times: what makes one outlier a small bright thing and no luck makes others so, too
+#define ALIKE 3.0 // times: what makes one outlier a small bright thing and no luck makes others so, too
 
 struct estimate relmse_estimate(const struct relmse_sums *s, uint64_t pixels)
 {
