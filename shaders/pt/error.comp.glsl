@@ -180,7 +180,8 @@ void measure(uint lane, out vec4 first, out vec2 second)
 {
 	uint i = inside(lane);
 	vec3 low = lesser[i], high = greater[i], mean = mean_at(i), d = 0.5 * (high - low);
-	vec3 around = surroundings(mean);
+	// What is around may be a lamp of which this pixel is the rim: it is not brighter than its own greater half.
+	vec3 around = min(surroundings(mean), high);
 	vec3 likely = sqrt(max(low, around)) * sqrt(around), middle = sqrt(max(low, vec3(0.0))) * sqrt(high);
 	bvec3 known = known_at(i);
 	bvec3 edge = all_of(is_outlier(high, around), beside_bright(i, mean, high));
