@@ -7,9 +7,9 @@
 // Emissive triangles on the diffuse part: where they are few, the unshadowed irradiance is known in closed form (lamps.glsl),
 // as if they had no textures. DIRECT_POINTS points on them, evenly distributed over their power, then estimate the
 // visibility: it is the ratio of the visible points' light to the light of all points (Heitz, Hill and McGuire 2018,
-// "Combining analytic direct illumination and stochastic shadows"), here without their textures. So neither unshadowed nor fully shadowed places show
-// noise. Otherwise the points alone estimate the light. The points of 4 × 4 pixels form one set: the mean over any such
-// block (soften.comp.glsl) uses 16 times as many. Pictures of many samples have enough points in each pixel and do without
+// "Combining analytic direct illumination and stochastic shadows"), here without their textures. So neither unshadowed nor
+// fully shadowed places show noise. Otherwise the points alone estimate the light. The points of 4 × 4 pixels form one set:
+// the mean over any such block (soften.comp.glsl) uses 16 times as many. Pictures of many samples have enough points in each pixel and do without
 // the mean, so that shadows keep their edges. Such a ratio of few points is biased, and its mean over samples as much. So
 // they take the closed form and the points' differences instead (DIRECT_SHARP, lamp_points.glsl).
 //
