@@ -159,7 +159,7 @@ class Load(LoadCase):
             if kind != "point":
                 self.near(light[4:7], (0, -1, 0))
             if kind == "spot":
-                self.near((light[11], light[7]), (math.cos(math.radians(15)), math.cos(math.radians(30))))
+                self.near((light[11], light[7]), (1 - math.cos(math.radians(15)), 1 - math.cos(math.radians(30))))
             self.assertIn(kind + " lights", info["facts"])
             self.assertIn("1 cd as 1 W/sr", info["light_units"])
 
