@@ -149,9 +149,9 @@ class SideFiles(Loader):
     def test_http(self):
         self.refused(self.side_file("http://127.0.0.1:1/scene.bin"), "scene-file", "http://")
 
-    def test_data_uri_longer_than_said(self):
-        data = base64.b64encode(bytes(8 << 20)).decode()
-        self.refused(self.side_file("data:application/octet-stream;base64," + data), "scene-invalid", "data:")
+    def test_data_uri_shorter_than_said(self):
+        for head in ("data:application/octet-stream;base64,", "data:;base64,", "DATA:x/y;base64,"):
+            self.refused(self.side_file(head + base64.b64encode(bytes(100)).decode()), "scene-invalid", "100")
 
     def test_file_beyond_its_limit(self):
         # Sparse, so that it takes no room here; refused by its size before a byte is read.
