@@ -139,6 +139,13 @@ class Fireflies(unittest.TestCase):
         self.assertEqual((picture.report["samples"], picture.report["reason"]), (8, "error"))
         self.assertEqual((estimate(picture), picture.report["relmse_high"]), (0, 0))
 
+    def test_a_camera_that_looks_away(self):
+        """No pixel shows a surface, so no light can have been missed: the target is reached at once."""
+        path = make.cornell(daemon.folder)
+        picture = daemon.render(path, self.SIZE, 64, (0, 0, 50, 0, 0, 90, 0, 1, 0, 40), arguments=["--error", "0.1"])
+        self.assertEqual((picture.report["samples"], picture.report["reason"]), (8, "error"))
+        self.assertEqual((estimate(picture), picture.report["relmse_high"]), (0, 0))
+
     def test_a_lamps_rim_is_no_firefly(self):
         """Where a lamp's rim crosses a pixel, its halves differ as a firefly's do: by what is around alone, the estimate is a thousand
         times too high."""

@@ -260,19 +260,6 @@ static enum status pt_read_band(struct technique_job *j, const struct pt_band *b
 	return s;
 }
 
-static enum status count_missed(const struct technique_job *j, struct frame *f, struct error *err)
-{
-	const uint64_t bytes = met_bytes(f->width, f->height);
-	uint32_t *met = malloc(bytes);
-	if (!met)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = buffer_read(&j->counters, j->device, sizeof(struct pass_counters), bytes, met, err);
-	if (s == STATUS_OK)
-		f->missed_pixels = met_missed(met, f->width, f->height);
-	free(met);
-	return s;
-}
-
 // Report the bias that clamping causes in the mean luminance of the picture.
 static void account_clamp(const struct technique_job *j, struct frame *f)
 {
@@ -341,7 +328,7 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	if (s == STATUS_OK && (j->error_sample != j->sample || j->tile > 0))
 		s = pt_error_measure(j, err);
 	if (s == STATUS_OK)
-		s = count_missed(j, f, err);
+		s = pt_job_missed(j, &f->missed_pixels, err);
 	if (s != STATUS_OK) {
 		frame_destroy(f);
 		return s;

@@ -101,9 +101,25 @@ void pt_error_finish(struct technique_job *j)
 	buffer_finish(&j->errors, j->device);
 }
 
-static struct estimate estimate_of(const struct technique_job *j, const struct error_tile *tiles)
+// Whether a picture without light is as it should be: nothing gives light, or the camera sees no surface.
+static enum status is_rightly_black(const struct technique_job *j, bool *rightly, struct error *err)
+{
+	const uint32_t sources =
+	    1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT;
+	uint64_t missed = 0;
+	*rightly = !(j->plan.effects & sources);
+	if (*rightly)
+		return STATUS_OK;
+	const enum status s = pt_job_missed(j, &missed, err);
+	*rightly = s == STATUS_OK && missed == (uint64_t)j->plan.width * j->plan.height;
+	return s;
+}
+
+static enum status estimate_of(const struct technique_job *j, const struct error_tile *tiles, struct estimate *out,
+			       struct error *err)
 {
 	struct relmse_sums sums = {0};
+	bool rightly = false;
 	for (uint32_t i = 0; i < j->tiles; i++) {
 		sums.terms += tiles[i].terms;
 		sums.noise += tiles[i].noise;
@@ -112,12 +128,10 @@ static struct estimate estimate_of(const struct technique_job *j, const struct e
 		sums.lucky += tiles[i].lucky;
 		sums.light += tiles[i].light;
 	}
-	// Where nothing gives light, a black picture is as it should be.
-	const uint32_t sources =
-	    1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT;
-	if (sums.light == 0 && !(j->plan.effects & sources))
-		return RELMSE_NONE;
-	return relmse_estimate(&sums, (uint64_t)j->plan.width * j->plan.height);
+	if (sums.light == 0 && is_rightly_black(j, &rightly, err) != STATUS_OK)
+		return err->code;
+	*out = rightly ? RELMSE_NONE : relmse_estimate(&sums, (uint64_t)j->plan.width * j->plan.height);
+	return STATUS_OK;
 }
 
 enum status pt_error_measure(struct technique_job *j, struct error *err)
@@ -135,7 +149,7 @@ enum status pt_error_measure(struct technique_job *j, struct error *err)
 	if (s == STATUS_OK)
 		s = buffer_read(&j->errors, j->device, 0, bytes, tiles, err);
 	if (s == STATUS_OK)
-		j->estimate = estimate_of(j, tiles);
+		s = estimate_of(j, tiles, &j->estimate, err);
 	free(tiles);
 	j->error_us += clock_us() - start;
 	return s;
