@@ -93,7 +93,7 @@ enum fact {
 	FACT_SURROUNDINGS = 1u << 15, // it is an environment: a picture of all directions
 	FACT_POLISHED = 1u << 16, // some lit surface reflects or transmits light nearly unspread: casters.h
 	FACT_DARK_NORMAL_MAPS = 1u << 17, // some lit surface without a lobe has a normal map: AOVs show it, light does not
-	FACT_VAST = 1u << 20, // some triangle is so far away, or so small beside that, that floats need care
+	FACT_VAST = 1u << 18, // some triangle is so far away, or so small beside that, that floats need care
 };
 #define FACT_LIGHTS (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS)
 

@@ -235,7 +235,8 @@ static bool is_used(const struct blob_view *view, uint32_t material)
 	return ((const struct material_use *)view->sections[BLOB_MATERIAL_USES])[material].triangles > 0;
 }
 
-uint32_t facts_given(const struct blob_view *view, uint32_t hidden, uint32_t forced)
+// All but those of polish and of lengths, which no effect changes.
+static uint32_t facts_of_effects(const struct blob_view *view, uint32_t hidden, uint32_t forced)
 {
 	const struct question q = {view, hidden};
 	const struct punctual_light *lights = view->sections[BLOB_LIGHTS];
@@ -250,7 +251,7 @@ uint32_t facts_given(const struct blob_view *view, uint32_t hidden, uint32_t for
 	for (uint32_t i = 0; i < view->counts[BLOB_MATERIALS]; i++) {
 		const struct look l = look_of(&q, i);
 		if (is_used(view, i))
-			facts |= material_facts(&q, &l) | (casters_has(view, i) ? FACT_POLISHED : 0);
+			facts |= material_facts(&q, &l);
 	}
 	facts &= ~hidden;
 	// Textures and vertex colours count by what the effects that run make of them. vct runs gloss for glass, too.
@@ -293,9 +294,22 @@ static bool is_vast(const struct blob_view *view)
 	return vast;
 }
 
+static bool is_polished(const struct blob_view *view)
+{
+	bool polished = false;
+	for (uint32_t i = 0; i < view->counts[BLOB_MATERIALS] && !polished; i++)
+		polished = is_used(view, i) && casters_has(view, i);
+	return polished;
+}
+
 uint32_t facts_of_view(const struct blob_view *view)
 {
-	return facts_given(view, 0, 0) | (is_vast(view) ? FACT_VAST : 0);
+	return facts_of_effects(view, 0, 0) | (is_polished(view) ? FACT_POLISHED : 0) | (is_vast(view) ? FACT_VAST : 0);
+}
+
+uint32_t facts_given(const struct blob_view *view, uint32_t hidden, uint32_t forced)
+{
+	return facts_of_effects(view, hidden, forced) | (view->facts & (FACT_POLISHED | FACT_VAST) & ~hidden);
 }
 
 uint32_t facts_collect(const struct blob_header *blob)

@@ -446,9 +446,9 @@ static void white_vertices_have_no_colour(void **state)
 static void every_fact_has_a_name(void **state)
 {
 	(void)state;
-	for (uint32_t bit = 1; bit <= FACT_DARK_NORMAL_MAPS; bit <<= 1)
+	for (uint32_t bit = 1; bit <= FACT_VAST; bit <<= 1)
 		assert_non_null(fact_name((enum fact)bit));
-	assert_null(fact_name((enum fact)(FACT_DARK_NORMAL_MAPS << 1)));
+	assert_null(fact_name((enum fact)(FACT_VAST << 1)));
 	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
 }
 
