@@ -55,8 +55,7 @@ void report_print_error(const struct candil_done *done, FILE *stream)
 	if (e < 0)
 		return;
 	if (e == 0)
-		fprintf(stream, "error      %s\n",
-			high == 0 ? "none: every sample says the same" : "not known: no sample has found light");
+		fputs("error      none: every sample says the same\n", stream);
 	else if (high >= 0)
 		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), estimated\n", e, low, high);
 	else

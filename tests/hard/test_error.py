@@ -133,7 +133,8 @@ class Fireflies(unittest.TestCase):
         path = make.sealed_room(daemon.folder)
         picture = daemon.render(path, self.SIZE, 24, arguments=["--error", "0.1"])
         self.assertEqual((picture.report["samples"], picture.report["reason"]), (24, "samples"))
-        self.assertEqual((estimate(picture), picture.report["relmse_low"], picture.report["relmse_high"]), (0, 0, None))
+        for key in ("estimated_relmse", "relmse_low", "relmse_high"):
+            self.assertIsNone(picture.report[key], key)
         self.assertTrue(any("no sample has found light" in note for note in picture.report["notes"]), picture.report["notes"])
         picture = daemon.render(make.unlit(daemon.folder), self.SIZE, 24, arguments=["--error", "0.1"])
         self.assertEqual((picture.report["samples"], picture.report["reason"]), (8, "error"))
@@ -185,12 +186,12 @@ class Told(unittest.TestCase):
             self.assertEqual(json.loads(out)["relmse_high"] is None, sided)
 
     def test_techniques_without_noise(self):
-        """One sample a pixel tells nothing; of more the interval is about what differs between them, edges."""
+        """What they have wrong is the same in all samples, so that no number of these tells it: edges, above all."""
         path = make.cornell(daemon.folder)
         for technique in ("direct", "vct"):
-            one, four = (daemon.render(path, SIZE, spp, arguments=["--technique", technique]).report for spp in (1, 4))
-            self.assertEqual([one[k] for k in ("estimated_relmse", "relmse_low", "relmse_high")], [None] * 3)
-            self.assertTrue(0 < four["relmse_low"] < four["estimated_relmse"] < four["relmse_high"])
+            for spp in (1, 4):
+                report = daemon.render(path, SIZE, spp, arguments=["--technique", technique]).report
+                self.assertEqual([report[k] for k in ("estimated_relmse", "relmse_low", "relmse_high")], [None] * 3)
 
 
 class Target(unittest.TestCase):

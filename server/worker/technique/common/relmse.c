@@ -10,10 +10,12 @@
 
 struct estimate relmse_estimate(const struct relmse_sums *s, uint64_t pixels)
 {
+	if (!(s->light > 0))
+		return ESTIMATE_UNKNOWN;
 	const double count = 3 * (double)pixels, shared = SYSTEMATIC * s->terms;
 	const double noise = s->noise + shared * shared;
 	const double below = NORMAL_90 * sqrt(noise + ALIKE * s->below), above = NORMAL_90 * sqrt(noise + s->above);
-	const bool found = s->light > 0 && s->lucky <= LUCKY_MOST * s->light;
+	const bool found = s->lucky <= LUCKY_MOST * s->light;
 	return (struct estimate){
 	    .relmse = s->terms / count,
 	    .low = s->terms > 0 ? s->terms * (s->terms / (s->terms + below)) / count : 0,

@@ -17,7 +17,7 @@
 // No upper end. What has not been seen has as much weight as what has been seen once (Good, The population frequencies of
 // species and the estimation of population parameters, Biometrika 40, 1953, equation 2 with r = 0). Light that came to one
 // half of one pixel alone, above its surroundings, has been seen once. If that is more than half of the picture's light, as
-// much may be missing, and nothing bounds the error. So too if no light was found at all.
+// much may be missing, and nothing bounds the error. If no light was found at all, nothing is known of it.
 #ifndef CANDIL_WORKER_TECHNIQUE_RELMSE_H
 #define CANDIL_WORKER_TECHNIQUE_RELMSE_H
 

@@ -1,6 +1,5 @@
 #include "server/worker/technique/common/resolve.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "server/worker/technique/common/scene_params.h"
@@ -34,37 +33,18 @@ static double film_of(const struct resolver *r, const uint32_t *film, int half, 
 	return film ? r->film_units[half] * ((double)part[1] * 4294967296.0 + (double)part[0]) : 0;
 }
 
-static double term(double d, double r)
-{
-	return d * d / (r * r + 0.01);
-}
-
-static void resolve_pixel(struct resolver *r, const float *sums, const uint32_t *film, const double counts[2],
+static void resolve_pixel(const struct resolver *r, const float *sums, const uint32_t *film, const double counts[2],
 			  float *radiance)
 {
 	const double total = counts[0] + counts[1];
-	double t = 0, low = 0, high = 0;
 	for (int c = 0; c < 3; c++) {
 		const double a = sum_of(sums + 2 * c) + counts[0] * film_of(r, film, 0, c);
 		const double b = sum_of(sums + 6 + 2 * c) + counts[1] * film_of(r, film, 1, c);
-		const double mean = total > 0 ? (a + b) / total : 0;
-		radiance[c] = (float)mean;
-		if (!(counts[0] > 0 && counts[1] > 0))
-			continue;
-		const double lesser = fmin(a / counts[0], b / counts[1]), greater = fmax(a / counts[0], b / counts[1]);
-		t += term(0.5 * (greater - lesser), mean);
-		low += term(0.5 * (greater - lesser), greater);
-		high += term(0.5 * (greater - lesser), lesser);
-		r->sums.light += mean;
+		radiance[c] = total > 0 ? (float)((a + b) / total) : 0;
 	}
-	r->sums.terms += t;
-	r->sums.noise += 4.0 / 3 * t * t;
-	r->sums.below += (t - low) * (t - low);
-	r->sums.above += (high - t) * (high - t);
-	r->known += counts[0] > 0 && counts[1] > 0;
 }
 
-void resolve_sums(struct resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
+void resolve_sums(const struct resolver *r, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame)
 {
 	const uint32_t tiles_x = tiles_over(frame->width);
 	const uint32_t *film = r->film;
@@ -104,11 +84,4 @@ uint64_t met_missed(const uint32_t *met, uint32_t width, uint32_t height)
 	for (uint64_t i = 0; i < met_bytes(width, height) / sizeof *met; i++)
 		missed -= (uint64_t)__builtin_popcount(met[i]);
 	return missed;
-}
-
-struct estimate resolver_error(const struct resolver *r)
-{
-	if (r->known == 0)
-		return ESTIMATE_UNKNOWN;
-	return r->sums.light > 0 ? relmse_estimate(&r->sums, r->known) : RELMSE_NONE;
 }

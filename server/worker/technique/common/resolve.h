@@ -1,19 +1,16 @@
-// Resolving: from a technique's sums over samples to a picture, and to an estimate of its error from two halves of the
-// samples. Host only, any thread. Radiance is in W/(m² sr). Nothing here fails or allocates.
+// Resolving: from a technique's sums over samples to a picture. Host only, any thread. Radiance is in W/(m² sr). Nothing
+// here fails or allocates.
 #ifndef CANDIL_WORKER_TECHNIQUE_RESOLVE_H
 #define CANDIL_WORKER_TECHNIQUE_RESOLVE_H
 
 #include <stdint.h>
 
 #include "server/worker/image/frame.h"
-#include "server/worker/technique/common/relmse.h"
 
 // A picture on its way. Even samples are half A, odd ones half B.
 struct resolver {
 	uint32_t tiles; // the image's first tiles, which have more samples
 	double counts[2][2]; // samples of half A and B: [0] of all other tiles, [1] of those first ones
-	struct relmse_sums sums; // of the pixels so far
-	uint64_t known; // pixels in the sums
 	const uint32_t
 	    *film; // what light paths brought to the rows to come: struct film_pixel a pixel; NULL: none. The caller sets it
 	double film_units[2]; // radiance of one of its numbers in half A and B. The caller sets it
@@ -25,7 +22,8 @@ void resolver_init(struct resolver *resolver, uint32_t first_sample, uint32_t sa
 
 // Fill rows [first_row, first_row + rows) of frame->radiance from their sums, which are ACCUMULATOR_FLOATS floats a pixel as
 // in shaders/common/accumulate.glsl.
-void resolve_sums(struct resolver *resolver, const float *sums, uint32_t first_row, uint32_t rows, struct frame *frame);
+void resolve_sums(const struct resolver *resolver, const float *sums, uint32_t first_row, uint32_t rows,
+		  struct frame *frame);
 
 // Fill rows of the AOVs that the frame has, from AOV_WORDS words a pixel.
 void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, struct frame *frame);
@@ -35,9 +33,5 @@ uint64_t met_bytes(uint32_t width, uint32_t height);
 
 // The number of a picture's pixels that have no such bit.
 uint64_t met_missed(const uint32_t *met, uint32_t width, uint32_t height);
-
-// The estimated error of the rows that were resolved, for techniques without fireflies: every pixel's own value stands for
-// the true one. Unknown if a half has no sample.
-struct estimate resolver_error(const struct resolver *resolver);
 
 #endif

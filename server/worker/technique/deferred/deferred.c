@@ -205,7 +205,6 @@ enum status deferred_read(struct deferred *d, struct frame **frame, struct error
 		frame_destroy(f);
 		return s;
 	}
-	f->estimate = resolver_error(&resolver);
 	deferred_account(d, f, clock_us() - start);
 	*frame = f;
 	return STATUS_OK;

@@ -275,15 +275,14 @@ static void account_clamp(const struct technique_job *j, struct frame *f)
 	frame_add_figure(f, "clamp.share", removed > 0 ? removed / (removed + kept) : 0, "");
 }
 
-// Say why the error has no upper end, where it has none.
+// Say why the error is not known, or has no upper end.
 static void note_estimate(const struct technique_job *j, struct frame *f)
 {
 	const char *end = j->plan.target_error > 0 ? ", and no target is known to be reached" : "";
-	if (j->estimate.relmse < 0 || j->estimate.high >= 0)
+	if (j->error_sample == 0 || j->estimate.high >= 0)
 		return;
-	if (j->estimate.relmse == 0)
-		frame_add_note(f, "no sample has found light, though the scene gives some: the error has no upper end%s",
-			       end);
+	if (j->estimate.relmse < 0)
+		frame_add_note(f, "no sample has found light, though the scene gives some: the error is not known%s", end);
 	else
 		frame_add_note(
 		    f, "most light came to few pixels by luck, and as much may be missing: the error has no upper end%s",
