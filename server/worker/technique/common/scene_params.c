@@ -1,5 +1,6 @@
 #include "server/worker/technique/common/scene_params.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -39,6 +40,11 @@ double scene_sky_power(const struct plan *plan, const struct blob_view *scene)
 {
 	const double radius = lights_bounding_radius(scene->bounds_min, scene->bounds_max);
 	return PI * radius * radius * plan->environment.power;
+}
+
+float scene_power_inverse(float power)
+{
+	return power >= FLT_MIN ? 1.0f / power : 0.0f;
 }
 
 double scene_emitter_power(const struct plan *plan, const struct blob_view *scene)
@@ -94,7 +100,7 @@ void scene_params_fill(const struct plan *p, const struct blob_view *scene, bool
 	out->emitter_count = scene->counts[BLOB_EMITTERS];
 	out->light_count = scene->counts[BLOB_LIGHTS];
 	fill_shares(p, scene, sky_is_lamp, out);
-	out->emitter_power_inv = scene->emitter_power > 0 ? 1.0f / scene->emitter_power : 0.0f;
+	out->emitter_power_inv = scene_power_inverse(scene->emitter_power);
 	out->has_uv1 = scene->counts[BLOB_UV1] > 0;
 	out->has_colors = scene->counts[BLOB_COLORS] > 0;
 	out->orthographic = p->camera.orthographic ? 1.0f : 0.0f;

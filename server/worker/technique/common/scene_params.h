@@ -25,6 +25,9 @@ float scene_share(double of, double others);
 // Power of the environment through the scene's bounding sphere, W: π r² times the environment's power per area.
 double scene_sky_power(const struct plan *plan, const struct blob_view *scene);
 
+// 1 / power, 1/W; 0 for a power that is 0, or so small that the inverse fits no float.
+float scene_power_inverse(float power);
+
 // Power of the emissive triangles, W; 0 where the plan does not simulate them.
 double scene_emitter_power(const struct plan *plan, const struct blob_view *scene);
 

@@ -171,7 +171,7 @@ static enum status pt_make_buffers(struct technique_job *j, struct error *err)
 	scene_params_fill(&j->plan, &j->scene->view, plan_has_sky(&j->plan), &params);
 	pt_options_fill(pt_settings(&j->plan), &params);
 	if (j->cells)
-		params.emitter_power_inv = 1.0f / j->cells->tables.power;
+		params.emitter_power_inv = scene_power_inverse(j->cells->tables.power);
 	enum status s = pt_light_init(j, &params, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&j->job, d, &params, sizeof params, err);
