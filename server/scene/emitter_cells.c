@@ -15,9 +15,11 @@
 #define PYRAMID_BASE (1u << 22) // cells of its finest level, at most
 #define BOX_CELLS 8.0 // a cell's mean is that of at most so many cells of the pyramid, each way
 
-// Mean luminance of a texture, by halves.
+// The mean light of a texture, by halves. With one plane it is the luminance of an emission. Emissions of several factors
+// share a pyramid of three planes: what red, green and blue of factor 1 add to the luminance.
 struct pyramid {
-	float *levels[PYRAMID_LEVELS];
+	float *levels[PYRAMID_LEVELS]; // `planes` values a cell
+	uint32_t planes;
 	uint32_t width[PYRAMID_LEVELS], height[PYRAMID_LEVELS];
 	uint32_t count;
 };
@@ -65,11 +67,11 @@ static bool corners_in_texels(const struct blob_view *scene, uint32_t emitter, d
 	return true;
 }
 
-// The level at which a cell's sides are about half a texel: the longest side decides.
+// The level at which a textured emitter's cells have sides of about half a texel: the longest side decides.
 static uint32_t level_of(const struct blob_view *scene, uint32_t emitter)
 {
 	double at[3][2], longest = 0;
-	if (!texture_of(scene, emitter) || !corners_in_texels(scene, emitter, at))
+	if (!corners_in_texels(scene, emitter, at))
 		return 0;
 	for (int c = 0; c < 3; c++)
 		longest = fmax(longest, hypot(at[(c + 1) % 3][0] - at[c][0], at[(c + 1) % 3][1] - at[c][1]));
@@ -79,28 +81,61 @@ static uint32_t level_of(const struct blob_view *scene, uint32_t emitter)
 	return level;
 }
 
-static uint64_t cells_below(const struct blob_view *scene, uint32_t most)
+// A textured emitter, with the level that its texels ask for.
+struct order {
+	const struct texture_info *texture;
+	uint32_t emitter, level;
+};
+
+// How many triangles ask for each level.
+struct demand {
+	uint32_t triangles[CELL_LEVEL_MAX + 1];
+	uint32_t sum;
+};
+
+// Count the demand of the textured emitters, and list them unless `out` is NULL.
+static struct demand demand_of(const struct blob_view *scene, struct order *out)
+{
+	struct demand d = {0};
+	for (uint32_t i = 0; i < scene->counts[BLOB_EMITTERS]; i++) {
+		const struct texture_info *t = texture_of(scene, i);
+		if (!t)
+			continue;
+		const uint32_t level = level_of(scene, i);
+		d.triangles[level]++;
+		if (out)
+			out[d.sum] = (struct order){t, i, level};
+		d.sum++;
+	}
+	return d;
+}
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;
+}
+
+static uint64_t cells_below(const struct demand *d, uint32_t most)
 {
 	uint64_t sum = 1; // that of triangles without a texture
-	for (uint32_t i = 0; i < scene->counts[BLOB_EMITTERS]; i++) {
-		const uint32_t level = texture_of(scene, i) ? level_of(scene, i) : 0;
-		sum += texture_of(scene, i) ? 1u << 2 * (level < most ? level : most) : 0;
-	}
+	for (uint32_t l = 0; l <= CELL_LEVEL_MAX; l++)
+		sum += (uint64_t)d->triangles[l] << 2 * least(l, most);
 	return sum;
 }
 
 // The highest level that the scene's number of cells allows.
-static uint32_t highest_level(const struct blob_view *scene)
+static uint32_t highest_level(const struct demand *d)
 {
 	uint32_t most = CELL_LEVEL_MAX;
-	while (most > 0 && cells_below(scene, most) > CELLS_MAX)
+	while (most > 0 && cells_below(d, most) > CELLS_MAX)
 		most--;
 	return most;
 }
 
 uint32_t emitter_cells_count(const struct blob_view *scene)
 {
-	return (uint32_t)cells_below(scene, highest_level(scene));
+	const struct demand d = demand_of(scene, NULL);
+	return (uint32_t)cells_below(&d, highest_level(&d));
 }
 
 // ---- means of a texture -------------------------------------------------------------------------------------------------
@@ -114,7 +149,7 @@ static void pyramid_finish(struct pyramid *p)
 
 static float *pyramid_add(struct pyramid *p, uint32_t width, uint32_t height)
 {
-	float *level = calloc((size_t)width * height, sizeof *level);
+	float *level = calloc((size_t)width * height * p->planes, sizeof *level);
 	if (level) {
 		p->width[p->count] = width;
 		p->height[p->count] = height;
@@ -133,21 +168,34 @@ static uint32_t halved(uint32_t i, uint32_t from, uint32_t to)
 static void reduce(struct pyramid *p, uint32_t to)
 {
 	const uint32_t w = p->width[to], h = p->height[to], fw = p->width[to - 1], fh = p->height[to - 1];
+	const float *from = p->levels[to - 1];
 	float *out = p->levels[to];
 	for (uint32_t y = 0; y < fh; y++)
-		for (uint32_t x = 0; x < fw; x++)
-			out[(size_t)halved(y, fh, h) * w + halved(x, fw, w)] += p->levels[to - 1][(size_t)y * fw + x];
+		for (uint32_t x = 0; x < fw; x++) {
+			const size_t cell = (size_t)halved(y, fh, h) * w + halved(x, fw, w);
+			for (uint32_t k = 0; k < p->planes; k++)
+				out[cell * p->planes + k] += *from++;
+		}
 	const double scale = (double)w * h / ((double)fw * fh);
-	for (size_t i = 0; i < (size_t)w * h; i++)
+	for (size_t i = 0; i < (size_t)w * h * p->planes; i++)
 		out[i] = (float)((double)out[i] * scale);
 }
 
-static bool pyramid_init(struct pyramid *p, const struct blob_view *scene, uint32_t emitter)
+static bool same_factors(const struct material *a, const struct material *b)
 {
-	const struct texture_info *t = texture_of(scene, emitter);
-	const struct material *m = material_of(scene, emitter);
-	uint32_t w = t->width, h = t->height;
-	*p = (struct pyramid){0};
+	return a == b || memcmp(a->emission, b->emission, sizeof a->emission) == 0;
+}
+
+// Make the pyramid of the one image of some emitters.
+static bool pyramid_init(struct pyramid *p, const struct blob_view *scene, const struct order *order, uint32_t count)
+{
+	static const float unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	const struct texture_info *t = order->texture;
+	const struct material *m = material_of(scene, order->emitter);
+	uint32_t w = t->width, h = t->height, same = 1;
+	while (same < count && same_factors(m, material_of(scene, order[same].emitter)))
+		same++;
+	*p = (struct pyramid){.planes = same == count ? 1 : 3};
 	while ((uint64_t)w * h > PYRAMID_BASE) {
 		w = (w + 1) / 2;
 		h = (h + 1) / 2;
@@ -155,7 +203,8 @@ static bool pyramid_init(struct pyramid *p, const struct blob_view *scene, uint3
 	float *base = pyramid_add(p, w, h);
 	if (!base)
 		return false;
-	lights_texture_luminance(t, scene->sections[BLOB_TEXELS], m->emission, w, h, base);
+	lights_texture_luminance(t, scene->sections[BLOB_TEXELS], p->planes == 1 ? &m->emission : unit, p->planes, w, h,
+				 base);
 	while (w > 1 || h > 1) {
 		w = (w + 1) / 2;
 		h = (h + 1) / 2;
@@ -164,6 +213,15 @@ static bool pyramid_init(struct pyramid *p, const struct blob_view *scene, uint3
 		reduce(p, p->count - 1);
 	}
 	return true;
+}
+
+// The light of an emission by its factor of each plane.
+static double light_of(const struct pyramid *p, const double factors[3], uint32_t level, size_t cell)
+{
+	double sum = 0;
+	for (uint32_t k = 0; k < p->planes; k++)
+		sum += factors[k] * (double)p->levels[level][cell * p->planes + k];
+	return sum;
 }
 
 // As wrap_index of shaders/common/texture.glsl.
@@ -177,7 +235,8 @@ static uint32_t wrapped(int64_t i, uint32_t side, uint32_t mode)
 }
 
 // The mean over a box in texels.
-static double box_mean(const struct pyramid *p, const struct texture_info *t, const double low[2], const double high[2])
+static double box_mean(const struct pyramid *p, const double factors[3], const struct texture_info *t, const double low[2],
+		       const double high[2])
 {
 	uint32_t l = 0;
 	while (l + 1 < p->count &&
@@ -188,22 +247,23 @@ static double box_mean(const struct pyramid *p, const struct texture_info *t, co
 	const double x0 = low[0] * sx, x1 = high[0] * sx, y0 = low[1] * sy, y1 = high[1] * sy;
 	// A texture of a few cells that is repeated many times: its mean.
 	if (x1 - x0 > 2 * BOX_CELLS || y1 - y0 > 2 * BOX_CELLS)
-		return (double)p->levels[p->count - 1][0];
+		return light_of(p, factors, p->count - 1, 0);
 	double sum = 0, area = 0;
 	for (int64_t y = (int64_t)floor(y0); (double)y < y1; y++)
 		for (int64_t x = (int64_t)floor(x0); (double)x < x1; x++) {
 			const double part = (fmin(x1, (double)x + 1) - fmax(x0, (double)x)) *
 					    (fmin(y1, (double)y + 1) - fmax(y0, (double)y));
 			const size_t row = wrapped(y, h, t->flags >> TEXTURE_WRAP_T_SHIFT & 3u);
-			sum += part * (double)p->levels[l][row * w + wrapped(x, w, t->flags >> TEXTURE_WRAP_S_SHIFT & 3u)];
+			const size_t column = wrapped(x, w, t->flags >> TEXTURE_WRAP_S_SHIFT & 3u);
+			sum += part * light_of(p, factors, l, row * w + column);
 			area += part;
 		}
 	return area > 0 ? sum / area : 0;
 }
 
 // The mean over cell (a, b) of n² cells of a triangle: over the box about its corners, which the filter widens.
-static double cell_mean(const struct pyramid *p, const struct texture_info *t, double corners[3][2], uint32_t n, uint32_t a,
-			uint32_t b)
+static double cell_mean(const struct pyramid *p, const double factors[3], const struct texture_info *t, double corners[3][2],
+			uint32_t n, uint32_t a, uint32_t b)
 {
 	const bool upper = a + b >= n;
 	const double x = upper ? n - 1 - a : a, y = upper ? n - 1 - b : b;
@@ -221,7 +281,7 @@ static double cell_mean(const struct pyramid *p, const struct texture_info *t, d
 			high[i] = fmax(high[i], v + margin);
 		}
 	}
-	return box_mean(p, t, low, high);
+	return box_mean(p, factors, t, low, high);
 }
 
 // ---- tables -------------------------------------------------------------------------------------------------------------
@@ -233,17 +293,20 @@ struct work {
 };
 
 // Fill a triangle's cells, and its grid's share: the mean of their densities.
-static enum status fill_grid(struct emitter_cells *out, const struct blob_view *scene, uint32_t emitter, uint32_t level,
-			     const struct pyramid *p, struct work *work, struct error *err)
+static enum status fill_grid(struct emitter_cells *out, const struct blob_view *scene, const struct order *order,
+			     uint32_t level, const struct pyramid *p, struct work *work, struct error *err)
 {
-	struct emitter_grid *g = &out->grids[emitter];
+	struct emitter_grid *g = &out->grids[order->emitter];
+	const float *emission = material_of(scene, order->emitter)->emission;
 	struct emitter_cell *cells = &out->cells[out->cell_count];
 	const uint32_t n = 1u << level, count = n * n;
-	const double mean = (double)p->levels[p->count - 1][0];
-	double corners[3][2], sum;
-	const bool useful = corners_in_texels(scene, emitter, corners) && mean > 0;
+	double factors[3] = {1}, corners[3][2], sum;
+	for (int c = 0; c < 3 && p->planes == 3; c++)
+		factors[c] = (double)emission[c];
+	const double mean = light_of(p, factors, p->count - 1, 0);
+	const bool useful = corners_in_texels(scene, order->emitter, corners) && mean > 0;
 	for (uint32_t i = 0; i < count; i++) {
-		const double of = useful ? cell_mean(p, texture_of(scene, emitter), corners, n, i % n, i / n) / mean : 1;
+		const double of = useful ? cell_mean(p, factors, order->texture, corners, n, i % n, i / n) / mean : 1;
 		work->weights[i] = (1 - CELL_EVEN) * of + CELL_EVEN;
 	}
 	const enum status s = alias_build(work->weights, count, work->rows, &sum, err);
@@ -260,45 +323,45 @@ static enum status fill_grid(struct emitter_cells *out, const struct blob_view *
 	return STATUS_OK;
 }
 
-struct order {
-	uint32_t material, emitter;
-};
+// By what a pyramid is made of: the texels, and how they are read. Transforms and ways to wrap may differ.
+static int compare_images(const struct texture_info *a, const struct texture_info *b)
+{
+	const uint32_t read = TEXTURE_SRGB | TEXTURE_DEEP;
+	const uint32_t x[] = {a->offset, a->width, a->height, a->flags & read};
+	const uint32_t y[] = {b->offset, b->width, b->height, b->flags & read};
+	for (int i = 0; a != b && i < 4; i++)
+		if (x[i] != y[i])
+			return x[i] < y[i] ? -1 : 1;
+	return 0;
+}
 
 static int compare_orders(const void *a, const void *b)
 {
 	const struct order *x = a, *y = b;
-	if (x->material != y->material)
-		return x->material < y->material ? -1 : 1;
-	return x->emitter < y->emitter ? -1 : x->emitter > y->emitter;
+	const int c = compare_images(x->texture, y->texture);
+	return c != 0 ? c : x->emitter < y->emitter ? -1 : x->emitter > y->emitter;
 }
 
-// Fill the grids material by material, so that each has its pyramid for as long as it needs it.
-static enum status fill_grids(struct emitter_cells *out, const struct blob_view *scene, struct order *order,
-			      struct work *work, struct error *err)
+// Fill the grids image by image, so that each has one pyramid, whatever the number of materials that it is part of.
+static enum status fill_grids(struct emitter_cells *out, const struct blob_view *scene, struct order *order, uint32_t count,
+			      uint32_t most, struct work *work, struct error *err)
 {
-	const uint32_t most = highest_level(scene);
-	const struct material *materials = scene->sections[BLOB_MATERIALS];
-	struct pyramid p = {0};
 	enum status s = STATUS_OK;
-	for (uint32_t i = 0; i < out->count; i++)
-		order[i] = (struct order){(uint32_t)(material_of(scene, i) - materials), i};
-	qsort(order, out->count, sizeof *order, compare_orders);
+	qsort(order, count, sizeof *order, compare_orders);
 	out->cells[out->cell_count++] = (struct emitter_cell){1, 0, 1};
-	for (uint32_t i = 0; i < out->count && s == STATUS_OK; i++) {
-		const uint32_t emitter = order[i].emitter, level = level_of(scene, emitter);
-		if (!texture_of(scene, emitter)) {
-			out->grids[emitter] = (struct emitter_grid){0, 0, 1};
-			continue;
-		}
-		if (p.count == 0 || order[i].material != order[i - 1].material) {
-			pyramid_finish(&p);
-			if (!pyramid_init(&p, scene, emitter))
-				s = error_set(err, STATUS_MEMORY, "no memory for the means of an emissive texture");
-		}
-		if (s == STATUS_OK)
-			s = fill_grid(out, scene, emitter, level < most ? level : most, &p, work, err);
+	for (uint32_t i = 0; i < out->count; i++)
+		out->grids[i] = (struct emitter_grid){0, 0, 1};
+	for (uint32_t first = 0, next; first < count && s == STATUS_OK; first = next) {
+		struct pyramid p;
+		next = first + 1;
+		while (next < count && compare_images(order[first].texture, order[next].texture) == 0)
+			next++;
+		if (!pyramid_init(&p, scene, &order[first], next - first))
+			s = error_set(err, STATUS_MEMORY, "no memory for the means of an emissive texture");
+		for (uint32_t i = first; i < next && s == STATUS_OK; i++)
+			s = fill_grid(out, scene, &order[i], least(order[i].level, most), &p, work, err);
+		pyramid_finish(&p);
 	}
-	pyramid_finish(&p);
 	return s;
 }
 
@@ -326,19 +389,22 @@ static enum status weigh_emitters(struct emitter_cells *out, const struct blob_v
 
 enum status emitter_cells_init(struct emitter_cells *out, const struct blob_view *scene, struct error *err)
 {
-	const uint32_t cells = emitter_cells_count(scene);
-	const size_t most = (size_t)1 << 2 * highest_level(scene);
 	*out = (struct emitter_cells){.count = scene->counts[BLOB_EMITTERS]};
+	struct order *order = malloc(out->count * sizeof *order);
+	if (!order)
+		return error_set(err, STATUS_MEMORY, "no memory for %u emissive triangles", out->count);
+	const struct demand d = demand_of(scene, order);
+	const uint32_t most = highest_level(&d);
+	const size_t cells = cells_below(&d, most), largest = (size_t)1 << 2 * most;
 	out->grids = malloc(out->count * sizeof *out->grids);
 	out->cells = malloc(cells * sizeof *out->cells);
 	out->emitters = malloc(out->count * sizeof *out->emitters);
-	struct order *order = malloc(out->count * sizeof *order);
-	struct work work = {malloc(most * sizeof *work.weights), malloc(most * sizeof *work.rows)};
+	struct work work = {malloc(largest * sizeof *work.weights), malloc(largest * sizeof *work.rows)};
 	enum status s = STATUS_OK;
-	if (!out->grids || !out->cells || !out->emitters || !order || !work.weights || !work.rows)
-		s = error_set(err, STATUS_MEMORY, "no memory for %u cells of emissive triangles", cells);
+	if (!out->grids || !out->cells || !out->emitters || !work.weights || !work.rows)
+		s = error_set(err, STATUS_MEMORY, "no memory for %zu cells of emissive triangles", cells);
 	if (s == STATUS_OK)
-		s = fill_grids(out, scene, order, &work, err);
+		s = fill_grids(out, scene, order, d.sum, most, &work, err);
 	if (s == STATUS_OK)
 		s = weigh_emitters(out, scene, err);
 	free(order);

@@ -25,11 +25,13 @@ struct emitter_cells {
 // Whether some emitter's emission has a texture.
 bool emitter_cells_wanted(const struct blob_view *scene);
 
-// The number of cells that emitter_cells_init makes of a scene: at least one.
+// The number of cells that emitter_cells_init makes of a scene: at least one. It reads all emitters.
 uint32_t emitter_cells_count(const struct blob_view *scene);
 
-// Make the tables of a scene that has emitters. STATUS_MEMORY.
+// Make the tables of a scene that has emitters. Every texel of an emissive image is read once, by however many materials it
+// is used. STATUS_MEMORY.
 enum status emitter_cells_init(struct emitter_cells *out, const struct blob_view *scene, struct error *err);
+
 void emitter_cells_finish(struct emitter_cells *cells);
 
 #endif

@@ -49,22 +49,25 @@ static void mean_colour(const struct texture_info *t, const uint32_t *texels, do
 		mean[c] = sum[c] / (double)count;
 }
 
-void lights_texture_luminance(const struct texture_info *t, const uint32_t *texels, const float factor[3], uint32_t width,
-			      uint32_t height, float *out)
+void lights_texture_luminance(const struct texture_info *t, const uint32_t *texels, const float (*factors)[3],
+			      uint32_t count, uint32_t width, uint32_t height, float *out)
 {
 	double table[256];
 	fill_linear(t, table);
 	for (uint32_t y = 0; y < t->height; y++)
 		for (uint32_t x = 0; x < t->width; x++) {
 			const size_t i = (size_t)y * t->width + x;
+			const size_t row = (uint64_t)y * height / t->height, column = (uint64_t)x * width / t->width;
+			float *cell = &out[(row * width + column) * count];
 			double c[3];
 			for (unsigned k = 0; k < 3; k++)
-				c[k] = (double)factor[k] * linear_channel(t, texels, table, i, k);
-			const size_t row = (uint64_t)y * height / t->height, column = (uint64_t)x * width / t->width;
-			out[row * width + column] += (float)luminance_of(c[0], c[1], c[2]);
+				c[k] = linear_channel(t, texels, table, i, k);
+			for (uint32_t f = 0; f < count; f++)
+				cell[f] += (float)luminance_of((double)factors[f][0] * c[0], (double)factors[f][1] * c[1],
+							       (double)factors[f][2] * c[2]);
 		}
 	const double scale = (double)width * height / ((double)t->width * t->height);
-	for (size_t i = 0; i < (size_t)width * height; i++)
+	for (size_t i = 0; i < (size_t)width * height * count; i++)
 		out[i] = (float)((double)out[i] * scale);
 }
 

@@ -9,10 +9,11 @@
 // factor times the mean of its texture in linear light; all texels of the texture are read.
 float lights_power_density(const struct material *material, const struct texture_info *textures, const uint32_t *texels);
 
-// The luminance of an emission's factor times its texture, in linear light: the means over each cell of a grid of width ·
-// height cells, no more than the texture has texels, into `out`, row by row, which is zeroed.
-void lights_texture_luminance(const struct texture_info *texture, const uint32_t *texels, const float factor[3],
-			      uint32_t width, uint32_t height, float *out);
+// The luminance of each of `count` factors times a texture, in linear light: the means over each cell of a grid of width ·
+// height cells, no more than the texture has texels, into `out`, which is zeroed: row by row, and of each cell factor by
+// factor.
+void lights_texture_luminance(const struct texture_info *texture, const uint32_t *texels, const float (*factors)[3],
+			      uint32_t count, uint32_t width, uint32_t height, float *out);
 
 // A light's range in metres as struct punctual_light has it: never 0 for a range above zero, and 0, which is no bound, for
 // one beyond LIMIT_COORDINATE.
