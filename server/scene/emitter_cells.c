@@ -415,10 +415,17 @@ enum status emitter_cells_init(struct emitter_cells *out, const struct blob_view
 	return s;
 }
 
-void emitter_cells_finish(struct emitter_cells *c)
+void emitter_cells_trim(struct emitter_cells *c)
 {
-	free(c->grids);
 	free(c->cells);
 	free(c->emitters);
+	c->cells = NULL;
+	c->emitters = NULL;
+}
+
+void emitter_cells_finish(struct emitter_cells *c)
+{
+	emitter_cells_trim(c);
+	free(c->grids);
 	*c = (struct emitter_cells){0};
 }

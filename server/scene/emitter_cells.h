@@ -32,6 +32,9 @@ uint32_t emitter_cells_count(const struct blob_view *scene);
 // is used. STATUS_MEMORY.
 enum status emitter_cells_init(struct emitter_cells *out, const struct blob_view *scene, struct error *err);
 
+// Free what only the device reads, `cells` and `emitters`: they become NULL.
+void emitter_cells_trim(struct emitter_cells *cells);
+
 void emitter_cells_finish(struct emitter_cells *cells);
 
 #endif

@@ -51,6 +51,7 @@ static enum status make(struct cells *c, const struct resident_scene *scene, str
 		s = buffer_init_with(&own->cells, c->device, t->cells, t->cell_count * sizeof *t->cells, err);
 	if (s == STATUS_OK)
 		s = buffer_init_with(&own->emitters, c->device, t->emitters, t->count * sizeof *t->emitters, err);
+	emitter_cells_trim(t);
 	return s;
 }
 

@@ -12,7 +12,7 @@ struct pt_cells {
 	struct buffer grids; // struct emitter_grid
 	struct buffer cells; // struct emitter_cell
 	struct buffer emitters; // struct emitter, in the place of BIND_EMITTERS
-	struct emitter_cells tables; // their content
+	struct emitter_cells tables; // their content: `grids` and the numbers; what only the device reads is gone
 };
 
 // Whether a job chooses places on emissive triangles by their cells: some emission has a texture that the plan simulates.
