@@ -40,6 +40,12 @@ static const struct texture_info *texture_of(const struct blob_view *scene, uint
 
 bool emitter_cells_wanted(const struct blob_view *scene)
 {
+	const struct material *materials = scene->sections[BLOB_MATERIALS];
+	uint32_t m = 0;
+	while (m < scene->counts[BLOB_MATERIALS] && materials[m].emission_texture == NONE)
+		m++;
+	if (m == scene->counts[BLOB_MATERIALS])
+		return false;
 	for (uint32_t i = 0; i < scene->counts[BLOB_EMITTERS]; i++)
 		if (texture_of(scene, i))
 			return true;

@@ -15,13 +15,16 @@ static const char kind;
 bool pt_cells_wanted(const struct resident_scene *scene, const struct plan *plan)
 {
 	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && plan_has(plan, candil_Effect_EFFECT_TEXTURES) &&
-	       pt_settings(plan)->lamps != LAMPS_BY_CHANCE && emitter_cells_wanted(&scene->view);
+	       pt_settings(plan)->lamps != LAMPS_BY_CHANCE &&
+	       (resident_derived(scene, &kind) || emitter_cells_wanted(&scene->view));
 }
 
 uint64_t pt_cells_bytes(const struct resident_scene *scene)
 {
+	const struct cells *c = (const struct cells *)resident_derived(scene, &kind);
+	const uint64_t count = c ? c->own.tables.cell_count : emitter_cells_count(&scene->view);
 	return (uint64_t)scene_count(scene, BLOB_EMITTERS) * (sizeof(struct emitter_grid) + sizeof(struct emitter)) +
-	       (uint64_t)emitter_cells_count(&scene->view) * sizeof(struct emitter_cell);
+	       count * sizeof(struct emitter_cell);
 }
 
 static void cells_destroy(struct derived *derived)

@@ -18,7 +18,7 @@ struct pt_cells {
 // Whether a job chooses places on emissive triangles by their cells: some emission has a texture that the plan simulates.
 bool pt_cells_wanted(const struct resident_scene *scene, const struct plan *plan);
 
-// Device memory of the cells, in bytes.
+// Device memory of the cells, in bytes. It reads all emitters unless the cells are there.
 uint64_t pt_cells_bytes(const struct resident_scene *scene);
 
 // The scene's cells, made unless they are there. They live as long as the scene is on the device. STATUS_MEMORY,
