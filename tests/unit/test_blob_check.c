@@ -155,6 +155,7 @@ static void a_leaf_has_fifteen_triangles_at_most(void **state)
 
 static void colours(void **state)
 {
+	struct blob_header *h = small_header(&blob);
 	(void)state;
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].albedo_texture = 1);
 	REFUSED(SECTION(material, BLOB_MATERIALS)[0].emission_texture = NONE - 1);
@@ -168,6 +169,7 @@ static void colours(void **state)
 	REFUSED(memset(&SECTION(blob_name, BLOB_MATERIAL_NAMES)[1], 'x', sizeof(struct blob_name)));
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].offset = 1);
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].offset = UINT32_MAX);
+	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].flags |= TEXTURE_DEEP, h->facts = facts_collect(h));
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].width = 0);
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].height = 3);
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].width = LIMIT_TEXTURE_SIDE + 1);
@@ -177,6 +179,22 @@ static void colours(void **state)
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].flags = 1u << 7);
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].row_u[2] = NAN);
 	REFUSED(SECTION(texture_info, BLOB_TEXTURES)[0].row_v[0] = INFINITY);
+}
+
+static void a_deep_texture_takes_twice_the_texels(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	struct texture_info *texture;
+	(void)state;
+	small_make(&blob);
+	texture = SECTION(texture_info, BLOB_TEXTURES);
+	texture->flags |= TEXTURE_DEEP;
+	texture->height = 1;
+	small_ranges(&blob);
+	h->facts = facts_collect(h);
+	assert_int_equal(check(), STATUS_OK); // three texels in six words
+	texture->offset = 1;
+	assert_int_equal(check(), STATUS_SCENE_INVALID);
 }
 
 static void surfaces(void **state)
@@ -261,6 +279,7 @@ static void ranges_are_of_the_contents(void **state)
 
 static void lights_and_cameras(void **state)
 {
+	struct blob_header *h = small_header(&blob);
 	(void)state;
 	REFUSED(SECTION(emitter, BLOB_EMITTERS)[0].triangle = 4);
 	REFUSED(SECTION(emitter, BLOB_EMITTERS)[0].alias = 2);
@@ -273,6 +292,12 @@ static void lights_and_cameras(void **state)
 	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].direction[2] = INFINITY);
 	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].intensity[0] = -1);
 	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].outer = 2);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].inner = 2);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].inner = -0.1f);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].inner = NAN);
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].range = -1, h->facts = facts_collect(h));
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].range = NAN, h->facts = facts_collect(h));
+	REFUSED(SECTION(punctual_light, BLOB_LIGHTS)[1].range = INFINITY, h->facts = facts_collect(h));
 	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].eye[0] = NAN);
 	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].up[0] = INFINITY);
 	REFUSED(SECTION(blob_camera, BLOB_CAMERAS)[0].vfov_degrees = 180);
@@ -374,6 +399,7 @@ int main(void)
 	    cmocka_unit_test_setup(tree, fresh),
 	    cmocka_unit_test_setup(a_leaf_has_fifteen_triangles_at_most, fresh),
 	    cmocka_unit_test_setup(colours, fresh),
+	    cmocka_unit_test_setup(a_deep_texture_takes_twice_the_texels, fresh),
 	    cmocka_unit_test_setup(surfaces, fresh),
 	    cmocka_unit_test_setup(parts_of_vertices, fresh),
 	    cmocka_unit_test_setup(facts_are_those_of_the_contents, fresh),

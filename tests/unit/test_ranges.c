@@ -13,12 +13,17 @@
 
 static uint32_t texels[MOST];
 
-static struct texture_range range_of(uint32_t width, uint32_t height, uint32_t offset)
+static struct texture_range range_of_kind(uint32_t width, uint32_t height, uint32_t offset, uint32_t flags)
 {
-	const struct texture_info texture = {.offset = offset, .width = width, .height = height};
+	const struct texture_info texture = {.offset = offset, .width = width, .height = height, .flags = flags};
 	struct texture_range range;
 	ranges_of_textures(&texture, 1, texels, &range);
 	return range;
+}
+
+static struct texture_range range_of(uint32_t width, uint32_t height, uint32_t offset)
+{
+	return range_of_kind(width, height, offset, 0);
 }
 
 static void an_extreme_is_found_wherever_it_lies(void **state)
@@ -39,6 +44,45 @@ static void an_extreme_is_found_wherever_it_lies(void **state)
 				range = range_of(1, counts[i], 5);
 				assert_int_equal(range.low[c], plain[c] - 0x11);
 				assert_int_equal(range.high[c], counts[i] == 1 ? plain[c] - 0x11 : plain[c]);
+				for (int other = 0; other < 4; other++)
+					if (other != c)
+						assert_true(range.low[other] == plain[other] &&
+							    range.high[other] == plain[other]);
+			}
+}
+
+static void put_deep(uint32_t at, int c, uint16_t number)
+{
+	uint32_t *word = &texels[5 + 2 * at + (uint32_t)c / 2];
+	*word = (*word & ~(65535u << 16 * (c % 2))) | (uint32_t)number << 16 * (c % 2);
+}
+
+// Numbers of 16 bits lie between those that 8 bits have, 257 times 0 … 255: a range takes the next one outside.
+static void an_extreme_of_deep_texels_is_rounded_outwards(void **state)
+{
+	static const uint32_t counts[] = {1, 2, 17, 4095, 4097, 8200}, plain[4] = {0x70, 0x60, 0x50, 0x40};
+	(void)state;
+	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+		for (uint32_t at = 0; at<counts[i]; at += counts[i]> 40 && at > 2 && at + 40 < counts[i] ? 997 : 1)
+			for (int c = 0; c < 4; c++) {
+				const bool lone = counts[i] == 1;
+				for (uint32_t k = 0; k < MOST; k++) // around them: black and white
+					texels[k] = k % 4 / 2 ? 0xFFFFFFFFu : 0;
+				for (uint32_t k = 0; k < counts[i]; k++)
+					for (int all = 0; all < 4; all++)
+						put_deep(k, all, (uint16_t)(257 * plain[all]));
+				put_deep(at, c, (uint16_t)(257 * plain[c] + 1));
+				struct texture_range range = range_of_kind(counts[i], 1, 5, TEXTURE_DEEP);
+				assert_int_equal(range.low[c], plain[c]);
+				assert_int_equal(range.high[c], plain[c] + 1);
+				put_deep(at, c, (uint16_t)(257 * plain[c] - 1));
+				range = range_of_kind(1, counts[i], 5, TEXTURE_DEEP);
+				assert_int_equal(range.low[c], plain[c] - 1);
+				assert_int_equal(range.high[c], plain[c]);
+				put_deep(at, c, (uint16_t)(257 * (plain[c] + 0x11)));
+				range = range_of_kind(counts[i], 1, 5, TEXTURE_DEEP);
+				assert_int_equal(range.low[c], lone ? plain[c] + 0x11 : plain[c]);
+				assert_int_equal(range.high[c], plain[c] + 0x11);
 				for (int other = 0; other < 4; other++)
 					if (other != c)
 						assert_true(range.low[other] == plain[other] &&
@@ -93,6 +137,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(an_extreme_is_found_wherever_it_lies),
+	    cmocka_unit_test(an_extreme_of_deep_texels_is_rounded_outwards),
 	    cmocka_unit_test(a_whole_range_ends_the_search),
 	    cmocka_unit_test(textures_of_one_image_share_its_range),
 	    cmocka_unit_test(materials_count_their_triangles_and_corners),
