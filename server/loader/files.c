@@ -110,25 +110,28 @@ bool files_exists(const struct files *files, const char *name)
 	return regular;
 }
 
-// Put the one entry of a folder that has this name in any case behind `found`, whose first `used` bytes name the folder.
+// Put the entry of a folder that has this name, else the one that has it in any case, behind `found`, whose first `used`
+// bytes name the folder.
 static bool find_entry(const struct files *files, const char *name, size_t length, char *found, size_t used)
 {
 	found[used] = '\0';
 	const int fd = open_as(files->dir, used ? found : ".", O_RDONLY | O_DIRECTORY);
 	DIR *folder = fd >= 0 ? fdopendir(fd) : NULL;
 	unsigned matches = 0;
+	bool exact = false;
 	if (!folder) {
 		if (fd >= 0)
 			close(fd);
 		return false;
 	}
-	for (struct dirent *e; (e = readdir(folder)) && matches < 2;)
+	for (struct dirent *e; !exact && (e = readdir(folder));)
 		if (strlen(e->d_name) == length && strncasecmp(e->d_name, name, length) == 0) {
 			memcpy(found + used, e->d_name, length + 1);
+			exact = strncmp(e->d_name, name, length) == 0;
 			matches++;
 		}
 	closedir(folder);
-	return matches == 1;
+	return exact || matches == 1;
 }
 
 bool files_find_in_any_case(const struct files *files, const char *name, char *found)

@@ -32,7 +32,8 @@ enum status files_read(struct files *files, const char *name, struct file_bytes 
 bool files_exists(const struct files *files, const char *name);
 
 // Find the one file whose name differs from `name` by nothing but the case of ASCII letters, as files of systems do that do
-// not tell them apart. `found`, of strlen(name) + 1 bytes, becomes its name. False: there is none, or more than one.
+// not tell them apart. Of several folders, or files, the one that has the very name counts. `found`, of strlen(name) + 1
+// bytes, becomes the file's name. False: there is none, or more than one.
 bool files_find_in_any_case(const struct files *files, const char *name, char *found);
 
 // Free the bytes.

@@ -335,6 +335,21 @@ class Mtl(ObjCase):
         self.material("map_Kd One.png", warnings=1)
         self.assertEqual(self.info["missing_textures"], 1)
         self.material("map_Kd one.png")
+        # A folder or file that has the very name is meant, whatever else differs from it in case alone.
+        for folder in ("Tex", "tex", "TEX"):
+            self.picture(folder + "/%s.PNG" % folder, (len(folder), 0, 0))
+        for name, found in (("Tex/tex.png", "Tex/Tex.PNG"), ("tex\\TEX.PNG", "tex/tex.PNG"), ("TEX/tex.PNG", "TEX/TEX.PNG"),
+                            ("c:/gone/Tex/tex.png", None), ("teX/tex.png", None)):
+            self.material("map_Kd " + name, warnings=1)
+            self.assertEqual((self.info["textures"], self.info["missing_textures"]), (1, 0) if found else (0, 1), name)
+            self.assertIn("is taken from '%s'" % found if found else "is taken as white", self.info["warnings"][0])
+        self.picture("Tex/one.png")
+        self.picture("Tex/ONE.png")
+        self.material("map_Kd Tex/ONE.png")
+        self.picture("lone/two.png")
+        self.picture("lone/TWO.png")
+        self.material("map_Kd Lone/two.png", warnings=1)
+        self.assertIn("is taken from 'lone/two.png'", self.info["warnings"][0])
         # Nothing above the scene's folder.
         self.material("map_Kd ../%s/BLUE.png" % os.path.basename(self.folder), warnings=1)
         self.assertIn("is taken from 'Blue.png'", self.info["warnings"][0])
