@@ -201,9 +201,21 @@ static enum status find_facets(struct import *im, const struct mtl_note *note, s
 	return done ? STATUS_OK : put_scalars(im, &out->surface_texture, maps, 1, 2, 0, &done, err);
 }
 
-static enum status find_maps(struct import *im, const struct mtl_note *note, struct material *out, struct error *err)
+// The base colour. Without Kd it is the default, but what map_Kd shows is taken whole.
+static enum status find_albedo(struct import *im, const struct mtl_note *note, float albedo, struct material *out,
+			       struct error *err)
 {
-	if (find_map(im, note, MTL_DIFFUSE, TEXTURE_SRGB, &out->albedo_texture, err) != STATUS_OK ||
+	if (find_map(im, note, MTL_DIFFUSE, TEXTURE_SRGB, &out->albedo_texture, err) != STATUS_OK)
+		return err->code;
+	for (int c = 0; c < 3 && !note->has_diffuse && out->transmission == 0; c++)
+		out->albedo[c] = out->albedo_texture == NONE ? albedo : 1.0f;
+	return STATUS_OK;
+}
+
+static enum status find_maps(struct import *im, const struct mtl_note *note, float albedo, struct material *out,
+			     struct error *err)
+{
+	if (find_albedo(im, note, albedo, out, err) != STATUS_OK ||
 	    find_map(im, note, MTL_EMISSION, TEXTURE_SRGB, &out->emission_texture, err) != STATUS_OK)
 		return err->code;
 	// A lobe without weight needs no texture.
@@ -234,19 +246,17 @@ static struct mtl_note with_defaults(const struct mtl_note *from)
 
 static enum status add_material(struct import *im, const struct mtl_note *from, float albedo, struct error *err)
 {
-	struct material out = import_plain_material(1.0f);
+	struct material out = import_plain_material(albedo);
 	if (from->folder) {
 		const struct mtl_note note = with_defaults(from);
 		bool fit = fit_colour(note.diffuse, out.albedo, 1.0);
 		fit &= fit_colour(note.emission, out.emission, LIMIT_RADIANCE);
 		fit &= mtl_set_surface(im, &note, &out);
-		if (find_maps(im, &note, &out, err) != STATUS_OK)
+		if (find_maps(im, &note, albedo, &out, err) != STATUS_OK)
 			return err->code;
 		if (!fit)
 			import_warn(im, "material '%.60s' has a colour out of range, which was clamped", note.name);
 	}
-	for (int c = 0; c < 3 && !from->has_diffuse && out.transmission == 0; c++)
-		out.albedo[c] = out.albedo_texture == NONE ? albedo : 1.0f;
 	return import_add_material(im, &out, from->name[0] ? from->name : "default", err);
 }
 

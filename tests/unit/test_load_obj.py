@@ -221,6 +221,10 @@ class Mtl(ObjCase):
         self.near(self.material("illum 1")[:3], (.8,) * 3)
         self.picture()
         self.assertEqual(self.material("map_Kd a.png")[:3], (1, 1, 1))
+        # A map of opacities is none of colours.
+        for statements, albedo in (("map_d a.png", .8), ("map_d -imfchan r a.png", .8), ("map_d a.png\nmap_Kd a.png", 1),
+                                   ("map_d a.png\nKd .25", .25), ("map_Kd gone.png\nmap_d a.png", .8), ("map_Bump a.png", .8)):
+            self.near(self.material(statements, warnings="gone" in statements)[:3], (albedo,) * 3)
         self.assertEqual(self.material("map_Ke a.png")[EMISSION:EMISSION + 3], (1, 1, 1))
         self.assertEqual(self.material("map_Ke a.png\nKe 0 0 0")[EMISSION:EMISSION + 3], (0, 0, 0))
 
