@@ -47,6 +47,8 @@ struct import_image {
 	uint32_t offset;
 	uint32_t width; // 0: the image could not be read
 	uint32_t height;
+	int has_alpha; // whether an alpha is below 1: -1 no, 1 yes, 0 nobody has looked yet
+	int has_normals; // whether it looks like a normal map; the same
 };
 
 struct import {
@@ -141,8 +143,8 @@ struct import_sampling import_plain_sampling(uint32_t flags);
 enum status import_texture(struct import *import, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 			   const struct import_sampling *sampling, uint32_t *texture, struct error *err);
 // Make a texture of what was derived from the image `key`, such as the normals of a bump map. If nothing was derived from it
-// yet, take the caller's texels, 1 … LIMIT_TEXTURE_SIDE a side, of two words each if `deep`. STATUS_SCENE_LIMIT,
-// STATUS_MEMORY.
+// yet, take the caller's texels, 1 … LIMIT_TEXTURE_SIDE a side, of two words each if `deep`; else they may be NULL.
+// STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status import_derived_texture(struct import *import, const char *key, const uint32_t *texels, uint32_t width,
 				   uint32_t height, bool deep, const struct import_sampling *sampling, uint32_t *texture,
 				   struct error *err);
@@ -151,6 +153,8 @@ enum status import_derived_texture(struct import *import, const char *key, const
 bool import_knows_image(const struct import *import, const char *key);
 // Whether something was derived from the image with this key.
 bool import_knows_derived(const struct import *import, const char *key);
+// The image that a texture shows.
+struct import_image *import_image_of(struct import *import, uint32_t texture);
 // Note, with a warning, that the image `key` cannot be read because of `why`. STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status import_missing_image(struct import *import, const char *key, const char *why, struct error *err);
 

@@ -23,6 +23,14 @@ bool import_knows_derived(const struct import *im, const char *key)
 	return image_find(im, key, true) != NULL;
 }
 
+struct import_image *import_image_of(struct import *im, uint32_t texture)
+{
+	size_t i = 0;
+	while (im->images[i].width == 0 || im->images[i].offset != im->textures[texture].offset)
+		i++;
+	return &im->images[i];
+}
+
 static enum status image_add(struct import *im, const char *key, const struct import_image *image, struct error *err)
 {
 	void *items =

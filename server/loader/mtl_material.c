@@ -36,7 +36,10 @@ static enum status normals_of_bumps(struct import *im, const char *name, uint32_
 						 {bumps.row_v[0], bumps.row_v[1], bumps.row_v[2]}};
 	uint32_t *normals = NULL;
 
-	if (mtl_is_normal_map(&bumps, im->texels))
+	struct import_image *image = import_image_of(im, *texture);
+	if (image->has_normals == 0)
+		image->has_normals = mtl_is_normal_map(&bumps, im->texels) ? 1 : -1;
+	if (image->has_normals > 0)
 		return STATUS_OK;
 	if (!import_knows_derived(im, name) && mtl_normals_of_heights(&bumps, im->texels, &normals, err) != STATUS_OK)
 		return err->code;
@@ -70,6 +73,19 @@ struct scalar_map {
 	char channel;
 };
 
+static bool has_alpha(struct import *im, uint32_t texture)
+{
+	const struct texture_info *t = &im->textures[texture];
+	struct import_image *image = import_image_of(im, texture);
+	if (image->has_alpha == 0) {
+		image->has_alpha = -1;
+		for (size_t i = 0; i < (size_t)t->width * t->height && image->has_alpha < 0; i++)
+			if (texel_channel(t, im->texels, i, 3) < TEXEL_WHITE)
+				image->has_alpha = 1;
+	}
+	return image->has_alpha > 0;
+}
+
 static enum status find_scalar(struct import *im, const struct mtl_note *note, enum mtl_map_kind kind,
 			       struct scalar_map *map, struct error *err)
 {
@@ -77,10 +93,8 @@ static enum status find_scalar(struct import *im, const struct mtl_note *note, e
 	const enum status status = find_map(im, note, kind, 0, &map->texture, err);
 	if (status != STATUS_OK || map->texture == NONE || map->channel)
 		return status;
-	const struct texture_info *t = &im->textures[map->texture];
-	for (size_t i = 0; i < (size_t)t->width * t->height && !map->channel; i++)
-		if (kind == MTL_DISSOLVE && texel_channel(t, im->texels, i, 3) < TEXEL_WHITE)
-			map->channel = 'm';
+	if (kind == MTL_DISSOLVE && has_alpha(im, map->texture))
+		map->channel = 'm';
 	return STATUS_OK;
 }
 
@@ -129,6 +143,12 @@ static void fill_scalars(const struct import *im, uint32_t base, const struct sc
 		}
 }
 
+// The number of the image that a texture shows, NONE of none.
+static uint32_t image_number(struct import *im, uint32_t texture)
+{
+	return texture == NONE ? NONE : (uint32_t)(import_image_of(im, texture) - im->images);
+}
+
 // Make one texture of the colours of *texture (NONE: white) and of numbers in the place of channels `first` and on: two maps
 // at most, of which one may be missing. *texture becomes that one, deep if any of them is. False: the maps differ in size or
 // place.
@@ -147,21 +167,24 @@ static enum status put_scalars(struct import *im, uint32_t *texture, const struc
 	}
 	if (like == NONE || !*done)
 		return STATUS_OK;
-	// A name that no file can have: it holds line breaks.
+	// A name that no file can have: it holds line breaks. It names images, which textures of several places share.
 	for (unsigned i = 0; i < count; i++)
-		snprintf(key + strlen(key), sizeof key - strlen(key), "\n%u %u %c", first + i, maps[i].texture,
-			 maps[i].channel ? maps[i].channel : ' ');
-	snprintf(key + strlen(key), sizeof key - strlen(key), "\n%u", base);
+		snprintf(key + strlen(key), sizeof key - strlen(key), "\n%u %u %c", first + i,
+			 image_number(im, maps[i].texture), maps[i].channel ? maps[i].channel : ' ');
+	snprintf(key + strlen(key), sizeof key - strlen(key), "\n%u", image_number(im, base));
 	struct texture_info t = im->textures[like];
 	const struct import_sampling sampling = {(t.flags & ~(TEXTURE_SRGB | TEXTURE_DEEP)) | flags,
 						 {t.row_u[0], t.row_u[1], t.row_u[2]},
 						 {t.row_v[0], t.row_v[1], t.row_v[2]}};
 	t.flags = deep;
 	t.offset = 0;
-	uint32_t *out = calloc((size_t)t.width * t.height, texel_words(&t) * sizeof *out); // both ≤ LIMIT_TEXTURE_SIDE
-	if (!out)
-		return error_set(err, STATUS_MEMORY, "no memory for a map of %u x %u", t.width, t.height);
-	fill_scalars(im, base, maps, first, count, &t, out);
+	uint32_t *out = NULL;
+	if (!import_knows_derived(im, key)) {
+		out = calloc((size_t)t.width * t.height, texel_words(&t) * sizeof *out); // both ≤ LIMIT_TEXTURE_SIDE
+		if (!out)
+			return error_set(err, STATUS_MEMORY, "no memory for a map of %u x %u", t.width, t.height);
+		fill_scalars(im, base, maps, first, count, &t, out);
+	}
 	enum status status = import_derived_texture(im, key, out, t.width, t.height, deep != 0, &sampling, texture, err);
 	free(out);
 	return status;

@@ -310,6 +310,21 @@ class Mtl(ObjCase):
         self.material("illum 4\nNi 1.5\nmap_d grey.png", ignored=["map_d"])
         self.material("map_d nowhere.png", warnings=1)
 
+    def test_maps_of_the_same_pictures_are_made_once(self):
+        save(self.folder, "kd.png", png(4, 4, lambda x, y: (10, 20, 30 + x)))
+        save(self.folder, "d.png", png(4, 4, lambda x, y: (x, y, 9, 255 - x)))
+        save(self.folder, "p.png", png(4, 4, lambda x, y: (x, y, 9)))
+        maps = "map_Kd %skd.png\nmap_d %sd.png\nmap_Pr %sp.png\nmap_Pm -imfchan g %sp.png\nbump %sp.png\n"
+        def load(places, more=""):
+            info, blob = self.obj(["mtllib a.mtl"] + SQUARE + ["usemtl m%d\nf 1 2 3" % i for i in range(len(places))],
+                                  a="".join("newmtl m%d\n" % i + maps % ((place,) * 5) + more for i, place in enumerate(places)))
+            self.assertEqual((info["materials"], info["warnings"]), (len(places), []))
+            return len(blob.texels), len(blob.textures)
+        self.assertEqual(load([""])[0], 6 * 16)  # three pictures, and what is made of two, one and one
+        self.assertEqual(load([""] * 5), load([""]))
+        texels, textures = load(["", "-s 2 2 ", "-o .5 0 "])
+        self.assertEqual((texels, textures), (6 * 16, 3 * load([""])[1]))
+
     def test_roughness_and_metalness_by_maps(self):
         save(self.folder, "r.png", png(2, 1, lambda x, y: (50 + x,) * 3))
         save(self.folder, "m.png", png(2, 1, lambda x, y: (200 + x,) * 3))
