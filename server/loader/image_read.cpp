@@ -198,20 +198,23 @@ static enum status read_pixels(image_reader *reader, int channels, OIIO::TypeDes
 }
 
 // Files often have 8 bits a channel in 16, as 257 times their value. They are kept as 8, without loss.
-static enum status deep_pixels(image_reader *reader, int channels, std::vector<uint16_t> &pixels, uint32_t *texels,
-			       bool *deep, struct error *err)
+static enum status deep_pixels(image_reader *reader, int channels, std::vector<uint16_t> &pixels, uint32_t words,
+			       uint32_t *texels, bool *deep, struct error *err)
 {
 	enum status status = read_pixels(reader, channels, OIIO::TypeDesc::UINT16, pixels.data(), err);
 	if (status != STATUS_OK)
 		return status;
 	*deep = std::any_of(pixels.begin(), pixels.end(), [](uint16_t v) { return v % 257 != 0; });
-	if (!*deep)
-		std::transform(pixels.begin(), pixels.end(), pixels.begin(), [](uint16_t v) { return (uint16_t)(v / 257); });
-	pack<uint16_t>(pixels, channels, *deep ? 65535 : 255, *deep, texels);
+	const bool kept = *deep && words == 2;
+	if (!kept)
+		std::transform(pixels.begin(), pixels.end(), pixels.begin(),
+			       [](uint16_t v) { return (uint16_t)((v + 128) / 257); });
+	pack<uint16_t>(pixels, channels, kept ? 65535 : 255, kept, texels);
 	return STATUS_OK;
 }
 
-extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texels, bool *deep, struct error *err)
+extern "C" enum status image_pixels(struct image_reader *reader, uint32_t words, uint32_t *texels, bool *deep,
+				    struct error *err)
 {
 	*deep = false;
 	try {
@@ -221,7 +224,7 @@ extern "C" enum status image_pixels(struct image_reader *reader, uint32_t *texel
 		const size_t values = (size_t)spec.width * (size_t)spec.height * (size_t)channels;
 		if (has_deep_channels(reader)) {
 			std::vector<uint16_t> pixels(values);
-			return deep_pixels(reader, channels, pixels, texels, deep, err);
+			return deep_pixels(reader, channels, pixels, words, texels, deep, err);
 		}
 		std::vector<uint8_t> pixels(values);
 		enum status status = read_pixels(reader, channels, OIIO::TypeDesc::UINT8, pixels.data(), err);

@@ -26,9 +26,10 @@ enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool
 uint32_t image_words(const struct image_reader *reader);
 
 // Decode to texels of the caller's, as struct texture_info has them, rows from the top. There is room for width · height ·
-// image_words of them. *deep tells whether they are deep: some channel has a value that 8 bits cannot hold. Grey is
-// converted to RGB, floats to 0 … 1 in 16 bits, and a missing alpha to 1. Colours are not multiplied by alpha.
-enum status image_pixels(struct image_reader *reader, uint32_t *texels, bool *deep, struct error *err);
+// `words` of them, where `words` is image_words or 1. *deep tells whether some channel has a value that 8 bits cannot hold:
+// the texels are deep then if there are two words for each, and else rounded. Grey is converted to RGB, floats to 0 … 1 in
+// 16 bits, and a missing alpha to 1. Colours are not multiplied by alpha.
+enum status image_pixels(struct image_reader *reader, uint32_t words, uint32_t *texels, bool *deep, struct error *err);
 
 // As image_open, for an environment map: exr, hdr, tiff, png, jpeg. A file whose pixels do not cover exactly its whole
 // window is refused.

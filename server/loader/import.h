@@ -128,6 +128,9 @@ enum status import_add_animation(struct import *import, const char *name, struct
 enum status import_add_channel(struct import *import, const struct scene_channel *channel, const float *times,
 			       const float *values, struct error *err);
 
+// Textures keep 16 bits a channel where they have them and LIMIT_TEXELS leaves room; a warning tells where it does not.
+// Making a texture may therefore round others and move their texels, but not their numbers.
+
 // How a texture is sampled: wrap, filter and colour space as flags of texture_info, and its transform.
 struct import_sampling {
 	uint32_t flags;

@@ -4,6 +4,7 @@
 #include "server/loader/image_read.h"
 #include "server/loader/import.h"
 #include "server/loader/import_parts.h"
+#include "server/scene/texel.h"
 
 static struct import_image *image_find(const struct import *im, const char *key, bool derived)
 {
@@ -54,8 +55,62 @@ enum status import_missing_image(struct import *im, const char *key, const char 
 	return image_add(im, key, &none, err);
 }
 
+// Round `count` deep texels to 8 bits a channel. `out` may be where they are.
+static void round_texels(const uint32_t *deep, size_t count, uint32_t *out)
+{
+	const struct texture_info from = {.flags = TEXTURE_DEEP}, to = {0};
+	for (size_t i = 0; i < count; i++) {
+		uint32_t texel = 0;
+		for (unsigned c = 0; c < 4; c++)
+			texel_put(&to, &texel, 0, c, texel_channel(&from, deep, i, c));
+		out[i] = texel;
+	}
+}
+
+static void tell_rounding(struct import *im)
+{
+	import_warn(im, "the scene's textures of 16 bits a channel have no room among its %u texels; some are taken in 8",
+		    LIMIT_TEXELS);
+}
+
+static size_t room_left(const struct import *im)
+{
+	return LIMIT_TEXELS - im->texel_count;
+}
+
+// Round all deep images. What lies behind them, and the textures, follow.
+static void round_images(struct import *im)
+{
+	uint32_t gone = 0;
+	for (size_t i = 0; i < im->image_count; i++) { // ascending by their offsets
+		struct import_image *image = &im->images[i];
+		const uint32_t count = image->width * image->height, offset = image->offset;
+		if (count == 0)
+			continue;
+		uint32_t *from = im->texels + offset, *to = from - gone;
+		if (image->deep)
+			round_texels(from, count, to);
+		else
+			memmove(to, from, count * sizeof *to);
+		image->offset -= gone;
+		for (size_t t = 0; t < im->texture_count; t++)
+			if (im->textures[t].offset == offset) {
+				im->textures[t].offset = image->offset;
+				im->textures[t].flags &= ~TEXTURE_DEEP;
+			}
+		gone += image->deep ? count : 0;
+		image->deep = false;
+	}
+	im->texel_count -= gone;
+	if (gone > 0)
+		tell_rounding(im);
+}
+
+// Make room for `count` words, if need be by rounding.
 static enum status make_texel_room(struct import *im, size_t count, struct error *err)
 {
+	if (count > room_left(im))
+		round_images(im);
 	void *items = import_grown(im->texels, im->texel_count, count, &im->texel_room, sizeof *im->texels, LIMIT_TEXELS,
 				   "texels", err);
 	if (!items)
@@ -67,7 +122,7 @@ static enum status make_texel_room(struct import *im, size_t count, struct error
 static enum status image_decode(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 				struct error *err)
 {
-	struct import_image image = {.offset = (uint32_t)im->texel_count};
+	struct import_image image = {0};
 	struct error why;
 	struct image_reader *reader = NULL;
 
@@ -77,16 +132,21 @@ static enum status image_decode(struct import *im, const char *key, const uint8_
 	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
 	const size_t count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
-	if (make_texel_room(im, count * image_words(reader), err) != STATUS_OK) {
+	const uint32_t words = count * image_words(reader) <= room_left(im) ? image_words(reader) : 1;
+	if (make_texel_room(im, count * words, err) != STATUS_OK) {
 		image_close(reader);
 		return err->code;
 	}
-	status = image_pixels(reader, im->texels + im->texel_count, &image.deep, &why);
+	image.offset = (uint32_t)im->texel_count;
+	status = image_pixels(reader, words, im->texels + image.offset, &image.deep, &why);
 	image_close(reader);
 	if (status == STATUS_MEMORY)
 		return error_set(err, status, "%s", why.text);
 	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
+	if (image.deep && words == 1)
+		tell_rounding(im);
+	image.deep &= words == 2;
 	im->texel_count += image.deep ? 2 * count : count;
 	return image_add(im, key, &image, err);
 }
@@ -137,15 +197,22 @@ enum status import_derived_texture(struct import *im, const char *key, const uin
 				   uint32_t height, bool deep, const struct import_sampling *sampling, uint32_t *texture,
 				   struct error *err)
 {
-	const size_t count = (size_t)width * height * (deep ? 2 : 1);
+	const size_t count = (size_t)width * height;
 	*texture = NONE;
 	if (!image_find(im, key, true)) {
-		const struct import_image image = {
-		    .derived = true, .deep = deep, .offset = (uint32_t)im->texel_count, .width = width, .height = height};
-		if (make_texel_room(im, count, err) != STATUS_OK)
+		const bool kept = deep && 2 * count <= room_left(im);
+		if (make_texel_room(im, kept ? 2 * count : count, err) != STATUS_OK)
 			return err->code;
-		memcpy(im->texels + im->texel_count, texels, count * sizeof *texels);
-		im->texel_count += count;
+		const struct import_image image = {
+		    .derived = true, .deep = kept, .offset = (uint32_t)im->texel_count, .width = width, .height = height};
+		uint32_t *to = im->texels + im->texel_count;
+		if (deep && !kept) {
+			round_texels(texels, count, to);
+			tell_rounding(im);
+		} else {
+			memcpy(to, texels, (kept ? 2 * count : count) * sizeof *to);
+		}
+		im->texel_count += kept ? 2 * count : count;
 		if (image_add(im, key, &image, err) != STATUS_OK)
 			return err->code;
 	}

@@ -205,6 +205,99 @@ static void punctual_lights_go_by_power(void **state)
 	assert_true(fabs(power - 13.5 * PI) < 1e-4);
 }
 
+// An import whose texels have room for so many more.
+static void leave_room(uint32_t count)
+{
+	import.texel_count = LIMIT_TEXELS - count;
+	import.texel_room = LIMIT_TEXELS;
+	import.texels = malloc((size_t)LIMIT_TEXELS * sizeof *import.texels); // touched in its last few words alone
+	assert_non_null(import.texels);
+}
+
+// Derive an image of two by one texels, whose numbers of 16 bits are first, first + 1 …
+static uint32_t derive(const char *key, uint32_t first, bool deep)
+{
+	const struct import_sampling sampling = import_plain_sampling(0);
+	uint32_t texels[4], texture;
+	for (uint32_t i = 0; i < 4; i++)
+		texels[i] = deep ? (first + 2 * i) | (first + 2 * i + 1) << 16 : 0x01010101u * (first + i);
+	assert_int_equal(import_derived_texture(&import, key, texels, 2, 1, deep, &sampling, &texture, NULL), STATUS_OK);
+	return texture;
+}
+
+static void is_shallow(uint32_t texture, uint32_t first, uint32_t second)
+{
+	const struct texture_info *t = &import.textures[texture];
+	assert_int_equal(t->flags & TEXTURE_DEEP, 0);
+	assert_int_equal(import.texels[t->offset], 0x01010101u * first);
+	assert_int_equal(import.texels[t->offset + 1], 0x01010101u * second);
+}
+
+static void deep_textures_are_rounded_where_they_have_no_room(void **state)
+{
+	(void)state;
+	leave_room(8);
+	const uint32_t deep = derive("deep", 257 * 3 - 4, true), plain = derive("plain", 40, false);
+	assert_true(import.textures[deep].flags & TEXTURE_DEEP);
+	assert_int_equal(info.warnings_count, 0);
+	const uint32_t rounded = derive("rounded", 257 * 7 - 4, true); // four words, but two are left
+	is_shallow(rounded, 7, 7);
+	assert_true(import.textures[deep].flags & TEXTURE_DEEP);
+	assert_int_equal(info.warnings_count, 1);
+	assert_int_equal(import.texel_count, LIMIT_TEXELS);
+	const uint32_t last = derive("last", 80, false); // none is left, until the first one is rounded
+	is_shallow(deep, 3, 3);
+	is_shallow(plain, 40, 41);
+	is_shallow(rounded, 7, 7);
+	is_shallow(last, 80, 81);
+	assert_int_equal(derive("deep", 0, true), deep);
+	assert_int_equal(info.warnings_count, 1);
+	assert_int_equal(import.texel_count, LIMIT_TEXELS);
+	const struct import_sampling sampling = import_plain_sampling(0);
+	uint32_t texel = 0, texture;
+	struct error err;
+	assert_int_equal(import_derived_texture(&import, "more", &texel, 1, 1, false, &sampling, &texture, &err),
+			 STATUS_SCENE_LIMIT);
+}
+
+// Read a TIFF of one pixel, grey, of 16 bits.
+static uint32_t read_grey(const char *key, unsigned number)
+{
+	// Size, bits, not compressed, zero is black, the only strip's place, samples, rows and bytes: tags from 256 on.
+	static const uint8_t entries[9][2] = {{0, 1}, {1, 1}, {2, 16}, {3, 1}, {6, 1}, {17, 122}, {21, 1}, {22, 1}, {23, 2}};
+	uint8_t file[124] = {'I', 'I', 42, 0, 8, 0, 0, 0, 9};
+	for (size_t i = 0; i < 9; i++)
+		memcpy(file + 10 + 12 * i, (uint8_t[12]){entries[i][0], 1, 3, 0, 1, 0, 0, 0, entries[i][1]}, 12);
+	file[122] = (uint8_t)number;
+	file[123] = (uint8_t)(number >> 8);
+	const struct import_sampling sampling = import_plain_sampling(0);
+	uint32_t texture;
+	assert_int_equal(import_texture(&import, key, file, sizeof file, true, &sampling, &texture, NULL), STATUS_OK);
+	assert_int_not_equal(texture, NONE);
+	return texture;
+}
+
+static void files_of_16_bits_are_rounded_where_they_have_no_room(void **state)
+{
+	(void)state;
+	leave_room(4);
+	const uint32_t deep = read_grey("deep", 258);
+	assert_true(import.textures[deep].flags & TEXTURE_DEEP);
+	assert_int_equal(import.texels[import.textures[deep].offset], 258 | 258u << 16);
+	const uint32_t eight = read_grey("8 bits", 257 * 9);
+	assert_int_equal(import.texels[import.textures[eight].offset], 0xFF090909u);
+	// One word is left: enough, without a loss, for 8 bits in 16.
+	const uint32_t again = read_grey("8 bits more", 257 * 200);
+	assert_int_equal(import.texels[import.textures[again].offset], 0xFFC8C8C8u);
+	assert_int_equal(info.warnings_count, 0);
+	// None is left, so the first one is rounded, and then this one.
+	const uint32_t last = read_grey("last", 257 * 5 + 129);
+	assert_int_equal(import.texels[import.textures[last].offset], 0xFF060606u);
+	assert_int_equal(import.texels[import.textures[deep].offset], 0xFF010101u);
+	assert_int_equal(import.texels[import.textures[again].offset], 0xFFC8C8C8u);
+	assert_int_equal(info.warnings_count, 1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -214,6 +307,8 @@ int main(void)
 	    cmocka_unit_test_setup_teardown(normals_and_uvs_are_made_sound, fresh, finish),
 	    cmocka_unit_test(the_origin_moves_where_precision_needs_it),
 	    cmocka_unit_test_setup_teardown(emitters_go_by_power, fresh, finish),
+	    cmocka_unit_test_setup_teardown(deep_textures_are_rounded_where_they_have_no_room, fresh, finish),
+	    cmocka_unit_test_setup_teardown(files_of_16_bits_are_rounded_where_they_have_no_room, fresh, finish),
 	    cmocka_unit_test_setup_teardown(punctual_lights_go_by_power, fresh, finish),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
