@@ -1,6 +1,8 @@
 #include "protocol/text.h"
 
+#include <ctype.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "protocol/limits.h"
@@ -88,4 +90,31 @@ void text_copy(char *out, size_t capacity, const char *text)
 		text += step;
 	}
 	memset(out + used, 0, capacity - used);
+}
+
+// Where a number with its sign ends that begins at `at`, or `at`. `before`: the character before it.
+static const char *skip_number(const char *at, char before)
+{
+	char *end;
+	const char *digit = at + (*at == '+' || *at == '-');
+	if (!isdigit((unsigned char)*digit) || isalnum((unsigned char)before) || before == '_')
+		return at;
+	strtod(at, &end);
+	return end;
+}
+
+bool text_alike(const char *a, const char *b)
+{
+	for (char before = ' ';; before = *a++, b++) {
+		const char *const a_end = skip_number(a, before), *const b_end = skip_number(b, before);
+		// A number is like another one, not like none.
+		if ((a_end == a) != (b_end == b))
+			return false;
+		a = a_end;
+		b = b_end;
+		if (*a != *b)
+			return false;
+		if (!*a)
+			return true;
+	}
 }

@@ -22,6 +22,9 @@ bool text_is_plain_path(const char *path);
 // End `text` within its `capacity` ≥ 1 bytes and replace by '?' every byte that makes it unclean. Its length stays.
 void text_clean(char *text, size_t capacity);
 
+// Whether two sentences differ at most in their numbers, which begin with a digit that no letter, digit or '_' precedes.
+bool text_alike(const char *a, const char *b);
+
 // Copy `text` into `out` as clean text that fits `capacity` ≥ 1 bytes with its zero, cut before a character that does not
 // fit. A byte that is unclean becomes '?', a line's end and a tab a space. What is left of `out` is zero.
 void text_copy(char *out, size_t capacity, const char *text);

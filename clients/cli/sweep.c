@@ -15,6 +15,7 @@
 #include "clients/cli/sweep_compare.h"
 #include "clients/cli/sweep_keys.h"
 #include "clients/cli/view.h"
+#include "protocol/text.h"
 
 struct picture {
 	uint32_t index;
@@ -56,7 +57,7 @@ struct sweep {
 	struct candil_done error; // its relMSE alone: sums over the images that were written, negative where unknown
 	char device[128];
 	bool default_light; // what was rendered got it
-	char notes[NOTES_MAX][192]; // of all requests, each once
+	char notes[NOTES_MAX][192]; // of all requests, each kind once
 	uint32_t note_count;
 };
 
@@ -259,7 +260,7 @@ static void sweep_add_notes(struct sweep *sweep, const char (*notes)[192], uint3
 {
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t at = 0;
-		while (at < sweep->note_count && strcmp(sweep->notes[at], notes[i]) != 0)
+		while (at < sweep->note_count && !text_alike(sweep->notes[at], notes[i]))
 			at++;
 		if (at == sweep->note_count && at < NOTES_MAX)
 			memcpy(sweep->notes[sweep->note_count++], notes[i], sizeof(notes[i]));

@@ -80,6 +80,35 @@ static void a_copy_is_clean_and_cut_between_characters(void **state)
 	assert_string_equal(out, "?");
 }
 
+static void sentences_are_alike_but_for_numbers(void **state)
+{
+	static const struct {
+		const char *a, *b;
+		bool alike;
+	} pairs[] = {
+	    {"", "", true},
+	    {"as it is", "as it is", true},
+	    {"exposure +18.8 shows it", "exposure +19.0 shows it", true},
+	    {"exposure +18.8 shows it", "exposure -2 shows it", true},
+	    {"3 lamps of 12", "20 lamps of 7", true},
+	    {"radius 1e-05 m", "radius 0.25 m", true},
+	    {"97 %", "100 %", true},
+	    {"ends with 7", "ends with 70", true},
+	    {"3 lamps", "3 lights", false},
+	    {"3 lamps", "lamps", false},
+	    {"3 lamps", " lamps", false},
+	    {"lamp12 is dark", "lamp13 is dark", false},
+	    {"lamp_1 is dark", "lamp_2 is dark", false},
+	    {"exposure +18.8", "exposure +18.8 shows it", false},
+	    {"exposure +", "exposure -", false},
+	};
+	(void)state;
+	for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+		assert_int_equal(text_alike(pairs[i].a, pairs[i].b), pairs[i].alike);
+		assert_int_equal(text_alike(pairs[i].b, pairs[i].a), pairs[i].alike);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -87,6 +116,7 @@ int main(void)
 	    cmocka_unit_test(clean_text_is_left_alone),
 	    cmocka_unit_test(a_missing_end_is_set),
 	    cmocka_unit_test(a_copy_is_clean_and_cut_between_characters),
+	    cmocka_unit_test(sentences_are_alike_but_for_numbers),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/text.h"
 #include "server/base/clock.h"
 
 #define MAX_NOTES (sizeof((candil_Done *)0)->notes / sizeof((candil_Done *)0)->notes[0])
@@ -74,11 +75,11 @@ static void divide_known(double *sum, uint32_t count)
 		*sum /= count;
 }
 
-// Add a sentence that no image before has had, as long as there is room.
+// Add a sentence of a kind that no image before has had, as long as there is room.
 static void add_note(candil_Done *total, const char *note)
 {
 	for (pb_size_t i = 0; i < total->notes_count; i++)
-		if (!strcmp(total->notes[i], note))
+		if (text_alike(total->notes[i], note))
 			return;
 	if (total->notes_count < MAX_NOTES)
 		memcpy(total->notes[total->notes_count++], note, sizeof total->notes[0]);
