@@ -1,4 +1,4 @@
-// Which pixels have met a surface: a bit a pixel behind the counters, from which the host counts those that missed. Include it
+// Which pixels have met a surface: a bit a pixel behind the counters, from which the host knows those that missed. Include it
 // after the block that declares `met`.
 #ifndef COMMON_MET_GLSL
 #define COMMON_MET_GLSL

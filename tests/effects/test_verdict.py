@@ -38,18 +38,23 @@ def judged(scene, *arguments, camera=FRONT, spp=4, size=SIDE, kind="exr", techni
     _, out, _ = daemon.candil("render", scene, "-o", path, "--json", "--size", f"{size}x{size}", "--spp", str(spp), "--technique",
                               technique, "--camera", ",".join(map(str, camera)), *arguments)
     report = json.loads(out)
-    return report["verdict"], [note for note in report["notes"] if not note.startswith("light may leak")], path
+    return report["verdict"], of_verdict(report["notes"]), path
+
+
+def of_verdict(notes):
+    """Without what the techniques tell."""
+    return [note for note in notes if not note.startswith(("light may leak", "no sample has found light"))]
 
 
 class Shares(unittest.TestCase):
-    def check(self, black, clipped, missed, *arguments, **more):
-        for technique in TECHNIQUES:
+    def check(self, black, clipped, missed, *arguments, techniques=("direct",), **more):
+        for technique in techniques:
             got, _, _ = judged(*arguments, "--orthographic", "2", technique=technique, **more)
             self.assertEqual((got["black"], got["clipped"], got["missed"]), (black, clipped, missed), technique)
 
     def test_a_board(self):
-        self.check(.5, 0, .25, board(3))
-        self.check(.25, 0, .25, board(3, .5))
+        self.check(.5, 0, .25, board(3), techniques=TECHNIQUES)
+        self.check(.25, 0, .25, board(3, .5), techniques=TECHNIQUES)
         self.check(.5, .5, .25, board(3), kind="png")
 
     def test_the_exposure_counts(self):
@@ -69,7 +74,7 @@ class Shares(unittest.TestCase):
         self.check(.5, 0, .25, board(2.0 ** -24), "--half")
 
     def test_a_background_is_missed_but_not_black(self):
-        self.check(.25, 0, .25, board(3), "--background", "0,.1,0")
+        self.check(.25, 0, .25, board(3), "--background", "0,.1,0", techniques=TECHNIQUES)
 
     def test_a_pixel_is_missed_if_all_its_samples_are(self):
         """Against the picture itself: black surfaces before a white background, of which only a missed pixel has all."""
@@ -139,7 +144,7 @@ class Sentences(unittest.TestCase):
         self.says("nothing gives light: add a light", scene, "--no-default-light", camera=camera)
         self.says("neutral sky", scene, camera=camera)
         self.says("switched off: emitters", make.cornell(daemon.folder), "--effects", "auto,-emitters", camera=(0, 1, 3, 0, 1, 0, 0, 1, 0, 40))
-        self.says("takes no light from a background", scene, "--background", "1,1,1", camera=camera, technique="direct", spp=1)
+        self.says("takes no light from a background: add a light, or take pt", scene, "--background", "1,1,1", camera=camera, technique="direct", spp=1)
 
     def test_exposure(self):
         """The advice holds: the same picture at the exposure that it names needs none, and is neither black nor clipped."""
@@ -155,6 +160,41 @@ class Sentences(unittest.TestCase):
                 verdict, notes, _ = judged(scene, *more, advised, kind="png")
                 self.assertEqual(notes, [], (radiance, view))
                 self.assertEqual((verdict["black"], verdict["clipped"]), (0, 0))
+
+    def test_a_small_thing_counts_by_what_it_is(self):
+        """Most of the picture misses: the advice is for the rest, and holds."""
+        g = Gltf()
+        g.place(*quad((-.2, -.2, 0), (.2, -.2, 0), (.2, .2, 0), (-.2, .2, 0)), g.material("dim", (0, 0, 0), (1e-8,) * 3))
+        scene = g.save(daemon.folder, "dim.gltf")
+        note = self.says("too dark to be seen at this exposure", scene, kind="png", size=48)
+        advised = note.split("exposure ")[1].split()[0]
+        self.assertAlmostEqual(float(advised), -numpy.log2(1e-8), delta=.3)
+        self.assertEqual(judged(scene, "--exposure", advised, kind="png", size=48)[1], [])
+        self.says("too dark for 16 bits: take 32 bits", scene, "--half")
+        self.assertEqual(judged(scene, "--float")[1], [])
+        # What is black in a background is none of the scene's.
+        rgb = numpy.zeros((8, 16, 3), numpy.float32)
+        rgb[0, 0] = 1
+        sky = os.path.join(daemon.folder, "spark.exr")
+        images.write(sky, rgb)
+        self.assertEqual(judged(self.small_sign(), "--background", sky, kind="png")[1], [])
+
+    @staticmethod
+    def small_sign():
+        g = Gltf()
+        g.place(*quad((-.2, -.2, 0), (.2, -.2, 0), (.2, .2, 0), (-.2, .2, 0)), g.material("sign", (.5,) * 3, unlit=True))
+        return g.save(daemon.folder, "small.gltf")
+
+    def test_a_silhouette_is_no_mistake(self):
+        """A black thing before a background that is seen; filling the picture, it may be what reflects none."""
+        g = Gltf()
+        g.place(*quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), g.material("soot", (0, 0, 0), specular=0))
+        scene = g.save(daemon.folder, "soot.gltf")
+        sky = ("--background", ".3,.3,.3")
+        for kind in ("png", "exr"):
+            self.assertEqual(judged(scene, *sky, kind=kind)[1], [], kind)
+            self.says("reflects none", scene, *sky, "--orthographic", "1", kind=kind)
+            self.says("reflects none", scene, "--light", "point:at=0,0,3,intensity=9", kind=kind, spp=1)
 
     def test_sixteen_bits(self):
         self.says("take 32 bits", board(1e6), "--half", "--orthographic", "2")
@@ -205,7 +245,23 @@ class Sweeps(unittest.TestCase):
             done = replies[-1].body
             for share in ("black", "clipped", "missed"):
                 self.assertAlmostEqual(getattr(done.verdict, share), sum(getattr(v, share) for v in finals) / 3, 12)
-            self.assertEqual(len(done.notes), 2, done.notes)
+            self.assertEqual(len(of_verdict(done.notes)), 2, done.notes)
+
+    def test_notes_that_differ_in_a_number_are_one(self):
+        """Two dim plates, of which each picture sees one: the first picture's advice stands for both."""
+        g = Gltf()
+        for x, radiance in ((-5, 1e-5), (5, 1e-6)):
+            g.place(*quad((x - 1, -1, 0), (x + 1, -1, 0), (x + 1, 1, 0), (x - 1, 1, 0)),
+                    g.material(f"at {x}", (0, 0, 0), (radiance,) * 3))
+        scene = g.save(daemon.folder, "plates.gltf")
+        cameras = os.path.join(daemon.folder, "two.json")
+        with open(cameras, "w", encoding="utf-8") as file:
+            json.dump([(x, 0, 2, x, 0, 0, 0, 1, 0, 40) for x in (-5, 5)], file)
+        output = os.path.join(daemon.folder, "p{index}.png")
+        out = daemon.candil("sweep", scene, "-o", output, "--cameras", cameras, "--size", "8x8", "--spp", "1", "--json")[1]
+        alone = judged(scene, camera=(-5, 0, 2, -5, 0, 0, 0, 1, 0, 40), size=8, spp=1, kind="png")[1]
+        self.assertEqual(of_verdict(json.loads(out)["notes"]), alone)
+        self.assertIn("too dark", alone[0])
 
     def test_on_the_command_line(self):
         cameras = os.path.join(daemon.folder, "cameras.json")
@@ -218,7 +274,7 @@ class Sweeps(unittest.TestCase):
                      "note       the camera looks at no surface"):
             self.assertIn(line, text)
         summary = json.loads(daemon.candil(*command, "--force", "--json")[1])
-        self.assertEqual(len(summary["notes"]), 2)
+        self.assertEqual(len(of_verdict(summary["notes"])), 2)
         self.assertFalse(summary["default_light"])
         for image in summary["images"]:
             codes = images.rgb(image["image"])

@@ -78,8 +78,7 @@ static void judge(const struct encoder_task *task, struct ipc_image *image)
 	char note[sizeof task->frame->notes[0]];
 	if (!task->final)
 		return;
-	const candil_Verdict verdict = verdict_of(task->frame, &task->file);
-	verdict_note(task->frame, &task->file, &task->about, &verdict, note, sizeof note);
+	const candil_Verdict verdict = verdict_of(task->frame, &task->file, &task->about, note, sizeof note);
 	if (note[0])
 		frame_add_note(task->frame, "%s", note);
 	image->frame.has_verdict = image->done.has_verdict = true;

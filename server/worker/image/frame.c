@@ -30,6 +30,7 @@ enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct 
 	f->height = height;
 	f->estimate = ESTIMATE_UNKNOWN;
 	f->radiance = plane(pixels, 3);
+	f->met = calloc(pixels, sizeof *f->met);
 	if (aovs & AOV_DEPTH)
 		f->depth = plane(pixels, 1);
 	if (aovs & AOV_NORMAL)
@@ -38,7 +39,7 @@ enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct 
 		f->albedo = plane(pixels, 3);
 	if (aovs & AOV_ID)
 		f->id = plane(pixels, 1);
-	if (!f->radiance || ((aovs & AOV_DEPTH) && !f->depth) || ((aovs & AOV_NORMAL) && !f->normal) ||
+	if (!f->radiance || !f->met || ((aovs & AOV_DEPTH) && !f->depth) || ((aovs & AOV_NORMAL) && !f->normal) ||
 	    ((aovs & AOV_ALBEDO) && !f->albedo) || ((aovs & AOV_ID) && !f->id))
 		goto out_of_memory;
 	*frame = f;
@@ -55,6 +56,7 @@ void frame_destroy(struct frame *frame)
 	if (!frame)
 		return;
 	free(frame->radiance);
+	free(frame->met);
 	free(frame->depth);
 	free(frame->normal);
 	free(frame->albedo);

@@ -42,7 +42,7 @@ struct frame {
 	uint32_t samples; // of a pixel, in this picture
 	struct estimate estimate; // of its error
 	bool diagram; // it shows something else than light: what is missed or dark in it is no mistake
-	uint64_t missed_pixels; // none of whose samples met a surface
+	bool *met; // 1 a pixel, as radiance: a sample met a surface
 	uint64_t non_finite_samples; // samples that were infinite or NaN and count as black
 	uint64_t rays; // traced
 	struct frame_stage stages[FRAME_STAGES_MAX];

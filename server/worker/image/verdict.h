@@ -26,11 +26,9 @@ struct verdict_file {
 	double exposure_ev;
 };
 
-// The shares of a frame. Each is counted, none estimated.
-candil_Verdict verdict_of(const struct frame *frame, const struct verdict_file *file);
-
-// Write the sentence about a frame to `text`; "" where nothing looks like a mistake.
-void verdict_note(const struct frame *frame, const struct verdict_file *file, const struct verdict_about *about,
-		  const candil_Verdict *verdict, char *text, size_t capacity);
+// The shares of a frame, each counted, none estimated; and the sentence about it in `text`, "" where nothing looks like a
+// mistake.
+candil_Verdict verdict_of(const struct frame *frame, const struct verdict_file *file, const struct verdict_about *about,
+			  char *text, size_t capacity);
 
 #endif

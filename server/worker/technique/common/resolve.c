@@ -78,10 +78,15 @@ uint64_t met_bytes(uint32_t width, uint32_t height)
 	return (uint64_t)tiles_over(width) * tiles_over(height) * MET_WORDS * sizeof(uint32_t);
 }
 
-uint64_t met_missed(const uint32_t *met, uint32_t width, uint32_t height)
+void resolve_met(const uint32_t *met, struct frame *f)
 {
-	uint64_t missed = (uint64_t)width * height;
-	for (uint64_t i = 0; i < met_bytes(width, height) / sizeof *met; i++)
-		missed -= (uint64_t)__builtin_popcount(met[i]);
-	return missed;
+	const uint32_t tiles_x = tiles_over(f->width);
+	for (uint32_t y = 0; y < f->height; y++)
+		for (uint32_t x = 0; x < f->width; x++) {
+			const uint32_t tile = y / TILE_SIDE * tiles_x + x / TILE_SIDE;
+			// As tile_pixel of shaders/common/tile.glsl orders them: blocks of 4 × 2.
+			const uint32_t block = y % TILE_SIDE / 2 * 2 + x % TILE_SIDE / 4;
+			const uint32_t lane = block * 8 + y % 2 * 4 + x % 4;
+			f->met[(uint64_t)y * f->width + x] = met[tile * MET_WORDS + lane / 32] >> lane % 32 & 1u;
+		}
 }

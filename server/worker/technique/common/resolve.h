@@ -31,7 +31,7 @@ void resolve_aovs(const uint32_t *words, uint32_t first_row, uint32_t rows, stru
 // Bytes of the bits that tell which pixels met a surface: MET_WORDS words for each tile of the picture.
 uint64_t met_bytes(uint32_t width, uint32_t height);
 
-// The number of a picture's pixels that have no such bit.
-uint64_t met_missed(const uint32_t *met, uint32_t width, uint32_t height);
+// Fill frame->met from such bits.
+void resolve_met(const uint32_t *met, struct frame *frame);
 
 #endif

@@ -151,7 +151,7 @@ static enum status deferred_read_band(struct deferred *d, uint32_t index, struct
 	return s;
 }
 
-static enum status deferred_count_missed(const struct deferred *d, struct frame *f, struct error *err)
+static enum status deferred_read_met(const struct deferred *d, struct frame *f, struct error *err)
 {
 	const uint64_t bytes = met_bytes(f->width, f->height);
 	uint32_t *met = malloc(bytes);
@@ -159,7 +159,7 @@ static enum status deferred_count_missed(const struct deferred *d, struct frame 
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	enum status s = gl_buffer_read(&d->counters, d->device, sizeof(struct pass_counters), bytes, met, err);
 	if (s == STATUS_OK)
-		f->missed_pixels = met_missed(met, f->width, f->height);
+		resolve_met(met, f);
 	free(met);
 	return s;
 }
@@ -200,7 +200,7 @@ enum status deferred_read(struct deferred *d, struct frame **frame, struct error
 	for (uint32_t i = 0; s == STATUS_OK && i < d->band_count; i++)
 		s = deferred_read_band(d, i, f, &resolver, err);
 	if (s == STATUS_OK)
-		s = deferred_count_missed(d, f, err);
+		s = deferred_read_met(d, f, err);
 	if (s != STATUS_OK) {
 		frame_destroy(f);
 		return s;

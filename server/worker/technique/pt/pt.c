@@ -260,6 +260,16 @@ static enum status pt_read_band(struct technique_job *j, const struct pt_band *b
 	return s;
 }
 
+static enum status read_met(const struct technique_job *j, struct frame *f, struct error *err)
+{
+	uint32_t *met;
+	const enum status s = pt_job_met(j, &met, err);
+	if (s == STATUS_OK)
+		resolve_met(met, f);
+	free(met);
+	return s;
+}
+
 // Report the bias that clamping causes in the mean luminance of the picture.
 static void account_clamp(const struct technique_job *j, struct frame *f)
 {
@@ -327,7 +337,7 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	if (s == STATUS_OK && (j->error_sample != j->sample || j->tile > 0))
 		s = pt_error_measure(j, err);
 	if (s == STATUS_OK)
-		s = pt_job_missed(j, &f->missed_pixels, err);
+		s = read_met(j, f, err);
 	if (s != STATUS_OK) {
 		frame_destroy(f);
 		return s;

@@ -4,6 +4,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/technique/common/relmse.h"
+#include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
 #include "server/worker/vk/command.h"
@@ -106,12 +107,15 @@ static enum status is_rightly_black(const struct technique_job *j, bool *rightly
 {
 	const uint32_t sources =
 	    1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT;
-	uint64_t missed = 0;
+	uint32_t *met, any = 0;
 	*rightly = !(j->plan.effects & sources);
 	if (*rightly)
 		return STATUS_OK;
-	const enum status s = pt_job_missed(j, &missed, err);
-	*rightly = s == STATUS_OK && missed == (uint64_t)j->plan.width * j->plan.height;
+	const enum status s = pt_job_met(j, &met, err);
+	for (uint64_t i = 0; s == STATUS_OK && i < met_bytes(j->plan.width, j->plan.height) / sizeof *met; i++)
+		any |= met[i];
+	free(met);
+	*rightly = s == STATUS_OK && any == 0;
 	return s;
 }
 

@@ -118,7 +118,8 @@ void pt_job_next_batch(struct technique_job *job);
 // The band that holds a tile.
 struct pt_band *pt_job_band(const struct technique_job *job, uint32_t tile);
 
-// Count the pixels none of whose samples has met a surface so far. Blocks. STATUS_MEMORY, STATUS_DEVICE.
-enum status pt_job_missed(const struct technique_job *job, uint64_t *missed, struct error *err);
+// Read the bits that tell which pixels met a surface so far: met_bytes of the picture. The caller frees *met, whatever is
+// returned. Blocks. STATUS_MEMORY, STATUS_DEVICE.
+enum status pt_job_met(const struct technique_job *job, uint32_t **met, struct error *err);
 
 #endif

@@ -289,17 +289,13 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	return STATUS_OK;
 }
 
-enum status pt_job_missed(const struct technique_job *j, uint64_t *missed, struct error *err)
+enum status pt_job_met(const struct technique_job *j, uint32_t **met, struct error *err)
 {
 	const uint64_t bytes = met_bytes(j->plan.width, j->plan.height);
-	uint32_t *met = malloc(bytes);
-	if (!met)
+	*met = malloc(bytes);
+	if (!*met)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = buffer_read(&j->counters, j->device, sizeof(struct pass_counters), bytes, met, err);
-	if (s == STATUS_OK)
-		*missed = met_missed(met, j->plan.width, j->plan.height);
-	free(met);
-	return s;
+	return buffer_read(&j->counters, j->device, sizeof(struct pass_counters), bytes, *met, err);
 }
 
 enum status pt_job_restart(struct technique_job *j, uint32_t segment, uint32_t batch, struct error *err)
