@@ -17,6 +17,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/gl/device.h"
 #include "server/worker/image/encoder.h"
+#include "server/worker/plan/effects.h"
 #include "server/worker/plan/make.h"
 #include "server/worker/scenes/resident.h"
 #include "server/worker/technique/common/scene_params.h"
@@ -295,6 +296,7 @@ static struct verdict_about about_of(const struct job *job)
 	about.lamps = scene_emitter_power(p, scene) > 0 || scene_light_power(p, scene) > 0;
 	about.background = plan_has(p, candil_Effect_EFFECT_ENVIRONMENT) && (plan_has_colour(p) || p->environment.power > 0);
 	about.background_lights = about.background && (!job->technique->sky_is_seen_alone || p->default_light);
+	effects_list_lit_by_background(about.lit_by_background, sizeof about.lit_by_background);
 	const uint32_t lights =
 	    1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT;
 	const char *off[EFFECT_COUNT];

@@ -146,7 +146,8 @@ static void note_dark(const struct frame *f, const struct verdict_file *file, co
 		snprintf(text, capacity, "all is black, because nothing gives light; switched off: %s", about->off);
 	else if (about->background)
 		snprintf(text, capacity,
-			 "all surfaces are black: this technique takes no light from a background: add a light, or take pt");
+			 "all surfaces are black: this technique takes no light from a background: add a light, or take %s",
+			 about->lit_by_background);
 	else
 		snprintf(text, capacity,
 			 "all is black, because nothing gives light: add a light or a background, or ask for default light");

@@ -15,6 +15,7 @@ struct verdict_about {
 	bool lamps; // some surface or light shines, and is simulated
 	bool background; // what rays meet that leave the scene is not black
 	bool background_lights; // and surfaces take light from it
+	char lit_by_background[64]; // the techniques whose surfaces do, as a list in a sentence
 	char off[64]; // kinds of light that the request switches off, as a list in a sentence; "": none
 	bool outside; // the camera is outside of the scene's bounds
 };

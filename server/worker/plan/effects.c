@@ -107,16 +107,27 @@ static bool can_by_default(const struct technique *technique, candil_Effect effe
 	return !cannot(technique, &p, effect);
 }
 
-// Name the techniques that can, with their default options: "only pt and vct can: clear surfaces are opaque".
-static void tell_who_can(candil_Effect effect, const char *instead, char *out, size_t capacity)
+// List the techniques that can, with their default options: "pt and vct". `lights`: only those where it lights surfaces.
+static void who_can(candil_Effect effect, bool lights, const char *word, char *out, size_t capacity)
 {
 	const char *can[TECHNIQUE_COUNT];
 	size_t count = 0;
 	for (uint32_t i = 0; i < technique_count(); i++)
-		if (can_by_default(technique_at(i), effect))
+		if (can_by_default(technique_at(i), effect) && !(lights && technique_at(i)->sky_is_seen_alone))
 			can[count++] = technique_name(technique_at(i)->number);
+	names_list(can, count, word, out, capacity);
+}
+
+void effects_list_lit_by_background(char *out, size_t capacity)
+{
+	who_can(candil_Effect_EFFECT_ENVIRONMENT, true, "or", out, capacity);
+}
+
+// Name the techniques that can: "only pt and vct can: clear surfaces are opaque".
+static void tell_who_can(candil_Effect effect, const char *instead, char *out, size_t capacity)
+{
 	char names[64];
-	names_list(can, count, "and", names, sizeof names);
+	who_can(effect, false, "and", names, sizeof names);
 	snprintf(out, capacity, "only %s can: %s", names, instead);
 }
 

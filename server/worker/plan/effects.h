@@ -12,4 +12,7 @@
 void plan_effects(const candil_Render *request, const struct blob_view *scene, const struct technique *technique,
 		  struct plan *plan);
 
+// List the techniques whose surfaces take light from a background, with their default options: "pt or vct".
+void effects_list_lit_by_background(char *out, size_t capacity);
+
 #endif
