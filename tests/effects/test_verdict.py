@@ -172,6 +172,7 @@ class Sentences(unittest.TestCase):
         self.assertEqual(judged(scene, "--exposure", advised, kind="png", size=48)[1], [])
         self.says("too dark for 16 bits: take 32 bits", scene, "--half")
         self.assertEqual(judged(scene, "--float")[1], [])
+        self.says("too dark for every exposure", board(1e-30), "--orthographic", "2", kind="png")
         # What is black in a background is none of the scene's.
         rgb = numpy.zeros((8, 16, 3), numpy.float32)
         rgb[0, 0] = 1

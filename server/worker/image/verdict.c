@@ -111,10 +111,10 @@ static double white_of(enum codec_view view)
 	return view == CODEC_VIEW_FILMIC ? 5.6 : 1;
 }
 
-// The exposure that shows a radiance as white, in tenths of a stop, as far as a request can ask for it.
+// The exposure that shows a radiance as white, in tenths of a stop. A request may be unable to ask for it.
 static double advised_ev(double most, enum codec_view view)
 {
-	return fmin(floor(10 * log2(white_of(view) / most)) / 10, LIMIT_EXPOSURE_EV);
+	return floor(10 * log2(white_of(view) / most)) / 10;
 }
 
 // There is light, and next to none of it comes from the surfaces that the camera sees.
@@ -122,7 +122,9 @@ static void note_dark_surfaces(const struct frame *f, const struct verdict_file 
 			       const struct counts *c, char *text, size_t capacity)
 {
 	const double most = usual_most(f, true);
-	if (most > 0 && file->format == CODEC_PNG)
+	if (most > 0 && file->format == CODEC_PNG && advised_ev(most, file->view) > LIMIT_EXPOSURE_EV)
+		snprintf(text, capacity, "too dark for every exposure: make the light stronger");
+	else if (most > 0 && file->format == CODEC_PNG)
 		snprintf(text, capacity, "too dark to be seen at this exposure: exposure %+.1f shows it",
 			 advised_ev(most, file->view));
 	else if (most > 0)
@@ -167,7 +169,7 @@ static void note(const struct frame *f, const struct verdict_file *file, const s
 		note_dark(f, file, about, c, text, capacity);
 	} else if (clipped >= CLIPPED_SHARE && file->format == CODEC_PNG) {
 		const double ev = advised_ev(usual_most(f, false), file->view);
-		if (ev <= file->exposure_ev - ADVICE_LEAST_EV)
+		if (ev <= file->exposure_ev - ADVICE_LEAST_EV && ev >= -LIMIT_EXPOSURE_EV)
 			snprintf(text, capacity, "%.0f %% of the pixels are brighter than white: exposure %+.1f shows them",
 				 100 * clipped, ev);
 	} else if (clipped >= CLIPPED_SHARE) {
