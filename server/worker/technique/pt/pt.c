@@ -18,6 +18,7 @@
 #include "server/worker/technique/pt/pt_error.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
+#include "server/worker/technique/pt/pt_met.h"
 #include "server/worker/technique/pt/pt_options.h"
 #include "server/worker/vk/command.h"
 
@@ -263,7 +264,7 @@ static enum status pt_read_band(struct technique_job *j, const struct pt_band *b
 static enum status read_met(const struct technique_job *j, struct frame *f, struct error *err)
 {
 	uint32_t *met;
-	const enum status s = pt_job_met(j, &met, err);
+	const enum status s = pt_met_read(j, &met, err);
 	if (s == STATUS_OK)
 		resolve_met(met, f);
 	free(met);

@@ -7,6 +7,7 @@
 #include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
+#include "server/worker/technique/pt/pt_met.h"
 #include "server/worker/vk/command.h"
 #include "shaders/error_comp.h"
 
@@ -111,7 +112,7 @@ static enum status is_rightly_black(const struct technique_job *j, bool *rightly
 	*rightly = !(j->plan.effects & sources);
 	if (*rightly)
 		return STATUS_OK;
-	const enum status s = pt_job_met(j, &met, err);
+	const enum status s = pt_met_read(j, &met, err);
 	for (uint64_t i = 0; s == STATUS_OK && i < met_bytes(j->plan.width, j->plan.height) / sizeof *met; i++)
 		any |= met[i];
 	free(met);

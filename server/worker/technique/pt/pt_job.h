@@ -118,8 +118,4 @@ void pt_job_next_batch(struct technique_job *job);
 // The band that holds a tile.
 struct pt_band *pt_job_band(const struct technique_job *job, uint32_t tile);
 
-// Read the bits that tell which pixels met a surface so far: met_bytes of the picture. The caller frees *met, whatever is
-// returned. Blocks. STATUS_MEMORY, STATUS_DEVICE.
-enum status pt_job_met(const struct technique_job *job, uint32_t **met, struct error *err);
-
 #endif

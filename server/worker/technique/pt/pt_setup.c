@@ -289,15 +289,6 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	return STATUS_OK;
 }
 
-enum status pt_job_met(const struct technique_job *j, uint32_t **met, struct error *err)
-{
-	const uint64_t bytes = met_bytes(j->plan.width, j->plan.height);
-	*met = malloc(bytes);
-	if (!*met)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	return buffer_read(&j->counters, j->device, sizeof(struct pass_counters), bytes, *met, err);
-}
-
 enum status pt_job_restart(struct technique_job *j, uint32_t segment, uint32_t batch, struct error *err)
 {
 	j->batch_most = batch;
