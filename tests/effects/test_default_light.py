@@ -114,6 +114,16 @@ class Given(unittest.TestCase):
         self.assertTrue(self.given(make.unlit_quad(daemon.folder)), "the floor beneath the unlit sign is lit by nothing")
         self.assertTrue(self.given(scene, "--effects", "all"), "the lights that it forces are none")
 
+    def test_unlit_surfaces_in_mirrors_and_through_clear_glass(self):
+        for name, more in (("mirror", {"metallic": 1, "roughness": 0}), ("pane", {"clear": 1, "roughness": 0, "specular": 1})):
+            g = Gltf()
+            g.place(*quad((-2, -2, -3), (2, -2, -3), (2, 2, -3), (-2, 2, -3)), g.material("sign", (.8, .4, .2), unlit=True))
+            g.place(*quad((-2, -2, -2), (2, -2, -2), (2, 2, -2), (-2, 2, -2)), g.material(name, **more))
+            g.camera((0, 0, 0), (0, 0, -1), 20)
+            self.assertFalse(self.given(g.save(daemon.folder, name + ".gltf")), name)
+            g.place(*quad((-2, -1, 3), (2, -1, 3), (2, -1, -3), (-2, -1, -3)), g.material("floor", (.5,) * 3))
+            self.assertTrue(self.given(g.save(daemon.folder, name + "_floor.gltf")), name)
+
     def test_with_light(self):
         scene = make.unlit(daemon.folder)
         for technique in TECHNIQUES:

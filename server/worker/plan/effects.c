@@ -29,15 +29,30 @@ static bool allowed(candil_Effect effect, const candil_Render *r)
 	return !(r->effects_off >> effect & 1u);
 }
 
+// Whether some lit surface is neither a mirror nor clear glass. Those show unlit surfaces without any light, and a sky that
+// nobody asked for would be seen in them.
+static bool needs_light(const struct blob_view *scene)
+{
+	const struct material *materials = scene->sections[BLOB_MATERIALS];
+	const struct material_use *uses = scene->sections[BLOB_MATERIAL_USES];
+	bool needs = false;
+	for (uint32_t i = 0; i < scene->counts[BLOB_MATERIALS] && !needs; i++) {
+		const struct material *m = &materials[i];
+		const bool shows =
+		    m->flags & MATERIAL_UNLIT || (m->roughness <= 0 && (m->metallic >= 1 || m->transmission >= 1));
+		needs = uses[i].triangles > 0 && !shows;
+	}
+	return needs;
+}
+
 // Whether nothing gives light, although the request switches none off that the scene has, and some surface needs it. A
 // picture of the surroundings counts as light even if it is black, because the request names it.
 static bool is_dark(const candil_Render *r, const struct plan *p, const struct blob_view *scene)
 {
 	const bool sky = r->has_environment || plan_has_colour(p);
-	const bool needs = !(scene->facts & FACT_UNLIT) || !allowed(candil_Effect_EFFECT_UNLIT, r) ||
-			   scene->facts & (FACT_REFLECTS | FACT_GLOSSY | FACT_GLASS | FACT_CLEARCOAT);
-	return !sky && needs && !(scene->emitter_power > 0) && !(scene->light_power > 0) &&
-	       allowed(candil_Effect_EFFECT_ENVIRONMENT, r);
+	const bool shows = scene->facts & FACT_UNLIT && allowed(candil_Effect_EFFECT_UNLIT, r);
+	return !sky && !(scene->emitter_power > 0) && !(scene->light_power > 0) &&
+	       allowed(candil_Effect_EFFECT_ENVIRONMENT, r) && (!shows || needs_light(scene));
 }
 
 // Whether there is some light that is not switched off.
