@@ -133,10 +133,12 @@ static void note_dark_surfaces(const struct frame *f, const struct verdict_file 
 	else if (about->background && c->black - c->met_black < c->pixels - c->met)
 		return;
 	else
-		snprintf(text, capacity, "no light comes from what the camera sees: %s: look from another place",
-			 about->outside
-			     ? "it stands outside of the scene and may see walls from behind, or what reflects none"
-			     : "it may stand inside of a body, behind a wall or in a shadow, or see what reflects none");
+		snprintf(
+		    text, capacity,
+		    "no light comes from what the camera sees: %s: look from another place; lamps shine from their front",
+		    about->outside
+			? "it stands outside of the scene and may see walls from behind, or what reflects none"
+			: "it may stand inside of a body, behind a wall or in a shadow, or see what reflects none");
 }
 
 static void note_dark(const struct frame *f, const struct verdict_file *file, const struct verdict_about *about,
