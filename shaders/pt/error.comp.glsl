@@ -1,4 +1,4 @@
-// The error of the picture so far: of each tile the sums of server/worker/technique/common/relmse.h, whose header says
+// The error of the picture so far: of each tile the sums of server/worker/technique/pt/pt_relmse.h, whose header says
 // what they estimate and why, from the two independent halves of each pixel's samples.
 //
 // A pixel's lesser and greater half, its mean and d, half their difference, are apart for each channel, and so is what

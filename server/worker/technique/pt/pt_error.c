@@ -3,11 +3,11 @@
 #include <stdlib.h>
 
 #include "server/base/clock.h"
-#include "server/worker/technique/common/relmse.h"
 #include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/pt/pt_job.h"
 #include "server/worker/technique/pt/pt_light.h"
 #include "server/worker/technique/pt/pt_met.h"
+#include "server/worker/technique/pt/pt_relmse.h"
 #include "server/worker/vk/command.h"
 #include "shaders/error_comp.h"
 

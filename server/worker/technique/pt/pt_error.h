@@ -19,7 +19,7 @@ enum status pt_error_init(struct technique_job *job, struct error *err);
 // Free it.
 void pt_error_finish(struct technique_job *job);
 
-// Set job->estimate to that of the picture so far: server/worker/technique/common/relmse.h. It is unknown while pixels have
+// Set job->estimate to that of the picture so far: server/worker/technique/pt/pt_relmse.h. It is unknown while pixels have
 // fewer than two samples. A picture without light has no error if nothing of its scene gives light or no pixel shows a
 // surface, and is unknown else. Not to be called between the dispatches of a tile of one batch. Blocks. STATUS_MEMORY,
 // STATUS_DEVICE.

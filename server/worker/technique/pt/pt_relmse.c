@@ -1,4 +1,4 @@
-#include "server/worker/technique/common/relmse.h"
+#include "server/worker/technique/pt/pt_relmse.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -18,14 +18,14 @@
 // species and the estimation of population parameters, Biometrika 40, 1953, equation 2 with r = 0). Light that came to one
 // half of one pixel alone, above its surroundings, has been seen once. If that is more than half of the picture's light, as
 // much may be missing, and nothing bounds the error. If no light was found at all, nothing is known of it.
-#ifndef CANDIL_WORKER_TECHNIQUE_RELMSE_H
-#define CANDIL_WORKER_TECHNIQUE_RELMSE_H
+#ifndef CANDIL_WORKER_TECHNIQUE_PT_RELMSE_H
+#define CANDIL_WORKER_TECHNIQUE_PT_RELMSE_H
 
 #include <stdint.h>
 
 #include "server/base/estimate.h"
 
-// Sums over pixels. A technique adds them up, in an order that does not change from run to run.
+// Sums over pixels. They are added up in an order that does not change from run to run.
 struct relmse_sums {
 	double terms; // t
 	double noise; // variance of t beside the true term
