@@ -10,6 +10,7 @@
 """
 import json
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -88,11 +89,20 @@ class Daemon:
                                         stderr=self.log, stdin=subprocess.DEVNULL, env=self.environment)
         Daemon.running.append(self)
         deadline = time.monotonic() + 60
-        while not os.path.exists(self.socket):
+        while not self.answers():
             if self.process.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError("candild did not start: " + self.read_log())
             time.sleep(0.01)
         return self
+
+    def answers(self):
+        """Does it listen yet? The socket is there a moment earlier."""
+        try:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+                probe.connect(self.socket)
+            return True
+        except OSError:
+            return False
 
     def stop(self):
         """(exit status, log)"""
