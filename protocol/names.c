@@ -26,6 +26,11 @@ _Static_assert((int)EFFECT_COUNT == (int)_candil_Effect_ARRAYSIZE, "candil.proto
 CANDIL_EFFECT_LIST(WHOLE_WORDS)
 _Static_assert(EFFECT_COUNT <= LIMIT_EFFECTS && EFFECT_COUNT < 32, "an effect is a bit, and a report in Accepted");
 
+#define SAME_ERROR_KIND(NAME, number, ...) \
+	_Static_assert((int)candil_ErrorKind_ERROR_KIND_##NAME == (number), "candil.proto has another number");
+CANDIL_ERROR_KIND_LIST(SAME_ERROR_KIND)
+_Static_assert((int)ERROR_KIND_COUNT == (int)_candil_ErrorKind_ARRAYSIZE, "candil.proto has other kinds of errors");
+
 // Shaders and the scene blob have the same numbers.
 #define SAME_LIGHT_KIND(NAME, number, ...) \
 	_Static_assert((int)candil_LightKind_LIGHT_KIND_##NAME == (number), "candil.proto has another number"); \
@@ -53,6 +58,20 @@ const char *technique_name(unsigned technique)
 const char *effect_name(unsigned effect)
 {
 	return effect < EFFECT_COUNT ? effects[effect].name : "unknown";
+}
+
+const char *error_kind_name(unsigned kind)
+{
+#define ERROR_KIND_ROW(NAME, number, name) [number] = (name),
+	static const char *const names[ERROR_KIND_COUNT] = {CANDIL_ERROR_KIND_LIST(ERROR_KIND_ROW)};
+	return kind < ERROR_KIND_COUNT ? names[kind] : "unknown";
+}
+
+unsigned error_kind_of_both(unsigned a, unsigned b)
+{
+	if (a == candil_ErrorKind_ERROR_KIND_UNKNOWN || b == candil_ErrorKind_ERROR_KIND_UNKNOWN)
+		return candil_ErrorKind_ERROR_KIND_UNKNOWN;
+	return a == b ? a : candil_ErrorKind_ERROR_KIND_PREDICTED;
 }
 
 int technique_number(const char *name, size_t length)

@@ -1,8 +1,8 @@
-// Techniques, effects and kinds of lights: their numbers, their names, and what every program has to know about them; and
-// what of a material is a share. Everything else is made from these lists: the library's enumerations (candil_names.h), the
-// shaders' bits (effects.glsl), the words and the help of the command line, and the reasons in a reply. candil.proto repeats
-// the numbers for other languages, and names.c does not compile if it repeats them wrongly. A number never changes its
-// meaning; new ones go to the end.
+// Techniques, effects, kinds of errors and of lights: their numbers, their names, and what every program has to know about
+// them; and what of a material is a share. Everything else is made from these lists: the library's enumerations
+// (candil_names.h), the shaders' bits (effects.glsl), the words and the help of the command line, and the reasons in a
+// reply. candil.proto repeats the numbers for other languages, and names.c does not compile if it repeats them wrongly. A
+// number never changes its meaning; new ones go to the end.
 //
 // Any thread may call the functions. None of them fails or allocates; strings that they return are static.
 //
@@ -17,6 +17,7 @@
 //	assert(technique_traits(0) == technique_traits(TECHNIQUE_OF_AUTO));
 //	light_kind_list(LIGHT_HAS_PLACE, "or", list, sizeof list);
 //	assert(strcmp(list, "a point light or a spot") == 0);
+//	assert(strcmp(error_kind_name(error_kind_of_both(1, 2)), "predicted") == 0);
 //	for (unsigned i = 0; i < EFFECT_COUNT; i++)
 //		printf("%s runs where %s\n", effect_name(i), effect_words(i)->simulated);
 #ifndef CANDIL_PROTOCOL_NAMES_H
@@ -86,6 +87,12 @@
 	  "light cannot come from a lamp by way of a polished surface and then scatter", "", \
 	  "chance alone finds caustics, and none of a point, spot or directional light by way of a mirror")
 
+// How the numbers on a picture's error are known. X(NAME, number, "name")
+#define CANDIL_ERROR_KIND_LIST(X) \
+	X(UNKNOWN, 0, "unknown") \
+	X(MEASURED, 1, "measured") \
+	X(PREDICTED, 2, "predicted")
+
 // What a light has beside its intensity: bits.
 #define LIGHT_HAS_PLACE 1u
 #define LIGHT_HAS_DIRECTION 2u
@@ -121,13 +128,20 @@ enum { CANDIL_TECHNIQUE_LIST(COUNTED) TECHNIQUE_COUNT };
 #define COUNTED(NAME, ...) COUNTED_EFFECT_##NAME,
 enum { CANDIL_EFFECT_LIST(COUNTED) EFFECT_COUNT };
 #undef COUNTED
+#define COUNTED(NAME, ...) COUNTED_ERROR_KIND_##NAME,
+enum { CANDIL_ERROR_KIND_LIST(COUNTED) ERROR_KIND_COUNT };
+#undef COUNTED
 #define COUNTED(NAME, ...) COUNTED_LIGHT_##NAME,
 enum { CANDIL_LIGHT_KIND_LIST(COUNTED) LIGHT_KIND_COUNT };
 #undef COUNTED
 
-// The name of a number: "pt", "textures"; "unknown" for a number that nothing has.
+// The name of a number: "pt", "textures", "measured"; "unknown" for a number that nothing has.
 const char *technique_name(unsigned technique);
 const char *effect_name(unsigned effect);
+const char *error_kind_name(unsigned kind);
+
+// How the mean of two errors is known: as its worse part, where predicted is worse than measured and unknown worst.
+unsigned error_kind_of_both(unsigned a, unsigned b);
 
 // The number of the technique whose name is the `length` bytes at `name`, which need not be followed by a zero; -1: there is
 // none.

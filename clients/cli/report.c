@@ -35,6 +35,8 @@ static void print_effects(const struct candil_accepted *accepted, bool simulated
 void report_print_stages(const struct candil_done *done, FILE *stream)
 {
 	fprintf(stream, "time       %.1f ms", (double)done->elapsed_us * 1e-3);
+	if (done->cold_us > 0)
+		fprintf(stream, " (%.1f warm)", (double)(done->elapsed_us - done->cold_us) * 1e-3);
 	for (uint32_t i = 0; i < done->stage_count; i++)
 		fprintf(stream, "%s%s %.1f", i == 0 ? ": " : ", ", done->stages[i].name, (double)done->stages[i].us * 1e-3);
 	fputc('\n', stream);
@@ -52,16 +54,17 @@ static void print_clamp(const struct candil_done *done, FILE *stream)
 void report_print_error(const struct candil_done *done, FILE *stream)
 {
 	const double e = done->estimated_relmse, low = done->relmse_low, high = done->relmse_high;
-	if (e < 0)
-		return;
-	if (e == 0)
+	const char *kind = candil_error_kind_name(done->error_kind);
+	if (done->error_kind == CANDIL_ERROR_KIND_UNKNOWN)
+		fprintf(stream, "error      %s\n", kind);
+	else if (e == 0 && done->error_kind == CANDIL_ERROR_KIND_MEASURED)
 		fputs("error      none: every sample says the same\n", stream);
 	else if (high >= 0)
-		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), estimated\n", e, low, high);
+		fprintf(stream, "error      relative MSE about %.2e (%.2e … %.2e, 90 %%), %s\n", e, low, high, kind);
 	else
 		fprintf(stream,
-			"error      relative MSE %.2e or more (at least %.2e, 90 %%): light may not have been found\n", e,
-			low);
+			"error      relative MSE %.2e or more (at least %.2e, 90 %%), %s: light may not have been found\n",
+			e, low, kind);
 }
 
 json_t *report_verdict_json(const struct candil_verdict *verdict)
@@ -210,6 +213,12 @@ void report_put_error(json_t *object, const struct candil_done *done)
 	put_known(object, "estimated_relmse", done->estimated_relmse);
 	put_known(object, "relmse_low", done->relmse_low);
 	put_known(object, "relmse_high", done->relmse_high);
+	json_t *error = json_object();
+	put_text(error, "kind", candil_error_kind_name(done->error_kind));
+	put_known(error, "relmse", done->estimated_relmse);
+	put_known(error, "low", done->relmse_low);
+	put_known(error, "high", done->relmse_high);
+	json_object_set_new(object, "error", error);
 }
 
 json_t *report_json(const struct report *r)
@@ -245,6 +254,7 @@ json_t *report_json(const struct report *r)
 	json_object_set_new(o, "stages", report_stages_json(done));
 	json_object_set_new(o, "figures", report_figures_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);
+	put_number(o, "cold_us", done->cold_us);
 	report_put_error(o, done);
 	put_number(o, "non_finite_samples", done->non_finite_samples);
 	put_number(o, "rays", done->rays);

@@ -22,7 +22,9 @@ struct report {
 	"\"effects\": [{\"name\", \"state\", \"why\", where measured \"cost_us\", \"share\"}],\n" \
 	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"default_light\" (whether it was given),\n" \
 	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels), \"stages\": [{\"name\", \"us\"}],\n" \
-	"\"elapsed_us\", \"estimated_relmse\", \"relmse_low\", \"relmse_high\" (null: unknown, or no upper end),\n" \
+	"\"elapsed_us\", \"cold_us\" (of these: compiling, which a second render is spared),\n" \
+	"\"error\": {\"kind\": \"measured\"|\"predicted\"|\"unknown\", \"relmse\", \"low\", \"high\"} (null: unknown,\n" \
+	"or no upper end), the same as \"estimated_relmse\", \"relmse_low\", \"relmse_high\",\n" \
 	"\"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
 	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
 
@@ -36,8 +38,7 @@ json_t *report_verdict_json(const struct candil_verdict *verdict);
 // Print a line such as "time       12.3 ms: queue 0.0, …".
 void report_print_stages(const struct candil_done *done, FILE *stream);
 
-// The estimated error and its interval: a line, none if it is unknown; and as the three keys of the object, null where
-// unknown.
+// The error, its interval and how it is known: a line, and keys of the object, null where unknown.
 void report_print_error(const struct candil_done *done, FILE *stream);
 void report_put_error(json_t *object, const struct candil_done *done);
 

@@ -15,6 +15,7 @@
 #include "clients/cli/sweep_compare.h"
 #include "clients/cli/sweep_keys.h"
 #include "clients/cli/view.h"
+#include "protocol/names.h"
 #include "protocol/text.h"
 
 struct picture {
@@ -51,9 +52,9 @@ struct sweep {
 	uint32_t reason_count;
 	struct picture *batch[CANDIL_SWEEP_CAMERAS]; // of the request that is under way
 	uint32_t batch_count, written_before; // pictures of the request; `written` when it was submitted
-	uint32_t retries;
+	uint32_t requests, retries; // of those that are done
 	bool late; // an image ended at its deadline
-	uint64_t rays, elapsed_us;
+	uint64_t rays, elapsed_us, cold_us;
 	struct candil_done error; // its relMSE alone: sums over the images that were written, negative where unknown
 	char device[128];
 	bool default_light; // what was rendered got it
@@ -251,6 +252,9 @@ static double add_known(double sum, double mean, uint32_t count)
 static void add_error(struct sweep *sweep, const struct candil_done *done)
 {
 	struct candil_done *sum = &sweep->error;
+	sum->error_kind = sweep->requests == 0
+			      ? done->error_kind
+			      : (enum candil_error_kind)error_kind_of_both(sum->error_kind, done->error_kind);
 	sum->estimated_relmse = add_known(sum->estimated_relmse, done->estimated_relmse, sweep->batch_count);
 	sum->relmse_low = add_known(sum->relmse_low, done->relmse_low, sweep->batch_count);
 	sum->relmse_high = add_known(sum->relmse_high, done->relmse_high, sweep->batch_count);
@@ -290,10 +294,12 @@ static bool sweep_take_event(void *user, const struct candil_event *event)
 		return true;
 	case CANDIL_EVENT_DONE:
 		add_error(sweep, &event->u.done);
+		sweep->requests++;
 		sweep->rays += event->u.done.rays;
 		sweep->retries += event->u.done.retries;
 		sweep->late |= strcmp(event->u.done.reason, "time") == 0;
 		sweep->elapsed_us += event->u.done.elapsed_us;
+		sweep->cold_us += event->u.done.cold_us;
 		memcpy(sweep->device, event->u.done.device, sizeof(sweep->device));
 		sweep_add_notes(sweep, event->u.done.notes, event->u.done.note_count);
 		return true;
@@ -383,7 +389,8 @@ static double mean_known(double sum, uint32_t count)
 static struct candil_done mean_error(const struct sweep *sweep)
 {
 	const struct candil_done *sum = &sweep->error;
-	return (struct candil_done){.estimated_relmse = mean_known(sum->estimated_relmse, sweep->written),
+	return (struct candil_done){.error_kind = sweep->written > 0 ? sum->error_kind : CANDIL_ERROR_KIND_UNKNOWN,
+				    .estimated_relmse = mean_known(sum->estimated_relmse, sweep->written),
 				    .relmse_low = mean_known(sum->relmse_low, sweep->written),
 				    .relmse_high = mean_known(sum->relmse_high, sweep->written)};
 }
@@ -398,14 +405,14 @@ static json_t *sweep_summary_json(const struct sweep *sweep)
 	for (uint32_t i = 0; i < sweep->note_count; i++)
 		json_array_append_new(notes, cli_json_text(sweep->notes[i]));
 	json_t *o = json_pack(
-	    "{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "output",
+	    "{s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "output",
 	    cli_json_text(sweep->job.options.output), "scene", cli_json_text(sweep->job.options.scene), "format",
 	    candil_format_name(r->format), "width", cli_json_u64(r->width), "height", cli_json_u64(r->height), "samples",
 	    cli_json_u64(r->samples), "cameras", cli_json_u64(sweep->count), "shard", cli_json_u64(sweep->shard), "shards",
 	    cli_json_u64(sweep->shards), "written", cli_json_u64(sweep->written), "skipped", cli_json_u64(sweep->skipped),
-	    "redone", cli_json_u64(sweep->redone), "elapsed_us", cli_json_u64(sweep->elapsed_us), "rays",
-	    cli_json_u64(sweep->rays), "retries", cli_json_u64(sweep->retries), "default_light", sweep->default_light,
-	    "notes", notes, "images", images);
+	    "redone", cli_json_u64(sweep->redone), "elapsed_us", cli_json_u64(sweep->elapsed_us), "cold_us",
+	    cli_json_u64(sweep->cold_us), "rays", cli_json_u64(sweep->rays), "retries", cli_json_u64(sweep->retries),
+	    "default_light", sweep->default_light, "notes", notes, "images", images);
 	const struct candil_done mean = mean_error(sweep);
 	if (o)
 		report_put_error(o, &mean);
@@ -459,7 +466,8 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 		printf("time       %.1f ms, %.1f ms an image, on %s\n", (double)sweep->elapsed_us * 1e-3,
 		       (double)sweep->elapsed_us * 1e-3 / sweep->written, sweep->device);
 	const struct candil_done mean = mean_error(sweep);
-	report_print_error(&mean, stdout);
+	if (sweep->written > 0)
+		report_print_error(&mean, stdout);
 	print_verdict(sweep);
 	if (sweep->late)
 		puts("ended      at the deadline, for at least one image");
@@ -581,7 +589,9 @@ const struct command sweep_command = {
 	"--json: {\"output\", \"scene\", \"format\", \"width\", \"height\", \"samples\", \"cameras\", \"shard\", "
 	"\"shards\",\n"
 	"\"written\", \"skipped\", \"redone\" (of those written), \"estimated_relmse\", \"relmse_low\", \"relmse_high\"\n"
-	"(means over those written, null: unknown), \"elapsed_us\", \"rays\", \"retries\",\n"
+	"(means over those written, null: unknown), \"error\": {\"kind\", \"relmse\", \"low\", \"high\"} (the same), "
+	"\"elapsed_us\",\n"
+	"\"cold_us\" (of these: compiling), \"rays\", \"retries\",\n"
 	"\"default_light\" (whether it was given), \"notes\": [], \"images\": [{\"index\", \"image\",\n"
 	"\"state\": \"written\"|\"skipped\", \"camera\" (absent: the scene's first), \"time_s\" (of an animation),\n"
 	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels, of one written),\n"

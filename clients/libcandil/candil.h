@@ -509,9 +509,10 @@ CANDIL_API const char *candil_status_name(candil_status status);
 // The value of `candil render --technique`.
 //
 // Example:
-//	printf("%s, %s, %s, %s, %s\n", candil_technique_name(CANDIL_TECHNIQUE_AUTO), // auto
+//	printf("%s, %s, %s, %s, %s, %s\n", candil_technique_name(CANDIL_TECHNIQUE_AUTO), // auto
 //	       candil_effect_name(CANDIL_EFFECT_TEXTURES), // textures
 //	       candil_effect_state_name(CANDIL_EFFECT_SWITCHED_OFF), // switched-off
+//	       candil_error_kind_name(CANDIL_ERROR_KIND_MEASURED), // measured
 //	       candil_format_name(CANDIL_FORMAT_EXR_HALF), // exr-half
 //	       candil_view_name(CANDIL_VIEW_REINHARD)); // reinhard
 CANDIL_API const char *candil_technique_name(enum candil_technique technique);
@@ -521,6 +522,9 @@ CANDIL_API const char *candil_effect_name(enum candil_effect effect);
 
 // "simulated", "absent", "switched-off", "forced" or "unsupported".
 CANDIL_API const char *candil_effect_state_name(enum candil_effect_state state);
+
+// "unknown", "measured" or "predicted".
+CANDIL_API const char *candil_error_kind_name(enum candil_error_kind kind);
 
 // "exr-half", "exr-float" or "png".
 CANDIL_API const char *candil_format_name(enum candil_format format);

@@ -335,6 +335,13 @@ struct candil_accepted {
 	uint32_t warnings_more; // that did not fit
 };
 
+// How the numbers on a picture's error are known.
+enum candil_error_kind {
+	CANDIL_ERROR_KIND_UNKNOWN = 0, // not at all: all three are negative
+	CANDIL_ERROR_KIND_MEASURED = 1, // from the picture's own samples
+	CANDIL_ERROR_KIND_PREDICTED = 2, // from what other pictures of the scene had
+};
+
 // How far a job is. It begins anew if the worker process was lost.
 struct candil_progress {
 	uint32_t samples_done, samples; // of every pixel; of a sweep: of all images together
@@ -344,6 +351,7 @@ struct candil_progress {
 	double relmse_low,
 	    relmse_high; // nine times of ten the true one lies between; negative: unknown. relmse_high is also
 			 // where there is no upper end, because light may be there that no sample has found
+	enum candil_error_kind error_kind; // of these three
 };
 
 // A part of a job and the time that it took. PROTOCOL.md lists the names; more may come.
@@ -371,9 +379,11 @@ struct candil_done {
 	uint32_t samples; // per pixel
 	uint32_t stage_count;
 	struct candil_stage stages[24];
-	uint64_t elapsed_us; // from the request's arrival to the encoded image
+	uint64_t elapsed_us; // from the request's arrival to the image's last byte
+	uint64_t cold_us; // of these: opening the device and compiling programs that it did not have yet; 0: it was warm
 	double estimated_relmse; // negative: unknown
 	double relmse_low, relmse_high; // as of candil_progress
+	enum candil_error_kind error_kind; // likewise
 	uint64_t non_finite_samples; // that were taken as zero
 	uint64_t rays;
 	uint32_t slices; // pieces that the job was worked on in

@@ -351,6 +351,13 @@ static double known(double x, double least, double most)
 	return isfinite(x) && x >= least && x <= most ? x : -1.0;
 }
 
+// Whether a picture's error is told: a number that is absent is 0 on the wire, and no error of 0.
+static bool is_told(candil_ErrorKind kind, double relmse)
+{
+	const bool named = kind == candil_ErrorKind_ERROR_KIND_MEASURED || kind == candil_ErrorKind_ERROR_KIND_PREDICTED;
+	return named && isfinite(relmse) && relmse >= 0;
+}
+
 // fmin and fmax return the other number for a NaN.
 static double read_share(double share)
 {
@@ -364,9 +371,11 @@ static void read_progress(const candil_Progress *from, struct candil_progress *t
 	to->fraction = read_share(from->fraction);
 	to->device_us = from->device_us;
 	to->elapsed_us = from->elapsed_us;
-	to->estimated_relmse = known(from->estimated_relmse, 0, INFINITY);
-	to->relmse_low = known(from->relmse_low, 0, to->estimated_relmse);
-	to->relmse_high = known(from->relmse_high, fmax(to->estimated_relmse, 0), INFINITY);
+	const bool told = is_told(from->error_kind, from->estimated_relmse);
+	to->error_kind = told ? (enum candil_error_kind)from->error_kind : CANDIL_ERROR_KIND_UNKNOWN;
+	to->estimated_relmse = told ? from->estimated_relmse : -1;
+	to->relmse_low = told ? known(from->relmse_low, 0, from->estimated_relmse) : -1;
+	to->relmse_high = told ? known(from->relmse_high, from->estimated_relmse, INFINITY) : -1;
 }
 
 struct candil_verdict message_read_verdict(const candil_Verdict *from)
@@ -400,9 +409,12 @@ static void read_done(const candil_Done *from, struct candil_done *to)
 		to->stages[i].us = from->stages[i].us;
 	}
 	to->elapsed_us = from->elapsed_us;
-	to->estimated_relmse = known(from->estimated_relmse, 0, INFINITY);
-	to->relmse_low = known(from->relmse_low, 0, to->estimated_relmse);
-	to->relmse_high = known(from->relmse_high, fmax(to->estimated_relmse, 0), INFINITY);
+	to->cold_us = from->cold_us < from->elapsed_us ? from->cold_us : from->elapsed_us;
+	const bool told = is_told(from->error_kind, from->estimated_relmse);
+	to->error_kind = told ? (enum candil_error_kind)from->error_kind : CANDIL_ERROR_KIND_UNKNOWN;
+	to->estimated_relmse = told ? from->estimated_relmse : -1;
+	to->relmse_low = told ? known(from->relmse_low, 0, from->estimated_relmse) : -1;
+	to->relmse_high = told ? known(from->relmse_high, from->estimated_relmse, INFINITY) : -1;
 	to->non_finite_samples = from->non_finite_samples;
 	to->rays = from->rays;
 	to->slices = from->slices;

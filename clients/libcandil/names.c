@@ -14,6 +14,9 @@ SAME(CANDIL_EFFECT_ABSENT, candil_EffectState_EFFECT_STATE_ABSENT);
 SAME(CANDIL_EFFECT_SWITCHED_OFF, candil_EffectState_EFFECT_STATE_SWITCHED_OFF);
 SAME(CANDIL_EFFECT_FORCED, candil_EffectState_EFFECT_STATE_FORCED);
 SAME(CANDIL_EFFECT_UNSUPPORTED, candil_EffectState_EFFECT_STATE_UNSUPPORTED);
+SAME(CANDIL_ERROR_KIND_UNKNOWN, candil_ErrorKind_ERROR_KIND_UNKNOWN);
+SAME(CANDIL_ERROR_KIND_MEASURED, candil_ErrorKind_ERROR_KIND_MEASURED);
+SAME(CANDIL_ERROR_KIND_PREDICTED, candil_ErrorKind_ERROR_KIND_PREDICTED);
 SAME(CANDIL_FORMAT_EXR_HALF, candil_Format_FORMAT_EXR_HALF);
 SAME(CANDIL_FORMAT_EXR_FLOAT, candil_Format_FORMAT_EXR_FLOAT);
 SAME(CANDIL_FORMAT_PNG, candil_Format_FORMAT_PNG);
@@ -58,6 +61,11 @@ const char *candil_effect_state_name(enum candil_effect_state state)
 {
 	static const char *const names[] = {"simulated", "absent", "switched-off", "forced", "unsupported"};
 	return NAME_OF(names, state);
+}
+
+const char *candil_error_kind_name(enum candil_error_kind kind)
+{
+	return error_kind_name((unsigned)kind);
 }
 
 const char *candil_format_name(enum candil_format format)

@@ -66,6 +66,8 @@ struct ipc_step {
 struct ipc_read {
 	struct ipc_head head;
 	uint32_t final;
+	struct estimate
+	    predicted; // what the picture's error should be, for reply and file where the worker does not know it
 };
 
 struct ipc_ready {

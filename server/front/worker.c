@@ -114,9 +114,9 @@ void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us)
 	expect_answer(worker);
 }
 
-void worker_read(struct worker *worker, uint32_t job, bool final)
+void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted)
 {
-	struct ipc_read message = {.head = {.op = IPC_READ, .job = job}, .final = final};
+	struct ipc_read message = {.head = {.op = IPC_READ, .job = job}, .final = final, .predicted = *predicted};
 	worker_give(worker, &message, sizeof message, -1);
 	if (worker->images_due++ == 0)
 		worker->image_wait_us = clock_us();

@@ -90,8 +90,8 @@ void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t 
 // Work on a job for about budget_us of device time; `stepped` answers.
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
 
-// Encode the job's picture as it is, `final` for the last time; `image` answers.
-void worker_read(struct worker *worker, uint32_t job, bool final);
+// Encode the job's picture as it is, `final` for the last time; `image` answers. `predicted`: as of struct ipc_read.
+void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted);
 
 // Free what it has of a job, after the orders that went before. There is no answer.
 void worker_end(struct worker *worker, uint32_t job);

@@ -263,6 +263,7 @@ static void add_metadata(const struct server *s, const struct job *job, struct f
 	frame_add_metadata(f, "first_sample", "%u", p->first_sample);
 	frame_add_metadata(f, "seed", "%llu", (unsigned long long)p->seed);
 	frame_add_metadata(f, "depth", "%u", p->depth);
+	frame_add_metadata(f, "error_kind", "%s", error_kind_name(f->estimate.kind));
 	frame_add_metadata(f, "estimated_relmse", "%.6g", f->estimate.relmse);
 	frame_add_metadata(f, "relmse_low", "%.6g", f->estimate.low);
 	frame_add_metadata(f, "relmse_high", "%.6g", f->estimate.high);
@@ -322,6 +323,8 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 			    : error_set(&failure.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
 	if (r != STATUS_OK)
 		return answer_front(s, &failure, sizeof failure);
+	if (frame->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN)
+		frame->estimate = m->predicted;
 	if (job->edit_us > 0)
 		frame_add_stage(frame, "edit", job->edit_us);
 	add_metadata(s, job, frame);

@@ -67,7 +67,12 @@ void put_image(int fd, uint32_t id, uint32_t side, uint64_t bytes, bool final)
 
 void put_done(int fd, uint32_t id)
 {
-	candil_Done done = {.samples = 4, .rays = 77, .estimated_relmse = 0.25, .stages_count = 1, .figures_count = 3};
+	candil_Done done = {.samples = 4,
+			    .rays = 77,
+			    .estimated_relmse = 0.25,
+			    .error_kind = candil_ErrorKind_ERROR_KIND_MEASURED,
+			    .stages_count = 1,
+			    .figures_count = 3};
 	strcpy(done.stages[0].name, "trace");
 	done.stages[0].us = 1234;
 	strcpy(done.figures[0].name, "levels");

@@ -104,6 +104,49 @@ static void test_image_is_put_together_from_chunks(void **state)
 	stop(&f);
 }
 
+// What is absent reads as 0, which is no error of 0.
+static void test_an_absent_error_is_unknown(void **state)
+{
+	(void)state;
+	const struct {
+		candil_Done done;
+		enum candil_error_kind kind;
+		double relmse, low, high;
+	} cases[] = {
+	    {{0}, CANDIL_ERROR_KIND_UNKNOWN, -1, -1, -1},
+	    {{.estimated_relmse = 0.25, .relmse_high = 0.5}, CANDIL_ERROR_KIND_UNKNOWN, -1, -1, -1},
+	    {{.estimated_relmse = 0.25, .error_kind = (candil_ErrorKind)9}, CANDIL_ERROR_KIND_UNKNOWN, -1, -1, -1},
+	    {{.estimated_relmse = -1, .error_kind = candil_ErrorKind_ERROR_KIND_MEASURED},
+	     CANDIL_ERROR_KIND_UNKNOWN,
+	     -1,
+	     -1,
+	     -1},
+	    {{.error_kind = candil_ErrorKind_ERROR_KIND_MEASURED}, CANDIL_ERROR_KIND_MEASURED, 0, 0, 0},
+	    {{.estimated_relmse = 0.25,
+	      .relmse_low = 0.125,
+	      .relmse_high = -1,
+	      .error_kind = candil_ErrorKind_ERROR_KIND_PREDICTED},
+	     CANDIL_ERROR_KIND_PREDICTED,
+	     0.25,
+	     0.125,
+	     -1},
+	};
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct fake f = start();
+		uint32_t id = submit_render(f.client, 4);
+		put_image(f.peer, id, 4, 1, true);
+		put_raw(f.peer, MESSAGE_FRAME_CHUNK, id, "x", 1);
+		expect(&f, CANDIL_EVENT_IMAGE, id);
+		put_message(f.peer, MESSAGE_DONE, id, candil_Done_fields, &cases[i].done);
+		const struct candil_event event = expect(&f, CANDIL_EVENT_DONE, id);
+		assert_int_equal(event.u.done.error_kind, cases[i].kind);
+		assert_true(event.u.done.estimated_relmse == cases[i].relmse);
+		assert_true(event.u.done.relmse_low == cases[i].low);
+		assert_true(event.u.done.relmse_high == cases[i].high);
+		stop(&f);
+	}
+}
+
 static void test_renders_interleave(void **state)
 {
 	(void)state;
@@ -473,6 +516,7 @@ int main(void)
 	    cmocka_unit_test(test_hello_refused),
 	    cmocka_unit_test(test_nobody_listens),
 	    cmocka_unit_test(test_image_is_put_together_from_chunks),
+	    cmocka_unit_test(test_an_absent_error_is_unknown),
 	    cmocka_unit_test(test_renders_interleave),
 	    cmocka_unit_test(test_one_byte_at_a_time),
 	    cmocka_unit_test(test_peer_gone_ends_every_request),

@@ -149,7 +149,8 @@ static void on_step(const struct ipc_step *message)
 		job->samples++;
 		stepped.samples_done = job->samples;
 		// Its error is one over its samples.
-		stepped.estimate = (struct estimate){1.0 / job->samples, 0.5 / job->samples, 2.0 / job->samples};
+		stepped.estimate = (struct estimate){1.0 / job->samples, 0.5 / job->samples, 2.0 / job->samples,
+						     candil_ErrorKind_ERROR_KIND_MEASURED};
 		stepped.reached = stepped.estimate.relmse <= job->render.target_error;
 		stepped.finished = stepped.reached || job->samples == job->render.samples;
 		stepped.fraction = (double)job->samples / job->render.samples;

@@ -26,6 +26,7 @@ class TargetError(FakeCase):
         self.assertGreater(len(told), 1)
         for progress in told:
             self.assertEqual(progress.estimated_relmse, 1 / progress.samples_done)
+            self.assertEqual(progress.error_kind, pb.ERROR_KIND_MEASURED)
 
     def test_of_a_sweep(self):
         connection = self.with_box()

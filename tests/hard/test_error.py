@@ -172,7 +172,10 @@ class Told(unittest.TestCase):
             self.assertAlmostEqual(float(picture.metadata["candil/" + key]) / picture.report[key], 1, delta=1e-5)
         _, out, _ = daemon.candil("render", path, "-o", os.path.join(daemon.folder, "told.exr"), "--size", "48x48", "--spp", "8")
         low, high = (f"{x:.2e}" for x in interval(picture))
-        self.assertIn(f"about {estimate(picture):.2e} ({low} … {high}, 90 %)", out)
+        self.assertIn(f"about {estimate(picture):.2e} ({low} … {high}, 90 %), measured", out)
+        self.assertEqual(picture.metadata["candil/error_kind"], "measured")
+        self.assertEqual(picture.report["error"], {"kind": "measured", "relmse": estimate(picture), "low": interval(picture)[0],
+                                                   "high": interval(picture)[1]})
         self.assertNotIn("upper end", out)
         _, out, _ = daemon.candil("render", hidden.shade(daemon.folder), "-o", os.path.join(daemon.folder, "told.exr"), "--size", "24x24",
                                   "--spp", "4")
@@ -184,15 +187,32 @@ class Told(unittest.TestCase):
         for scene, sided in ((path, False), (shade, True)):
             _, out, _ = daemon.candil("sweep", scene, "-o", os.path.join(daemon.folder, os.path.basename(scene) + "{index}.exr"), "--orbit", "2",
                                       "--size", "24x24", "--spp", "4", "--json")
-            self.assertEqual(json.loads(out)["relmse_high"] is None, sided)
+            summary = json.loads(out)
+            self.assertEqual(summary["relmse_high"] is None, sided)
+            # Of one image in the shade nothing is known, and so of the mean.
+            self.assertEqual(summary["error"]["kind"], "unknown" if sided else "measured")
+            self.assertEqual([summary["error"][k] is None for k in ("relmse", "low", "high")], [sided] * 3)
 
     def test_techniques_without_noise(self):
         """What they have wrong is the same in all samples, so that no number of these tells it: edges, above all."""
         path = make.cornell(daemon.folder)
         for technique in ("direct", "vct"):
             for spp in (1, 4):
-                report = daemon.render(path, SIZE, spp, arguments=["--technique", technique]).report
-                self.assertEqual([report[k] for k in ("estimated_relmse", "relmse_low", "relmse_high")], [None] * 3)
+                picture = daemon.render(path, SIZE, spp, arguments=["--technique", technique])
+                self.assert_unknown(picture)
+
+    def test_one_sample_tells_nothing(self):
+        picture = daemon.render(make.cornell(daemon.folder), SIZE, 1)
+        self.assert_unknown(picture)
+        _, out, _ = daemon.candil("render", make.cornell(daemon.folder), "-o", os.path.join(daemon.folder, "told.exr"), "--size", "24x24",
+                                  "--spp", "1")
+        self.assertIn("error      unknown\n", out)
+
+    def assert_unknown(self, picture):
+        """Nowhere a 0 that could be taken for no error."""
+        self.assertEqual([picture.report[k] for k in ("estimated_relmse", "relmse_low", "relmse_high")], [None] * 3)
+        self.assertEqual(picture.report["error"], {"kind": "unknown", "relmse": None, "low": None, "high": None})
+        self.assertEqual((picture.metadata["candil/error_kind"], float(picture.metadata["candil/estimated_relmse"])), ("unknown", -1))
 
 
 class Target(unittest.TestCase):

@@ -30,7 +30,7 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 	job->preview_due = true;
 	job->preview_samples = samples;
 	job->preview_us = now;
-	worker_read(jobs->worker, job->id, false);
+	worker_read(jobs->worker, job->id, false, &job->predicted);
 }
 
 // A job's last READ has END right behind it, so that its memory on the device is free as soon as the worker has copied the
@@ -46,7 +46,7 @@ void jobs_read_finished(struct jobs *jobs)
 		jobs->short_of_room |= answer == ROOM_COMMON_FULL;
 		if (answer != ROOM_TAKEN)
 			continue;
-		worker_read(jobs->worker, job->id, true);
+		worker_read(jobs->worker, job->id, true, &job->predicted);
 		job->read_us = clock_us();
 		worker_end(jobs->worker, job->id);
 		job->state = JOB_READING;

@@ -41,14 +41,17 @@ void job_tell_progress(const struct jobs *jobs, struct job *job)
 	if (now < *told_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
 		return;
 	*told_us = now;
+	const struct estimate *e =
+	    job->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN ? &job->predicted : &job->estimate;
 	candil_Progress progress = {.samples_done = job->samples_done,
 				    .samples = job->render.samples,
 				    .fraction = fraction_of(job, now),
 				    .device_us = job->device_us,
 				    .elapsed_us = now - job->asked_us,
-				    .estimated_relmse = job->estimate.relmse,
-				    .relmse_low = job->estimate.low,
-				    .relmse_high = job->estimate.high};
+				    .estimated_relmse = e->relmse,
+				    .relmse_low = e->low,
+				    .relmse_high = e->high,
+				    .error_kind = e->kind};
 	if (job->sweep)
 		add_up_sweep(jobs, job->sweep, &progress);
 	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/names.h"
 #include "protocol/text.h"
 #include "server/base/clock.h"
 
@@ -90,6 +91,8 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 	candil_Done *total = &sweep->total;
 	for (pb_size_t i = 0; i < done->stages_count; i++)
 		add_stage(total, &done->stages[i]);
+	total->error_kind = sweep->finished == 0 ? done->error_kind
+						 : (candil_ErrorKind)error_kind_of_both(total->error_kind, done->error_kind);
 	add_known(&total->estimated_relmse, done->estimated_relmse);
 	add_known(&total->relmse_low, done->relmse_low);
 	add_known(&total->relmse_high, done->relmse_high);
@@ -104,6 +107,7 @@ void sweep_add(struct sweep *sweep, const candil_Done *done)
 	total->samples = done->samples;
 	total->non_finite_samples += done->non_finite_samples;
 	total->rays += done->rays;
+	total->cold_us += done->cold_us;
 	total->slices += done->slices;
 	total->retries += done->retries;
 	memcpy(total->device, done->device, sizeof total->device);

@@ -78,7 +78,7 @@ enum status job_create(struct jobs *jobs, struct session *session, uint32_t requ
 	job->scene = scene;
 	job->environment = environment;
 	job->asked_us = clock_us();
-	job->estimate = ESTIMATE_UNKNOWN;
+	job->estimate = job->predicted = ESTIMATE_UNKNOWN;
 	image_init(&job->preview);
 	image_init(&job->final);
 	scene_hold(scene);

@@ -44,6 +44,7 @@ struct job {
 	uint32_t samples_done;
 	double fraction; // of the work, 0 to 1
 	struct estimate estimate; // of its error, at the last look
+	struct estimate predicted; // of its error, where nothing measures it
 	uint64_t deadline_us; // when its image should be there; UINT64_MAX: never
 	bool late; // it ends because of its deadline
 	bool reached; // it ends because its target error is reached

@@ -67,6 +67,8 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 	done->estimated_relmse = f->estimate.relmse;
 	done->relmse_low = f->estimate.low;
 	done->relmse_high = f->estimate.high;
+	done->error_kind = f->estimate.kind;
+	done->cold_us = f->cold_us;
 	done->non_finite_samples = f->non_finite_samples;
 	done->rays = f->rays;
 	memcpy(done->device, e->device, sizeof done->device);

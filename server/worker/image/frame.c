@@ -83,6 +83,8 @@ void frame_add_stage(struct frame *frame, const char *name, uint64_t us)
 	struct frame_stage *s = &frame->stages[frame->stage_count++];
 	snprintf(s->name, sizeof s->name, "%s", name);
 	s->us = us;
+	if (!strcmp(s->name, FRAME_STAGE_OPEN) || !strcmp(s->name, FRAME_STAGE_COMPILE))
+		frame->cold_us += us;
 }
 
 void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit)

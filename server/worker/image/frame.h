@@ -16,6 +16,10 @@
 #define FRAME_FIGURES_MAX 32u
 #define FRAME_NOTES_MAX 4u
 
+// The stages that a device spends once, of every technique: opening it, and compiling programs that it does not have yet.
+#define FRAME_STAGE_OPEN "open"
+#define FRAME_STAGE_COMPILE "compile"
+
 // The time that a stage of the job took, for the reply's account.
 struct frame_stage {
 	char name[24];
@@ -47,6 +51,7 @@ struct frame {
 	uint64_t rays; // traced
 	struct frame_stage stages[FRAME_STAGES_MAX];
 	uint32_t stage_count;
+	uint64_t cold_us; // of the stages: what a device spends once
 	struct frame_figure figures[FRAME_FIGURES_MAX];
 	uint32_t figure_count;
 	char notes[FRAME_NOTES_MAX][192]; // sentences on what may surprise
@@ -69,6 +74,7 @@ void frame_destroy(struct frame *frame);
 
 // Append to the lists. What is beyond a list's maximum is dropped. Text is printf-formatted and cut to fit.
 void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
+// A stage that a device spends once counts as cold, too.
 void frame_add_stage(struct frame *frame, const char *name, uint64_t us);
 void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit);
 void frame_add_note(struct frame *frame, const char *format, ...) __attribute__((format(printf, 2, 3)));

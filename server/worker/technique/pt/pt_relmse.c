@@ -20,5 +20,6 @@ struct estimate relmse_estimate(const struct relmse_sums *s, uint64_t pixels)
 	    .relmse = s->terms / count,
 	    .low = s->terms > 0 ? s->terms * (s->terms / (s->terms + below)) / count : 0,
 	    .high = found ? (s->terms + above) / count : -1,
+	    .kind = candil_ErrorKind_ERROR_KIND_MEASURED,
 	};
 }

@@ -38,6 +38,6 @@ struct relmse_sums {
 struct estimate relmse_estimate(const struct relmse_sums *sums, uint64_t pixels);
 
 // The estimate of a picture that nobody expects to be other than it is: no error, and none above.
-#define RELMSE_NONE ((struct estimate){0})
+#define RELMSE_NONE ((struct estimate){.kind = candil_ErrorKind_ERROR_KIND_MEASURED})
 
 #endif
