@@ -34,7 +34,8 @@
 	X(RENDER, 0x07, DONE) /* after ACCEPTED, PROGRESS…, (IMAGE, FRAME_CHUNK…)… */ \
 	X(CANCEL, 0x08, OK) /* the cancelled request gets ERROR cancelled */ \
 	X(STATS, 0x09, STATS_REPLY) \
-	X(SWEEP, 0x0A, DONE) /* as RENDER */
+	X(SWEEP, 0x0A, DONE) /* as RENDER */ \
+	X(QUOTE, 0x0B, QUOTE_REPLY)
 
 // Replies, from 0x80 on. X(NAME, number). The body is the message of the same name, or the one beside it.
 #define CANDIL_REPLY_LIST(X) \
@@ -49,6 +50,7 @@
 	X(FRAME_CHUNK, 0x89) /* raw bytes */ \
 	X(DONE, 0x8A) \
 	X(STATS_REPLY, 0x8B) \
+	X(QUOTE_REPLY, 0x8C) \
 	X(ERROR, 0xFF) /* ends the request whose id it bears */
 
 enum message_type {

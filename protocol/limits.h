@@ -61,6 +61,14 @@
 #define LIMIT_VARIANTS 4u // edited scenes that a worker keeps while no job uses them
 #define LIMIT_SWEEP_CAMERAS 256u // of one Sweep; so many fit a message
 
+#define LIMIT_CHOICE_OPTIONS 4u // of one Choice
+
+// ---- quotes ----
+#define LIMIT_QUOTES 64u // under way in the daemon, TECHNIQUE_AUTO's among them
+#define LIMIT_PILOT_MS 60000u // of device time that a quote may ask for
+#define LIMIT_QUOTE_RECORDS 4096u // of frames and pilots that are kept, the latest
+#define LIMIT_QUOTE_DEVICES 4u // whose habits are kept
+
 // ---- a scene ----
 #define LIMIT_SCENE_FILE_BYTES (1ull << 30) // the file and each of its side files
 #define LIMIT_SCENE_SOURCE_BYTES (2ull << 30) // all its files together

@@ -40,7 +40,8 @@
 	X(RADIOSITY, 3, "radiosity", 0u) \
 	X(DIRECT, 4, "direct", TECHNIQUE_RENDERS)
 
-// The number of the technique that "auto" stands for.
+// The number of the technique that "auto" stands for where nothing is asked for that it could be chosen by, and in a sweep:
+// server/front/quotes chooses otherwise.
 #define TECHNIQUE_OF_AUTO 1u
 
 // An option that help texts take for an example.

@@ -49,6 +49,7 @@ struct command {
 	X(describe) \
 	X(render) \
 	X(sweep) \
+	X(quote) \
 	X(compare) \
 	X(inspect) \
 	X(stats)

@@ -47,13 +47,15 @@ enum {
 	OPTION_ORTHOGRAPHIC,
 	OPTION_PANORAMA,
 	OPTION_NO_DEFAULT_LIGHT,
+	OPTION_PILOT,
 };
 
 // Which commands have an option: bits.
 #define BY_RENDER 1u
 #define BY_SWEEP 2u
 #define BY_INSPECT 4u
-#define BY_ALL (BY_RENDER | BY_SWEEP | BY_INSPECT)
+#define BY_QUOTE 8u
+#define BY_ALL (BY_RENDER | BY_SWEEP | BY_INSPECT | BY_QUOTE)
 
 // The options of this file, one a line: its name, its number, who has it, and what it takes, as a refusal says it, with the
 // marks of words.h. NULL: it takes nothing. sweep.c itself refuses what is wrong with the options of a sweep alone.
@@ -74,7 +76,7 @@ static const struct row {
 	{"background", OPTION_BACKGROUND, BY_ALL, "r,g,b, three numbers such as 1,1,1, or a picture: its name or its file"},
 	{"background-turn", OPTION_BACKGROUND_TURN, BY_ALL, "a number of degrees"},
 	{"background-scale", OPTION_BACKGROUND_SCALE, BY_ALL, "a number above 0"},
-	{"no-default-light", OPTION_NO_DEFAULT_LIGHT, BY_RENDER | BY_SWEEP, NULL},
+	{"no-default-light", OPTION_NO_DEFAULT_LIGHT, BY_RENDER | BY_SWEEP | BY_QUOTE, NULL},
 	{"effects", OPTION_EFFECTS, BY_ALL, "auto, all or none, then +NAME or -NAME, between commas; a NAME is {effects}"},
 	{"aov", OPTION_AOV, BY_ALL, "depth, normal, albedo and id, between commas"},
 	{"exposure", OPTION_EXPOSURE, BY_ALL, "a number of stops such as -1.5"},
@@ -91,7 +93,8 @@ static const struct row {
 	{"panorama", OPTION_PANORAMA, BY_ALL, NULL},
 	{"quiet", OPTION_QUIET, BY_ALL, NULL},
 	{"progressive", OPTION_PROGRESSIVE, BY_RENDER, NULL},
-	{"at", OPTION_AT, BY_RENDER | BY_INSPECT, "a number of seconds"},
+	{"pilot", OPTION_PILOT, BY_QUOTE, "a whole number of milliseconds from 1 to 60000"},
+	{"at", OPTION_AT, BY_RENDER | BY_INSPECT | BY_QUOTE, "a number of seconds"},
 	{"orbit", OPTION_ORBIT, BY_SWEEP, ""},
 	{"cameras", OPTION_CAMERAS, BY_SWEEP, ""},
 	{"shard", OPTION_SHARD, BY_SWEEP, ""},
@@ -201,6 +204,9 @@ static bool take_option(int option, char *value, struct render_options *options,
 		return cli_parse_double(value, &r->target_error) && r->target_error > 0;
 	case OPTION_TIME:
 		return cli_parse_u32(value, &r->deadline_ms) && r->deadline_ms > 0 && r->deadline_ms <= LIMIT_DEADLINE_MS;
+	case OPTION_PILOT:
+		return cli_parse_u32(value, &options->pilot_ms) && options->pilot_ms > 0 &&
+		       options->pilot_ms <= LIMIT_PILOT_MS;
 	case OPTION_FILTER:
 		return value_filter(value, r);
 	case OPTION_LENS:
@@ -279,6 +285,8 @@ static const char *format_of(const struct render_options *options, const struct 
 {
 	if (given->format)
 		return given->format;
+	if (!options->output)
+		return "exr";
 	if (strcmp(options->output, "-") == 0)
 		return "png";
 	const char *dot = strrchr(options->output, '.');
@@ -378,7 +386,7 @@ static bool options_parse(struct cli *cli, const struct command *self, int argc,
 	const char *wrong = NULL;
 	if (argc - optind != 1)
 		wrong = "one scene is needed";
-	else if (!options->output)
+	else if (!options->output && which != BY_QUOTE)
 		wrong = "-o OUTPUT is missing";
 	else
 		wrong = settle_format(options, &given);
@@ -418,4 +426,12 @@ bool inspect_options_parse(struct cli *cli, const struct command *self, int argc
 	if (options->request.technique == CANDIL_TECHNIQUE_AUTO)
 		options->request.technique = (enum candil_technique)technique_with(TECHNIQUE_VOXELS);
 	return true;
+}
+
+bool quote_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			 enum exit_code *code)
+{
+	options_init(options);
+	options->request.default_light = true;
+	return options_parse(cli, self, argc, argv, BY_QUOTE, NULL, options, NULL, code);
 }

@@ -1,4 +1,4 @@
-// The command lines of `candil render`, `candil sweep` and `candil inspect`, parsed.
+// The command lines of `candil render`, `candil sweep`, `candil quote` and `candil inspect`, parsed.
 #ifndef CANDIL_CLI_RENDER_OPTIONS_H
 #define CANDIL_CLI_RENDER_OPTIONS_H
 
@@ -7,12 +7,13 @@
 
 struct render_options {
 	const char *scene;
-	const char *output; // "-": standard output
+	const char *output; // "-": standard output; NULL: a quote that names none
 	bool quiet;
 	struct candil_render_request request; // all but `scene`; strings point into argv
 	struct candil_load_request load; // only `up` and `metres_per_unit`
 	struct candil_option settings[16]; // what request.options points at
 	struct edit_options edits; // what request.edits points at
+	uint32_t pilot_ms; // of a quote; 0: not given
 };
 
 // What only `candil sweep` takes, as text, which sweep.c parses. NULL: not given.
@@ -29,6 +30,10 @@ bool render_options_parse(struct cli *cli, const struct command *self, int argc,
 // The same for `candil sweep`, which does not take --at and --progressive. The samples are never 0.
 bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
 			 struct sweep_texts *texts, enum exit_code *code);
+
+// The same for `candil quote`, which needs no output, and of one takes the format alone.
+bool quote_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			 enum exit_code *code);
 
 // The same for `candil inspect`, whose output is the beginning of its files' names. The defaults are PNG, one sample and the
 // technique that has voxels.

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "clients/cli/quote.h"
+
 static bool is_simulated(const struct candil_effect_report *effect)
 {
 	return effect->state == CANDIL_EFFECT_SIMULATED || effect->state == CANDIL_EFFECT_FORCED;
@@ -67,6 +69,15 @@ void report_print_error(const struct candil_done *done, FILE *stream)
 			e, low, kind);
 }
 
+// What technique auto chose by, beside what came out above.
+static void print_quote(const struct candil_quote *quote, FILE *stream)
+{
+	const struct candil_choice *c = &quote->choice;
+	fprintf(stream, "chosen     %s\npredicted  %.1f ms (%.1f … %.1f), relative MSE %.2e (%.2e … %.2e), 90 %%, by %s\n",
+		quote->why, c->time_ms, c->time_ms_low, c->time_ms_high, c->relmse, c->relmse_low, c->relmse_high,
+		quote->from);
+}
+
 json_t *report_verdict_json(const struct candil_verdict *verdict)
 {
 	return json_pack("{s:f,s:f,s:f}", "black", verdict->black, "clipped", verdict->clipped, "missed", verdict->missed);
@@ -85,6 +96,8 @@ void report_print(const struct report *r, FILE *stream)
 	print_effects(&r->accepted, true, stream);
 	print_effects(&r->accepted, false, stream);
 	report_print_error(done, stream);
+	if (r->accepted.has_quote)
+		print_quote(&r->accepted.quote, stream);
 	if (strcmp(done->reason, "error") == 0)
 		fprintf(stream, "ended      at the target error, after %" PRIu32 " sample%s\n", done->samples,
 			cli_s(done->samples));
@@ -261,5 +274,6 @@ json_t *report_json(const struct report *r)
 	put_number(o, "slices", done->slices);
 	put_number(o, "retries", done->retries);
 	put_text(o, "reason", done->reason);
+	json_object_set_new(o, "quote", r->accepted.has_quote ? quote_json(&r->accepted.quote) : json_null());
 	return o;
 }

@@ -26,7 +26,9 @@ struct report {
 	"\"error\": {\"kind\": \"measured\"|\"predicted\"|\"unknown\", \"relmse\", \"low\", \"high\"} (null: unknown,\n" \
 	"or no upper end), the same as \"estimated_relmse\", \"relmse_low\", \"relmse_high\",\n" \
 	"\"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
-	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any)}\n"
+	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any), \"quote\" (that auto chose " \
+	"the\n" \
+	"technique by, as of candil quote; null: nothing was chosen)}\n"
 
 // The stages, [{"name", "us"}], and the figures, [{"name", "value", "unit"}], of a finished render.
 json_t *report_stages_json(const struct candil_done *done);

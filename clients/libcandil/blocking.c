@@ -126,6 +126,21 @@ candil_status candil_stats(candil_client *client, struct candil_stats *stats, st
 	return status;
 }
 
+candil_status candil_ask_quote(candil_client *client, const struct candil_render_request *request, uint32_t pilot_ms,
+			       struct candil_quote *quote, struct candil_error *error)
+{
+	struct candil_event event;
+	uint32_t id;
+	candil_status status = refuse_if_busy(client, error);
+	if (status == CANDIL_STATUS_OK)
+		status = candil_submit_quote(client, request, pilot_ms, &id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = wait_event(client, &event, error);
+	if (status == CANDIL_STATUS_OK)
+		*quote = event.u.quote;
+	return status;
+}
+
 void candil_render_request_init(struct candil_render_request *request)
 {
 	memset(request, 0, sizeof(*request));

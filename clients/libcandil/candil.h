@@ -301,6 +301,27 @@ CANDIL_API candil_status candil_sweep(candil_client *client, const struct candil
 				      const struct candil_callbacks *callbacks, struct candil_sweep_result *result,
 				      struct candil_error *error);
 
+// What would that render take, and how good would it be? `request` is one of candil_render. Its target_error asks for the
+// least time within that error, its deadline_ms for the least error within that time, neither for this very request;
+// CANDIL_TECHNIQUE_AUTO leaves the technique open. Nothing is rendered but a small look at a scene that is not known yet,
+// and the answer is there within a second; `pilot_ms` above 0, up to 60000, allows so much device time for that look, by
+// every technique, and as long as it takes. Fails as candil_render does with what is wrong with the request, and with
+// TOO_MANY_JOBS, MEMORY.
+//
+// Example: as good as can be within 200 ms
+//	struct candil_render_request request;
+//	struct candil_quote quote;
+//	candil_render_request_init(&request);
+//	request.scene = "room";
+//	request.samples = 0;
+//	request.deadline_ms = 200;
+//	if (candil_ask_quote(client, &request, 0, &quote, &error) != CANDIL_STATUS_OK)
+//		die(error.text);
+//	printf("%s, %u samples: %.0f ms, relMSE %.2g%s\n", candil_technique_name(quote.choice.technique),
+//	       (unsigned)quote.choice.samples, quote.choice.time_ms, quote.choice.relmse, quote.met ? "" : ", too late");
+CANDIL_API candil_status candil_ask_quote(candil_client *client, const struct candil_render_request *request,
+					  uint32_t pilot_ms, struct candil_quote *quote, struct candil_error *error);
+
 // Free the bytes of an image that the library handed over. NULL is allowed.
 CANDIL_API void candil_free(const void *data);
 
@@ -409,12 +430,24 @@ CANDIL_API candil_status candil_submit_sweep(candil_client *client, const struct
 					     const struct candil_camera *cameras, size_t count, uint32_t *id,
 					     struct candil_error *error);
 
+// As candil_ask_quote. Ends with a QUOTE event.
+//
+// Example:
+//	struct candil_render_request request;
+//	uint32_t id;
+//	candil_render_request_init(&request);
+//	request.scene = "room";
+//	if (candil_submit_quote(client, &request, 0, &id, &error) != CANDIL_STATUS_OK)
+//		die(error.text);
+CANDIL_API candil_status candil_submit_quote(candil_client *client, const struct candil_render_request *request,
+					     uint32_t pilot_ms, uint32_t *id, struct candil_error *error);
+
 // As candil_stats. Ends with a STATS event.
 CANDIL_API candil_status candil_submit_stats(candil_client *client, uint32_t *id, struct candil_error *error);
 
-// Ask the daemon to cancel the render or sweep `id`. This has no event of its own: the render ends with ERROR and CANCELLED,
-// or with DONE where it was quicker. To ask twice is harmless. Fails with NO_SUCH_REQUEST if no render or sweep of that id
-// is open.
+// Ask the daemon to cancel the render, sweep or quote `id`. This has no event of its own: the render ends with ERROR and
+// CANCELLED, or with DONE where it was quicker. To ask twice is harmless. Fails with NO_SUCH_REQUEST if no such request of
+// that id is open.
 //
 // Example:
 //	struct candil_render_request request;
@@ -439,6 +472,7 @@ enum candil_event_kind {
 	CANDIL_EVENT_DONE = 8, // done: ends a render or sweep; its final images came before
 	CANDIL_EVENT_STATS = 9, // stats: ends a stats request
 	CANDIL_EVENT_ERROR = 10, // error: ends any request
+	CANDIL_EVENT_QUOTE = 11, // quote: ends a quote
 };
 
 // One piece of an answer. It is large, some 26 KiB, because a scene's description is.
@@ -460,6 +494,7 @@ struct candil_event {
 		struct candil_done done;
 		struct candil_stats stats;
 		struct candil_error error;
+		struct candil_quote quote;
 	} u;
 };
 

@@ -318,6 +318,36 @@ struct candil_effect_report {
 	double share; // of the job's time, 1: all of it
 };
 
+// A way to render, and what to expect of it. Nine times of ten what comes out lies between low and high.
+struct candil_choice {
+	enum candil_technique technique; // never CANDIL_TECHNIQUE_AUTO
+	uint32_t samples; // per pixel
+	uint32_t option_count;
+	struct {
+		char name[32];
+		char value[32];
+	} options[4]; // beside those of the request
+	double time_ms, time_ms_low, time_ms_high; // from the request's arrival to the image, on an idle device whose
+						   // programs are compiled
+	double relmse, relmse_low, relmse_high; // against the picture that path tracing tends to; negative: unknown
+};
+
+// The answer to a quote.
+struct candil_quote {
+	struct candil_choice choice;
+	bool met; // what was asked for, as far as can be foreseen; true if nothing was
+	char why[256]; // a sentence
+	bool has_cheaper, has_better;
+	struct candil_choice cheaper, better; // the next of those that nothing beats in both time and error
+	char from[16]; // "pilot": the scene was looked at for this answer; "model": what was known already
+	double cold_ms; // beside time_ms: programs that are to be compiled first; 0: none
+	double queue_ms; // beside time_ms: what the jobs under way add, as far as can be foreseen
+	uint32_t jobs; // under way
+	uint32_t records; // frames and pilots of this scene that the answer stands on
+	uint32_t note_count;
+	char notes[4][192]; // sentences on what may surprise
+};
+
 // The device has the job: what will be done. It comes once.
 struct candil_accepted {
 	enum candil_technique technique; // never CANDIL_TECHNIQUE_AUTO
@@ -333,6 +363,8 @@ struct candil_accepted {
 	uint32_t warning_count;
 	char warnings[32][256]; // sentences on what of the scene's files was mended or left out, and shows in the picture
 	uint32_t warnings_more; // that did not fit
+	bool has_quote; // the technique was chosen, by `quote`: CANDIL_TECHNIQUE_AUTO with a target error or a deadline
+	struct candil_quote quote;
 };
 
 // How the numbers on a picture's error are known.

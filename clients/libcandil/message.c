@@ -316,6 +316,50 @@ static void read_list(const candil_SceneList *from, struct candil_scene_list *to
 	}
 }
 
+// A number that is negative where it is not known, as are those that cannot be: not finite, below `least` or above `most`.
+static double known(double x, double least, double most)
+{
+	return isfinite(x) && x >= least && x <= most ? x : -1.0;
+}
+
+static void read_choice(const candil_Choice *from, struct candil_choice *to)
+{
+	_Static_assert(COUNT(to->options) == COUNT(from->options), "candil_types.h and candil.options differ");
+	to->technique = (enum candil_technique)from->technique;
+	to->samples = from->samples;
+	to->option_count = from->options_count;
+	for (size_t i = 0; i < from->options_count; i++) {
+		TEXT(to->options[i].name, from->options[i].name);
+		TEXT(to->options[i].value, from->options[i].value);
+	}
+	to->time_ms = known(from->time_ms, 0, INFINITY);
+	to->time_ms_low = known(from->time_ms_low, 0, INFINITY);
+	to->time_ms_high = known(from->time_ms_high, 0, INFINITY);
+	to->relmse = known(from->relmse, 0, INFINITY);
+	to->relmse_low = known(from->relmse_low, 0, INFINITY);
+	to->relmse_high = known(from->relmse_high, 0, INFINITY);
+}
+
+static void read_quote(const candil_QuoteReply *from, struct candil_quote *to)
+{
+	_Static_assert(COUNT(to->notes) == COUNT(from->notes), "candil_types.h and candil.options differ");
+	read_choice(&from->choice, &to->choice);
+	to->met = from->met;
+	TEXT(to->why, from->why);
+	to->has_cheaper = from->has_cheaper;
+	to->has_better = from->has_better;
+	read_choice(&from->cheaper, &to->cheaper);
+	read_choice(&from->better, &to->better);
+	TEXT(to->from, from->from);
+	to->cold_ms = known(from->cold_ms, 0, INFINITY);
+	to->queue_ms = known(from->queue_ms, 0, INFINITY);
+	to->jobs = from->jobs;
+	to->records = from->records;
+	to->note_count = from->notes_count;
+	for (size_t i = 0; i < from->notes_count; i++)
+		TEXT(to->notes[i], from->notes[i]);
+}
+
 static void read_accepted(const candil_Accepted *from, struct candil_accepted *to)
 {
 	_Static_assert(COUNT(to->plan) == COUNT(from->plan), "candil_types.h and candil.options differ");
@@ -343,12 +387,8 @@ static void read_accepted(const candil_Accepted *from, struct candil_accepted *t
 	for (size_t i = 0; i < from->warnings_count; i++)
 		TEXT(to->warnings[i], from->warnings[i]);
 	to->warnings_more = from->warnings_more;
-}
-
-// A number that is negative where it is not known, as are those that cannot be: not finite, below `least` or above `most`.
-static double known(double x, double least, double most)
-{
-	return isfinite(x) && x >= least && x <= most ? x : -1.0;
+	to->has_quote = from->has_quote;
+	read_quote(&from->quote, &to->quote);
 }
 
 // Whether a picture's error is told: a number that is absent is 0 on the wire, and no error of 0.
@@ -497,6 +537,7 @@ bool message_read_event(uint8_t type, const uint8_t *body, size_t bytes, struct 
 		candil_Progress progress;
 		candil_Done done;
 		candil_StatsReply stats;
+		candil_QuoteReply quote;
 		candil_Error error;
 	} m;
 	memset(&m, 0, sizeof(m));
@@ -515,6 +556,7 @@ bool message_read_event(uint8_t type, const uint8_t *body, size_t bytes, struct 
 		READ(PROGRESS, PROGRESS, progress, candil_Progress_fields, read_progress(&m.progress, &event->u.progress))
 		READ(DONE, DONE, done, candil_Done_fields, read_done(&m.done, &event->u.done))
 		READ(STATS_REPLY, STATS, stats, candil_StatsReply_fields, read_stats(&m.stats, &event->u.stats))
+		READ(QUOTE_REPLY, QUOTE, quote, candil_QuoteReply_fields, read_quote(&m.quote, &event->u.quote))
 		READ(ERROR, ERROR, error, candil_Error_fields, read_error(&m.error, &event->u.error))
 	case MESSAGE_OK:
 		event->kind = CANDIL_EVENT_OK;

@@ -197,11 +197,22 @@ candil_status candil_submit_sweep(candil_client *client, const struct candil_ren
 	return CANDIL_STATUS_OK;
 }
 
+candil_status candil_submit_quote(candil_client *client, const struct candil_render_request *request, uint32_t pilot_ms,
+				  uint32_t *id, struct candil_error *error)
+{
+	candil_Quote quote = {.has_render = true, .pilot_ms = pilot_ms};
+	*id = 0;
+	const candil_status status = message_write_render(request, &quote.render, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
+	return submit_plain(client, MESSAGE_QUOTE, candil_Quote_fields, &quote, id, error);
+}
+
 candil_status candil_cancel(candil_client *client, uint32_t id, struct candil_error *error)
 {
 	struct request *render = request_find(&client->requests, id);
-	if (!render || (render->type != MESSAGE_RENDER && render->type != MESSAGE_SWEEP))
-		return error_set(error, CANDIL_STATUS_NO_SUCH_REQUEST, "no render or sweep %u is open", id);
+	if (!render || (render->type != MESSAGE_RENDER && render->type != MESSAGE_SWEEP && render->type != MESSAGE_QUOTE))
+		return error_set(error, CANDIL_STATUS_NO_SUCH_REQUEST, "no render, sweep or quote %u is open", id);
 	if (render->cancelled)
 		return CANDIL_STATUS_OK;
 	candil_Cancel cancel = {.request = id};

@@ -8,6 +8,8 @@
 
 _Static_assert(sizeof(struct ipc_loaded) <= IPC_MAX_BYTES, "a scene's description fits one datagram");
 _Static_assert(sizeof(struct ipc_begin) <= IPC_MAX_BYTES, "a request fits one datagram");
+_Static_assert(sizeof(struct ipc_pilot) <= IPC_MAX_BYTES, "a pilot's request fits one datagram");
+_Static_assert(sizeof(struct ipc_piloted) <= IPC_MAX_BYTES, "what a pilot saw fits one datagram");
 _Static_assert(sizeof(struct ipc_image) <= IPC_MAX_BYTES, "a frame's account fits one datagram");
 
 #define STRING_(x) #x
@@ -18,9 +20,9 @@ const char *ipc_build(void)
 	static char build[64];
 	// Every call writes the same bytes, so a race is harmless. Besides, callers are single-threaded.
 	if (!build[0])
-		snprintf(build, sizeof build, "%s/%zu.%zu.%zu.%zu.%zu", CANDIL_VERSION_STRING, sizeof(struct ipc_begin),
+		snprintf(build, sizeof build, "%s/%zu.%zu.%zu.%zu.%zu.%zu", CANDIL_VERSION_STRING, sizeof(struct ipc_begin),
 			 sizeof(struct ipc_begun), sizeof(struct ipc_stepped), sizeof(struct ipc_image),
-			 sizeof(struct ipc_loaded));
+			 sizeof(struct ipc_loaded), sizeof(struct ipc_piloted));
 	return build;
 }
 

@@ -2,8 +2,8 @@
 // message; descriptors are passed beside it. Both ends are of the same build, so the messages are plain structs;
 // `ipc_build` in the first message proves it. The child finds its end at descriptor IPC_FD.
 //
-//   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END
-//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)      (the encoder's thread sends IMAGE, at any time)
+//   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END  PILOT
+//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  (the encoder's thread sends IMAGE, at any time)
 //   loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
 #ifndef CANDIL_BASE_IPC_H
 #define CANDIL_BASE_IPC_H
@@ -12,8 +12,10 @@
 #include <stdint.h>
 
 #include "candil.pb.h"
+#include "protocol/names.h"
 #include "server/base/error.h"
 #include "server/base/estimate.h"
+#include "server/base/pilot.h"
 #include "server/base/remarks.h"
 
 #define IPC_FD 3
@@ -28,11 +30,13 @@ enum ipc_op {
 	IPC_STEP, // struct ipc_step: work on the job for about budget_us
 	IPC_READ, // struct ipc_read: encode what has been accumulated
 	IPC_END, // struct ipc_job: forget the job; READs already requested are still answered
+	IPC_PILOT, // struct ipc_pilot: look at a scene
 	// worker -> front
 	IPC_READY, // struct ipc_ready, once
 	IPC_BEGUN, // struct ipc_begun, the answer to a BEGIN
 	IPC_STEPPED, // struct ipc_stepped, the answer to a STEP
 	IPC_IMAGE, // struct ipc_image, the answer to a READ, with the file as a sealed memfd unless there is an error
+	IPC_PILOTED, // struct ipc_piloted, the answer to a PILOT
 	// loader -> front
 	IPC_LOADED, // struct ipc_loaded, with the blob as a sealed memfd unless there is an error
 };
@@ -102,6 +106,21 @@ struct ipc_image {
 	struct error error;
 	candil_ImageFrame frame;
 	candil_Done done; // for a final READ, the worker's part: samples, stages, estimates, counts, device
+};
+
+struct ipc_pilot {
+	struct ipc_head head; // `job` is the quote's number
+	uint64_t scene;
+	uint64_t environment; // 0: none
+	uint32_t budget_us; // of work, beside compiling
+	uint32_t techniques; // bits 1 << candil_Technique
+	candil_Render render; // already checked by the front; its technique does not count
+};
+
+struct ipc_piloted {
+	struct ipc_head head;
+	struct error error; // code != OK: nothing came of it
+	struct pilot_result results[TECHNIQUE_COUNT]; // by technique
 };
 
 struct ipc_loaded {

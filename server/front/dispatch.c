@@ -183,6 +183,24 @@ static enum status on_render(const struct message *m, struct error *err)
 		status = find_environment(m, &render, &environment, err);
 	if (status == STATUS_OK)
 		status = jobs_add(&m->service->jobs, m->session, m->header->request, scene, environment, &render, err);
+	if (status == STATUS_OK && request_is_open(&render))
+		quotes_choose(&m->service->quotes, m->session, m->header->request, scene, environment, &render);
+	return status;
+}
+
+static enum status on_quote(const struct message *m, struct error *err)
+{
+	candil_Quote quote;
+	struct scene *scene, *environment;
+	enum status status = check_place(m, err);
+	if (status == STATUS_OK)
+		status = request_quote(m->body, m->header->length, &quote, err);
+	if (status == STATUS_OK)
+		status = find_scene(m, quote.render.scene, &scene, err);
+	if (status == STATUS_OK)
+		status = find_environment(m, &quote.render, &environment, err);
+	if (status == STATUS_OK)
+		status = quotes_add(&m->service->quotes, m->session, m->header->request, scene, environment, &quote, err);
 	return status;
 }
 
@@ -222,6 +240,8 @@ static enum status on_cancel(const struct message *m, struct error *err)
 		jobs_fail(&m->service->jobs, job, &reason);
 	else if (load)
 		scenes_stop_load(load, &reason);
+	else if (quotes_find(&m->service->quotes, m->session, cancel.request))
+		quotes_cancel(&m->service->quotes, m->session, cancel.request, &reason);
 	else
 		return error_set(err, STATUS_NO_SUCH_REQUEST, "this connection has no request %u under way", cancel.request);
 	reply_ok(m->session, m->header->request);
@@ -269,7 +289,7 @@ static handler *find_handler(uint8_t type)
 	    {MESSAGE_HELLO, on_hello},   {MESSAGE_PING, on_ping},        {MESSAGE_LOAD, on_load},
 	    {MESSAGE_UNLOAD, on_unload}, {MESSAGE_LIST_SCENES, on_list}, {MESSAGE_DESCRIBE, on_describe},
 	    {MESSAGE_RENDER, on_render}, {MESSAGE_CANCEL, on_cancel},    {MESSAGE_STATS, on_stats},
-	    {MESSAGE_SWEEP, on_sweep},
+	    {MESSAGE_SWEEP, on_sweep},   {MESSAGE_QUOTE, on_quote},
 	};
 	for (size_t i = 0; i < sizeof table / sizeof *table; i++)
 		if (table[i].type == type)
@@ -280,7 +300,8 @@ static handler *find_handler(uint8_t type)
 static bool is_under_way(const struct message *m)
 {
 	return jobs_find(&m->service->jobs, m->session, m->header->request) ||
-	       scenes_find_load(&m->service->scenes, m->session, m->header->request);
+	       scenes_find_load(&m->service->scenes, m->session, m->header->request) ||
+	       quotes_find(&m->service->quotes, m->session, m->header->request);
 }
 
 static enum status handle_message(const struct message *m, struct error *err)

@@ -21,6 +21,8 @@ enum option_id {
 	SLICE,
 	LIBEXEC,
 	PRIVATE_FD,
+	STATE,
+	NO_STATE,
 	VERSION,
 	HELP = 'h'
 };
@@ -35,6 +37,8 @@ static const struct option long_options[] = {
     {"slice", required_argument, NULL, SLICE},
     {"libexec", required_argument, NULL, LIBEXEC},
     {"private-fd", required_argument, NULL, PRIVATE_FD},
+    {"state", required_argument, NULL, STATE},
+    {"no-state", no_argument, NULL, NO_STATE},
     {"help", no_argument, NULL, HELP},
     {"version", no_argument, NULL, VERSION},
     {NULL, 0, NULL, 0},
@@ -53,6 +57,9 @@ const char *options_help(void)
 	       "  --memory-budget MIB  device memory that may be used (default: the worker's choice)\n"
 	       "  --slice MS           length of a slice of device time, 1 to 1000 (default 50)\n"
 	       "  --libexec DIR        where candil-loader and candil-worker are\n"
+	       "  --state DIR          keep there what is learned of times and errors, for quotes (default\n"
+	       "                       $XDG_STATE_HOME/candil, or ~/.local/state/candil)\n"
+	       "  --no-state           keep nothing\n"
 	       "  --private-fd N       serve the connected socket N alone and exit when it closes\n"
 	       "  -h, --help, --version\n"
 	       "\n"
@@ -131,6 +138,12 @@ static enum status set_option(struct options *options, int id, const char *text,
 		return copy_path(text, "libexec", options->libexec, err);
 	case PRIVATE_FD:
 		return set_private(options, text, err);
+	case STATE:
+		options->no_state = false;
+		return copy_path(text, "state", options->state, err);
+	case NO_STATE:
+		options->no_state = true;
+		return STATUS_OK;
 	case HELP:
 		options->help = true;
 		return STATUS_OK;
@@ -163,6 +176,19 @@ static enum status default_socket(struct options *options, struct error *err)
 	if (length < 0 || (size_t)length >= sizeof options->socket)
 		return error_set(err, STATUS_BAD_ARGUMENT, "$XDG_RUNTIME_DIR is too long: give --socket PATH");
 	return STATUS_OK;
+}
+
+// A folder beneath that of the user's environment. Without one nothing is kept.
+static void default_state(struct options *options)
+{
+	const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+	int length = -1;
+	if (state && state[0] == '/')
+		length = snprintf(options->state, sizeof options->state, "%s/candil", state);
+	else if (home && home[0] == '/')
+		length = snprintf(options->state, sizeof options->state, "%s/.local/state/candil", home);
+	if (length < 0 || (size_t)length >= sizeof options->state)
+		options->state[0] = 0;
 }
 
 // The programs that candild starts are in ../libexec/candil, seen from its own folder, in an installed tree and in the
@@ -203,6 +229,10 @@ enum status options_parse(struct options *options, int argc, char *const argv[],
 				 argv[optind]);
 	if (!options->socket[0] && options->private_fd < 0)
 		status = default_socket(options, err);
+	if (options->no_state)
+		options->state[0] = 0;
+	else if (!options->state[0])
+		default_state(options);
 	if (status == STATUS_OK && !options->libexec[0])
 		status = default_libexec(options, err);
 	return status;

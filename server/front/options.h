@@ -16,6 +16,8 @@ struct scene_option {
 struct options {
 	char socket[PATH_MAX]; // "": none is made (private connection)
 	char libexec[PATH_MAX]; // where candil-loader and candil-worker are
+	char state[PATH_MAX]; // a folder for what is learned; "": none
+	bool no_state;
 	const char *scene_root; // NULL: none
 	const char *device;
 	bool require_gpu;

@@ -361,6 +361,35 @@ enum status request_render(const uint8_t *body, size_t bytes, candil_Render *ren
 	return status == STATUS_OK ? request_check_render(render, err) : status;
 }
 
+// ---- a quote ---------------------------------------------------------------------------------------------------------
+
+_Static_assert(sizeof((candil_Choice *)0)->options / sizeof(candil_Option) == LIMIT_CHOICE_OPTIONS, "candil.options agrees");
+
+bool request_is_open(const candil_Render *r)
+{
+	return r->technique == candil_Technique_TECHNIQUE_AUTO && (r->target_error > 0 || r->deadline_ms > 0);
+}
+
+enum status request_quote(const uint8_t *body, size_t bytes, candil_Quote *quote, struct error *err)
+{
+	candil_Render *r = &quote->render;
+	enum status status = decode_lists(body, bytes, candil_Quote_fields, quote, err);
+	if (status == STATUS_OK && !quote->has_render)
+		status = error_set(err, STATUS_BAD_ARGUMENT, "a quote is about a render: fill in `render`");
+	if (status == STATUS_OK && quote->pilot_ms > LIMIT_PILOT_MS)
+		status = error_set(err, STATUS_LIMIT, "a pilot takes at most %u ms", LIMIT_PILOT_MS);
+	if (status != STATUS_OK)
+		return status;
+	// Any technique may be asked about its error, also one that cannot end by it.
+	const double target = r->target_error;
+	if (isfinite(target) && target > 0 && (unsigned)r->technique < TECHNIQUE_COUNT &&
+	    !can(r->technique, TECHNIQUE_NOISE))
+		r->target_error = 0;
+	status = request_check_render(r, err);
+	r->target_error = target;
+	return status;
+}
+
 // ---- a sweep ---------------------------------------------------------------------------------------------------------
 
 _Static_assert(candil_Sweep_size <= LIMIT_MESSAGE_BYTES, "the longest sweep fits a message");

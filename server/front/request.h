@@ -5,6 +5,7 @@
 #ifndef CANDIL_FRONT_REQUEST_H
 #define CANDIL_FRONT_REQUEST_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,6 +18,11 @@ enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, s
 enum status request_unload(const uint8_t *body, size_t bytes, candil_Unload *unload, struct error *err);
 enum status request_describe(const uint8_t *body, size_t bytes, candil_Describe *describe, struct error *err);
 enum status request_render(const uint8_t *body, size_t bytes, candil_Render *render, struct error *err);
+enum status request_quote(const uint8_t *body, size_t bytes, candil_Quote *quote, struct error *err);
+
+// Whether the technique of a checked Render is to be chosen.
+bool request_is_open(const candil_Render *render);
+
 // `sweep` is large: keep it off the stack. Each of its cameras is checked as a Render's; render.camera must be absent.
 enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep, struct error *err);
 

@@ -96,6 +96,7 @@ static void on_session_ended(void *owner, struct session *session)
 	struct error err;
 	error_set(&err, STATUS_CANCELLED, "the client that loaded the scene went before it was there: load it again");
 	jobs_fail_all(&service->jobs, session, NULL);
+	quotes_drop_session(&service->quotes, session);
 	for (struct scene *s = service->scenes.first, *next; s; s = next) {
 		next = s->next;
 		if (s->session != session)
@@ -131,6 +132,7 @@ static void on_scene_failed(void *owner, struct scene *scene, const struct error
 		reply_error(scene->session, scene->request, err);
 	}
 	jobs_fail_scene(&service->jobs, scene, err);
+	quotes_fail_scene(&service->quotes, scene, err);
 	// Whoever names a scene on the command line counts on it, so the daemon does not go on without it.
 	if (scene->own && !service->leaving && err->code != STATUS_CANCELLED)
 		error_set(&service->own_failure, err->code, "--scene %s: %s", scene->info.name, err->text);
@@ -174,16 +176,24 @@ static void on_worker_image(void *owner, uint32_t job, const struct ipc_image *i
 	jobs_image(&service->jobs, job, image, fd);
 }
 
+static void on_worker_piloted(void *owner, uint32_t pilot, const struct ipc_piloted *piloted)
+{
+	struct service *service = owner;
+	quotes_piloted(&service->quotes, pilot, piloted);
+}
+
 static void on_worker_lost(void *owner, const char *how, bool hopeless)
 {
 	struct service *service = owner;
 	jobs_worker_lost(&service->jobs, how, hopeless);
+	quotes_worker_lost(&service->quotes);
 }
 
 static const struct worker_events worker_events = {.ready = on_worker_ready,
 						   .begun = on_worker_begun,
 						   .stepped = on_worker_stepped,
 						   .image = on_worker_image,
+						   .piloted = on_worker_piloted,
 						   .lost = on_worker_lost};
 
 // ---- life ------------------------------------------------------------------------------------------------------------
@@ -220,6 +230,7 @@ static void service_leave(struct service *service)
 	close_door(service);
 	error_set(&err, STATUS_SHUTTING_DOWN, "the daemon is shutting down");
 	jobs_fail_all(&service->jobs, NULL, &err);
+	quotes_fail_all(&service->quotes, &err);
 	while (service->scenes.first)
 		if (service->scenes.first->state == SCENE_READY)
 			scenes_unload(service->scenes.first);
@@ -237,6 +248,7 @@ static void service_settle(void *owner)
 	sessions_flush(&service->sessions);
 	if (!service->leaving) {
 		scenes_dispatch(&service->scenes);
+		quotes_dispatch(&service->quotes);
 		jobs_dispatch(&service->jobs);
 	}
 	if (service->own_failure.code != STATUS_OK && !service->leaving)
@@ -330,6 +342,8 @@ static enum status set_up(struct service *service, struct error *err)
 	jobs_init(&service->jobs, &service->worker, service->options->slice_ms);
 	status = worker_init(&service->worker, &service->children, service->options, &worker_events, service, err);
 	if (status == STATUS_OK)
+		status = quotes_init(&service->quotes, &service->jobs, &service->worker, service->options->state, err);
+	if (status == STATUS_OK)
 		status = watch_signals(service, err);
 	if (status == STATUS_OK)
 		status = open_root(service, err);
@@ -344,6 +358,7 @@ static void tear_down(struct service *service)
 {
 	if (!service->loop)
 		return;
+	quotes_finish(&service->quotes);
 	jobs_finish(&service->jobs);
 	worker_finish(&service->worker);
 	scenes_finish(&service->scenes);

@@ -4,6 +4,7 @@
 
 #include "server/front/channel.h"
 #include "server/front/jobs/jobs.h"
+#include "server/front/quotes/quotes.h"
 #include "server/front/scenes.h"
 #include "server/front/session.h"
 #include "server/front/worker.h"
@@ -19,6 +20,7 @@ struct service {
 	struct scenes scenes;
 	struct jobs jobs;
 	struct worker worker;
+	struct quotes quotes;
 	struct loop_timer accept_pause, again, departure;
 	uint64_t started_us;
 	bool leaving; // a signal came

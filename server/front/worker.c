@@ -129,6 +129,19 @@ void worker_end(struct worker *worker, uint32_t job)
 	worker_give(worker, &message, sizeof message, -1);
 }
 
+void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
+		  uint32_t techniques, uint32_t budget_us)
+{
+	struct ipc_pilot message = {.head = {.op = IPC_PILOT, .job = pilot},
+				    .scene = scene,
+				    .environment = environment,
+				    .budget_us = budget_us,
+				    .techniques = techniques,
+				    .render = *render};
+	worker_give(worker, &message, sizeof message, -1);
+	expect_answer(worker);
+}
+
 // ---- the watchdog ----------------------------------------------------------------------------------------------------
 
 static uint64_t worker_deadline(const struct worker *worker)
@@ -178,6 +191,7 @@ static void got_ready(struct worker *worker, struct ipc_ready *ready)
 	text_clean(ready->device, sizeof ready->device);
 	text_clean(ready->error.text, sizeof ready->error.text);
 	memcpy(worker->device, ready->device, sizeof worker->device);
+	worker->software = ready->software != 0;
 	worker->device_error = ready->error;
 	worker->state = WORKER_READY;
 	worker->failed_starts = 0;
@@ -246,6 +260,27 @@ static void got_begun(struct worker *worker, struct ipc_begun *begun)
 	worker->events->begun(worker->owner, begun->head.job, begun);
 }
 
+static bool is_known(double x)
+{
+	return isfinite(x) && x >= 0;
+}
+
+static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
+{
+	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++) {
+		struct pilot_result *r = &piloted->results[i];
+		if (!is_known(r->cold_us) || !is_known(r->setup_us) || !is_known(r->fixed_us) || !is_known(r->pixel_us) ||
+		    !is_known(r->sample_us) || !isfinite(r->error.relmse) || !isfinite(r->error.low) ||
+		    !isfinite(r->error.high) || r->pixels > LIMIT_PIXELS || r->samples > LIMIT_SAMPLES) {
+			kill_for(worker, "it sent nonsense");
+			return;
+		}
+	}
+	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	text_clean(piloted->error.text, sizeof piloted->error.text);
+	worker->events->piloted(worker->owner, piloted->head.job, piloted);
+}
+
 static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 {
 	const void *map;
@@ -287,6 +322,8 @@ static void worker_handle(struct worker *worker, size_t bytes, int fd)
 		got_begun(worker, message);
 	} else if (is_message(head, bytes, IPC_STEPPED, sizeof(struct ipc_stepped))) {
 		got_stepped(worker, message);
+	} else if (is_message(head, bytes, IPC_PILOTED, sizeof(struct ipc_piloted))) {
+		got_piloted(worker, message);
 	} else if (is_message(head, bytes, IPC_IMAGE, sizeof(struct ipc_image))) {
 		got_image(worker, message, fd);
 		return;

@@ -33,6 +33,9 @@ struct worker_events {
 	// none, and image->error says why.
 	void (*image)(void *owner, uint32_t job, const struct ipc_image *image, int fd);
 
+	// The answer to PILOT; `pilot` is the number that the order had.
+	void (*piloted)(void *owner, uint32_t pilot, const struct ipc_piloted *piloted);
+
 	// The worker is gone with all its jobs and scenes, and no answer will come. `how` says in words how it ended.
 	// `hopeless`: it has failed to become ready several times in a row.
 	void (*lost)(void *owner, const char *how, bool hopeless);
@@ -62,6 +65,7 @@ struct worker {
 	// for stats
 	uint32_t starts;
 	char device[128];
+	bool software; // the device is a processor
 	struct error device_error; // code != OK: no usable device
 	uint64_t device_bytes;
 	uint64_t validation_errors;
@@ -89,6 +93,11 @@ void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t 
 
 // Work on a job for about budget_us of device time; `stepped` answers.
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
+
+// Look at a scene by the techniques of some bits, 1 << candil_Technique, with so much work for each; `piloted` answers. No
+// STEP and no BEGIN may be outstanding.
+void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
+		  uint32_t techniques, uint32_t budget_us);
 
 // Encode the job's picture as it is, `final` for the last time; `image` answers. `predicted`: as of struct ipc_read.
 void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted);

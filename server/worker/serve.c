@@ -17,6 +17,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/gl/device.h"
 #include "server/worker/image/encoder.h"
+#include "server/worker/pilot/pilot.h"
 #include "server/worker/plan/effects.h"
 #include "server/worker/plan/make.h"
 #include "server/worker/scenes/resident.h"
@@ -127,24 +128,29 @@ static enum status refuse_size(const struct server *s, const struct job *job, ui
 			 (unsigned long long)((bytes > budget ? budget : left) >> 20), advice);
 }
 
+// Take hold of what a request is about. On failure job_destroy gives back what was taken.
+static enum status acquire(struct server *s, uint64_t scene, uint64_t environment, const candil_Render *render,
+			   struct job *job, struct error *err)
+{
+	enum status r = resident_acquire(&s->scenes, scene, render->has_edits ? &render->edits : NULL, &job->scene, err);
+	if (r == STATUS_OK && environment)
+		r = resident_acquire(&s->scenes, environment, NULL, &job->environment, err);
+	return r;
+}
+
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
 {
 	if (!s->devices->vk) {
 		*err = s->no_device;
 		return err->code;
 	}
-	enum status r =
-	    resident_acquire(&s->scenes, m->scene, m->render.has_edits ? &m->render.edits : NULL, &job->scene, err);
+	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
 	if (job->scene->base && !job->scene->edit_told) {
 		job->edit_us = job->scene->edit_us;
 		job->scene->edit_told = true;
 	}
-	if (m->environment)
-		r = resident_acquire(&s->scenes, m->environment, NULL, &job->environment, err);
-	if (r != STATUS_OK)
-		return r;
 	r = plan_make(&m->render, &job->scene->view, job->environment ? job->environment->blob : NULL, &job->plan, err);
 	if (r != STATUS_OK)
 		return r;
@@ -348,6 +354,38 @@ static void on_end(struct server *s, const struct ipc_job *m)
 	job_destroy(s, job);
 }
 
+static enum status look(struct server *s, const struct ipc_pilot *m, struct job *job, struct pilot_result *results,
+			struct error *err)
+{
+	if (!s->devices->vk) {
+		*err = s->no_device;
+		return err->code;
+	}
+	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
+	if (r != STATUS_OK)
+		return r;
+	const struct pilot pilot = {.devices = s->devices,
+				    .scene = job->scene,
+				    .environment = job->environment,
+				    .render = &m->render,
+				    .techniques = m->techniques,
+				    .budget_us = m->budget_us,
+				    .memory = budget_left(s)};
+	return pilot_run(&pilot, results, err);
+}
+
+static enum status on_pilot(struct server *s, const struct ipc_pilot *m)
+{
+	struct ipc_piloted answer = {.head = {.op = IPC_PILOTED, .job = m->head.job}};
+	struct job *job = calloc(1, sizeof *job);
+	if (!job)
+		error_set(&answer.error, STATUS_MEMORY, "out of memory");
+	else if (look(s, m, job, answer.results, &answer.error) == STATUS_OK)
+		answer.error = (struct error){.code = STATUS_OK};
+	job_destroy(s, job);
+	return answer_front(s, &answer, sizeof answer);
+}
+
 static size_t expected_bytes(uint32_t op)
 {
 	switch (op) {
@@ -362,6 +400,8 @@ static size_t expected_bytes(uint32_t op)
 		return sizeof(struct ipc_read);
 	case IPC_END:
 		return sizeof(struct ipc_job);
+	case IPC_PILOT:
+		return sizeof(struct ipc_pilot);
 	default:
 		return 0;
 	}
@@ -392,6 +432,8 @@ static enum status handle(struct server *s, const void *message, size_t bytes, i
 		return on_step(s, message);
 	case IPC_READ:
 		return on_read(s, message);
+	case IPC_PILOT:
+		return on_pilot(s, message);
 	default:
 		on_end(s, message);
 		return STATUS_OK;

@@ -68,7 +68,7 @@ class Daemon:
     def __init__(self, folder, *arguments, socket="test.sock"):
         self.socket = os.path.join(folder, socket)
         self.log = open(os.path.join(folder, "daemon.log"), "w+")
-        self.process = subprocess.Popen([CANDILD, "--socket", self.socket, *arguments], stdin=subprocess.DEVNULL,
+        self.process = subprocess.Popen([CANDILD, "--socket", self.socket, "--no-state", *arguments], stdin=subprocess.DEVNULL,
                                         stderr=self.log)
 
     def __enter__(self):

@@ -50,7 +50,7 @@ class Render(unittest.TestCase):
 
     def test_the_default_number_of_samples_fits_behind_the_first(self):
         result = self.candil("render", self.scene, "-o", self.path("last.png"), "--size", "4x4", "--first-sample", "16777212",
-                             "--error", "1e-9", "--json")
+                             "--error", "1e-9", "--technique", "pt", "--json")
         self.assertEqual(result.returncode, 0, result)
         self.assertEqual(json.loads(result.stdout)["samples"], 4)
 

@@ -11,6 +11,8 @@
 //   FAKE_COUNTS        "stages" or "figures": count more of them than there are; "value": a figure that is no number
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
+//   FAKE_PILOT         "die": be killed on PILOT; "refuse" it; "nonsense": answer with no number
+//   FAKE_PILOT_US=N    a pilot takes so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
 #include <fcntl.h>
 #include <math.h>
@@ -205,6 +207,33 @@ static void on_read(const struct ipc_read *message)
 		close(fd);
 }
 
+// A path costs 1 µs, and its error is one over its samples; every other technique takes as long for a pixel, and is off by
+// 0.25. As much of it is wrong as FAKE_PILOT says.
+static void on_pilot(const struct ipc_pilot *message)
+{
+	const char *wrong = getenv("FAKE_PILOT") ? getenv("FAKE_PILOT") : "";
+	struct ipc_piloted piloted = {.head = {.op = IPC_PILOTED, .job = message->head.job}};
+	if (!find_scene(message->scene))
+		exit(8);
+	if (!strcmp(wrong, "die"))
+		raise(SIGKILL);
+	if (!strcmp(wrong, "refuse"))
+		error_set(&piloted.error, STATUS_BAD_ARGUMENT, "no such option");
+	usleep((useconds_t)fake_number("FAKE_PILOT_US", 0));
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
+		const bool noisy = technique_traits(t) & TECHNIQUE_NOISE;
+		if (!(message->techniques >> t & 1u))
+			continue;
+		piloted.results[t] =
+		    (struct pilot_result){.pixels = 100, .samples = 10, .fixed_us = 1000, .sample_us = 1000};
+		piloted.results[t].error = (struct estimate){noisy ? 0.1 : 0.25, noisy ? 0.09 : 0.2, noisy ? 0.11 : 0.3,
+							     candil_ErrorKind_ERROR_KIND_MEASURED};
+		if (!strcmp(wrong, "nonsense"))
+			piloted.results[t].sample_us = NAN;
+	}
+	answer(&piloted, sizeof piloted, -1);
+}
+
 static void on_message(const void *message, int fd)
 {
 	const struct ipc_head *head = message;
@@ -224,6 +253,9 @@ static void on_message(const void *message, int fd)
 		return;
 	case IPC_READ:
 		on_read(message);
+		return;
+	case IPC_PILOT:
+		on_pilot(message);
 		return;
 	case IPC_END:
 		job = find(head->job);

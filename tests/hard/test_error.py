@@ -88,7 +88,7 @@ class Estimate(unittest.TestCase):
         path = make.furnace(daemon.folder)
         report = daemon.render(path, SIZE, 1, arguments=["--background", "1,1,1"]).report
         self.assertIsNone(report["estimated_relmse"])
-        flat = ["--background", "1,1,1", "--camera", "0,0,4,0,0,8,0,1,0,40", "--error", "1e-9"]
+        flat = ["--background", "1,1,1", "--camera", "0,0,4,0,0,8,0,1,0,40", "--error", "1e-9", "--technique", "pt"]
         report = daemon.render(path, SIZE, 4096, arguments=flat).report
         self.assertEqual((report["estimated_relmse"], report["samples"], report["reason"]), (0, 8, "error"))
         self.assertEqual((report["relmse_low"], report["relmse_high"]), (0, 0))
@@ -125,26 +125,26 @@ class Fireflies(unittest.TestCase):
         self.assertGreaterEqual(sum(p.report["relmse_high"] is None for p in pictures), 8)
         for picture in (p for p in pictures if p.report["relmse_high"] is None):
             self.assertTrue(any("no upper end" in note for note in picture.report["notes"]), picture.report["notes"])
-        picture = daemon.render(path, self.SIZE, 12, arguments=["--error", "100"])
+        picture = daemon.render(path, self.SIZE, 12, arguments=["--error", "100", "--technique", "pt"])
         self.assertEqual((picture.report["samples"], picture.report["reason"]), (12, "samples"))
         self.assertTrue(any("no target" in note for note in picture.report["notes"]), picture.report["notes"])
 
     def test_a_lamp_that_nothing_finds(self):
         """The black room has a lamp outside, the black stage none at all: of the second it is known that nothing is missing."""
         path = make.sealed_room(daemon.folder)
-        picture = daemon.render(path, self.SIZE, 24, arguments=["--error", "0.1"])
+        picture = daemon.render(path, self.SIZE, 24, arguments=["--error", "0.1", "--technique", "pt"])
         self.assertEqual((picture.report["samples"], picture.report["reason"]), (24, "samples"))
         for key in ("estimated_relmse", "relmse_low", "relmse_high"):
             self.assertIsNone(picture.report[key], key)
         self.assertTrue(any("no sample has found light" in note for note in picture.report["notes"]), picture.report["notes"])
-        picture = daemon.render(make.unlit(daemon.folder), self.SIZE, 24, arguments=["--error", "0.1"])
+        picture = daemon.render(make.unlit(daemon.folder), self.SIZE, 24, arguments=["--error", "0.1", "--technique", "pt"])
         self.assertEqual((picture.report["samples"], picture.report["reason"]), (8, "error"))
         self.assertEqual((estimate(picture), picture.report["relmse_high"]), (0, 0))
 
     def test_a_camera_that_looks_away(self):
         """No pixel shows a surface, so no light can have been missed: the target is reached at once."""
         path = make.cornell(daemon.folder)
-        picture = daemon.render(path, self.SIZE, 64, (0, 0, 50, 0, 0, 90, 0, 1, 0, 40), arguments=["--error", "0.1"])
+        picture = daemon.render(path, self.SIZE, 64, (0, 0, 50, 0, 0, 90, 0, 1, 0, 40), arguments=["--error", "0.1", "--technique", "pt"])
         self.assertEqual((picture.report["samples"], picture.report["reason"]), (8, "error"))
         self.assertEqual((estimate(picture), picture.report["relmse_high"]), (0, 0))
 
@@ -222,7 +222,7 @@ class Target(unittest.TestCase):
         for milliseconds in (1, 50):
             with Daemon("--slice", str(milliseconds)) as other:
                 for odd in ("0", "3"):
-                    picture = other.render(path, SIZE, 512, arguments=["--error", "0.02", "--first-sample", odd])
+                    picture = other.render(path, SIZE, 512, arguments=["--technique", "pt", "--error", "0.02", "--first-sample", odd])
                     self.assertEqual(picture.report["reason"], "error")
                     self.assertLessEqual(interval(picture)[1], 0.02)
                     ends.add((odd, picture.report["samples"], picture.radiance.tobytes()))
@@ -241,7 +241,8 @@ class Deadline(unittest.TestCase):
         path = make.cornell(daemon.folder)
         daemon.render(path, SIZE, 1)  # whatever is compiled at first use
         output = os.path.join(daemon.folder, "late.exr")
-        status, out, _ = daemon.candil("render", path, "-o", output, "--size", "48x48", "--time", "400", "--json", check=False)
+        status, out, _ = daemon.candil("render", path, "-o", output, "--size", "48x48", "--technique", "pt", "--time", "400", "--json",
+                                       check=False)
         report = json.loads(out)
         self.assertEqual((status, report["reason"]), (7, "time"))
         self.assertGreater(report["samples"], 0)

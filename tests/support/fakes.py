@@ -13,7 +13,7 @@ def pattern(count, seed):
 
 
 def render(scene="box", **fields):
-    values = dict(width=8, height=8, samples=4)
+    values = dict(width=8, height=8, samples=4, technique=pb.TECHNIQUE_PT)
     values.update(fields)
     return pb.Render(scene=scene, **values)
 

@@ -85,7 +85,8 @@ class Daemon:
         self.folder = self.temporary.name
         self.socket = os.path.join(self.folder, "socket")
         self.log = open(os.path.join(self.folder, "log"), "w+")
-        self.process = subprocess.Popen([os.path.join(self.programs, "candild"), "--socket", self.socket, *self.arguments],
+        self.process = subprocess.Popen([os.path.join(self.programs, "candild"), "--socket", self.socket, "--no-state",
+                                         *self.arguments],
                                         stderr=self.log, stdin=subprocess.DEVNULL, env=self.environment)
         Daemon.running.append(self)
         deadline = time.monotonic() + 60

@@ -17,14 +17,14 @@ HEADER = struct.Struct("<IBBHII")
 FLAG_FD = 1
 PATIENCE = 120  # seconds; a test that waits so long has failed
 
-(HELLO, PING, LOAD, UNLOAD, LIST_SCENES, DESCRIBE, RENDER, CANCEL, STATS, SWEEP) = range(1, 11)
+(HELLO, PING, LOAD, UNLOAD, LIST_SCENES, DESCRIBE, RENDER, CANCEL, STATS, SWEEP, QUOTE) = range(1, 12)
 (HELLO_REPLY, PONG, SCENE_INFO, OK, SCENE_LIST, ACCEPTED, PROGRESS, IMAGE, FRAME_CHUNK, DONE,
- STATS_REPLY) = range(0x81, 0x8C)
+ STATS_REPLY, QUOTE_REPLY) = range(0x81, 0x8D)
 ERROR = 0xFF
 
 BODIES = {HELLO_REPLY: pb.HelloReply, PONG: pb.Ping, SCENE_INFO: pb.SceneInfo, OK: pb.Ok, SCENE_LIST: pb.SceneList,
           ACCEPTED: pb.Accepted, PROGRESS: pb.Progress, IMAGE: pb.ImageFrame, DONE: pb.Done,
-          STATS_REPLY: pb.StatsReply, ERROR: pb.Error}
+          STATS_REPLY: pb.StatsReply, QUOTE_REPLY: pb.QuoteReply, ERROR: pb.Error}
 
 BUILD = os.environ.get("CANDIL_BUILD", ".")
 
@@ -188,7 +188,8 @@ class Daemon:
         self.socket = os.path.join(self.folder, "candil.sock")
         self.log = os.path.join(self.folder, "log")
         self.program = program or os.path.join(BUILD, "bin", "candild")
-        self.arguments = list(arguments)
+        # What an earlier run has learned is no part of a test.
+        self.arguments = list(arguments) if "--state" in arguments else ["--no-state", *arguments]
         if libexec:
             self.arguments += ["--libexec", libexec]
         self.environment = dict(os.environ, FAKE_STATE=self.folder, CANDIL_LOG="debug", **(environment or {}))

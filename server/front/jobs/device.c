@@ -31,7 +31,7 @@ static struct job *next_to_begin(const struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state != JOB_WAITING || !is_loaded(job))
+		if (job->state != JOB_WAITING || job->undecided || !is_loaded(job))
 			continue;
 		if (!job->short_of_memory)
 			return job;
@@ -72,6 +72,8 @@ void jobs_step_next(struct jobs *jobs)
 	if (count == 0)
 		return;
 	struct job *job = active[schedule_pick(turns, count, &jobs->turns)];
+	for (size_t i = 0; i < count; i++)
+		active[i]->crowded |= count > 1;
 	jobs->stepping = job->id;
 	jobs->held = job->id;
 	jobs->step_sent_us = clock_us();
@@ -89,6 +91,9 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 		bool *accepted = job->sweep ? &job->sweep->accepted : &job->accepted;
 		if (!*accepted) {
 			candil_Accepted answer = begun->accepted;
+			answer.has_quote = job->quote != NULL;
+			if (job->quote)
+				answer.quote = *job->quote;
 			warnings_fill(job, &answer);
 			reply_message(job->session, MESSAGE_ACCEPTED, job->request, candil_Accepted_fields, &answer);
 		}

@@ -19,6 +19,14 @@
 struct session;
 struct job;
 
+// A frame that a job has rendered, for the length of a call.
+struct rendered {
+	const struct scene *scene, *environment; // environment NULL: none
+	const candil_Render *render; // as it was rendered: never AUTO
+	const candil_Done *done;
+	bool alone; // no other job had the device meanwhile
+};
+
 // One of them, in the service. Others may read the figures at its end and `room`.
 struct jobs {
 	struct worker *worker; // the service's
@@ -37,6 +45,10 @@ struct jobs {
 	double encode_us; // microseconds that reading and encoding took lately, for a byte of an image's estimate
 	struct loop_timer deadline; // the next deadline of a job that waits
 	uint64_t slices, done, failed, cancelled; // since the start
+	bool piloting; // a pilot waits for the device or has it: no STEP and no BEGIN is sent. Kept by the quotes
+	bool pilot_out; // the worker has one. Likewise
+	void (*rendered)(void *owner, const struct rendered *frame); // a frame is sent; NULL: nobody asks. Set by the owner
+	void *owner;
 };
 
 // `jobs` is empty. `worker` must outlive it. `slice_ms` is in milliseconds.
@@ -50,6 +62,21 @@ void jobs_finish(struct jobs *jobs);
 // a reply: STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
 enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
 		     struct scene *environment, const candil_Render *render, struct error *err);
+
+// Hold back the job of a session's request until its technique is chosen. Returns its number; 0: it has none that is not
+// begun.
+uint32_t jobs_hold(struct jobs *jobs, const struct session *session, uint32_t request);
+
+// Let the job go on that jobs_hold held, if it is still there, with the choice of `reply`, which is told the client with
+// ACCEPTED. `reply` comes from malloc and is taken over; NULL: as it is.
+void jobs_decide(struct jobs *jobs, uint32_t id, candil_QuoteReply *reply);
+
+// What jobs under way, but for job `but` (0: none), would add to work of `us` on the device, as far as can be foreseen: each
+// takes turns with it, until it is done. *count: how many they are.
+double jobs_queue_us(const struct jobs *jobs, uint32_t but, double us, uint32_t *count);
+
+// Bytes that the encoded image of a request takes, at most or nearly so.
+uint64_t jobs_image_bytes(const candil_Render *render);
 
 // The same for a sweep that request_sweep has checked. `message` comes from malloc. It belongs to the jobs on success and
 // stays the caller's on failure.

@@ -49,7 +49,9 @@ static void blame(struct jobs *jobs, const char *how)
 
 void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
 {
-	blame(jobs, how);
+	// While a pilot is out no job is worked on.
+	if (!jobs->pilot_out)
+		blame(jobs, how);
 	jobs->stepping = 0;
 	jobs->beginning = 0;
 	jobs->held = 0;

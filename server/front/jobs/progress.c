@@ -115,11 +115,23 @@ static void complete_account(struct job *job)
 	snprintf(done->reason, sizeof done->reason, "%s", job->late ? "time" : job->reached ? "error" : "samples");
 }
 
+static void tell_owner(const struct jobs *jobs, const struct job *job)
+{
+	const struct rendered frame = {.scene = job->scene,
+				       .environment = job->environment,
+				       .render = &job->render,
+				       .done = &job->done,
+				       .alone = !job->crowded && jobs->count == 1};
+	if (jobs->rendered)
+		jobs->rendered(jobs->owner, &frame);
+}
+
 static void finish_frame(struct jobs *jobs, struct job *job)
 {
 	struct sweep *sweep = job->sweep;
 	struct error err;
 	complete_account(job);
+	tell_owner(jobs, job);
 	sweep_add(sweep, &job->done);
 	jobs->done++;
 	job_log_end(job, "done");
@@ -150,6 +162,7 @@ void job_finish(struct jobs *jobs, struct job *job)
 		return;
 	}
 	complete_account(job);
+	tell_owner(jobs, job);
 	reply_message(job->session, MESSAGE_DONE, job->request, candil_Done_fields, &job->done);
 	jobs->done++;
 	job_log_end(job, "done");

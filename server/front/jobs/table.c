@@ -114,6 +114,7 @@ static void job_destroy(struct jobs *jobs, struct job *job)
 	scene_release(job->scene);
 	if (job->environment)
 		scene_release(job->environment);
+	free(job->quote);
 	free(job);
 }
 

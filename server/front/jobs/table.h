@@ -36,6 +36,9 @@ struct job {
 	candil_Render render;
 	struct turn turn;
 	bool accepted; // the client has been told
+	bool undecided; // its technique is being chosen: it is not begun before
+	candil_QuoteReply *quote; // owned: what its technique was chosen by; NULL: nobody chose
+	bool crowded; // others had the device, too
 	bool short_of_memory; // begins again when another job has ended
 	unsigned refusals; // for want of memory
 	unsigned blames; // workers that were lost while they had it

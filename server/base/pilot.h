@@ -1,0 +1,23 @@
+// What a pilot tells of one technique on one scene: a small picture of the same view, its time and its error. A value; any
+// thread.
+#ifndef CANDIL_BASE_PILOT_H
+#define CANDIL_BASE_PILOT_H
+
+#include <stdint.h>
+
+#include "server/base/estimate.h"
+
+struct pilot_result {
+	uint32_t pixels; // 0: this technique was not looked at, or could not render it
+	uint32_t samples; // that each pixel had
+	double cold_us; // compiling
+	double setup_us; // what is made once for a scene: uploads, trees, voxels
+	double fixed_us; // of a frame, whatever its size
+	double pixel_us; // of all pixels together, whatever the samples
+	double sample_us; // of all samples of all pixels together
+	// Of a technique with noise, the relMSE at so many samples. Of another, its bias: the relMSE of its picture beside
+	// that of the reference, which `path` samples made; unknown if nothing made a reference.
+	struct estimate error;
+};
+
+#endif

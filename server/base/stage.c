@@ -1,0 +1,23 @@
+#include "server/base/stage.h"
+
+#include <stddef.h>
+#include <string.h>
+
+enum stage_kind stage_kind(const char *name)
+{
+	static const struct {
+		const char *name;
+		enum stage_kind kind;
+	} kinds[] = {
+	    {"queue", STAGE_QUEUE},        {"compile", STAGE_COLD},     {"upload", STAGE_SETUP},
+	    {"edit", STAGE_SETUP},         {"light-tree", STAGE_SETUP}, {"effects", STAGE_SETUP},
+	    {"shadow-maps", STAGE_SETUP},  {"voxelise", STAGE_SETUP},   {"voxel-light", STAGE_SETUP},
+	    {"voxel-gather", STAGE_SETUP}, {"pyramid", STAGE_SETUP},    {"aov", STAGE_PIXEL},
+	    {"error", STAGE_PIXEL},        {"resolve", STAGE_PIXEL},    {"show", STAGE_PIXEL},
+	    {"count", STAGE_PIXEL},        {"encode", STAGE_ENCODE},
+	};
+	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+		if (strcmp(name, kinds[i].name) == 0)
+			return kinds[i].kind;
+	return STAGE_SAMPLE;
+}

@@ -1,0 +1,62 @@
+// Jobs whose technique is chosen by a quote, and what a quote asks of the jobs (jobs_hold, jobs_decide, jobs_queue_us and
+// jobs_image_bytes, in jobs.h).
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/names.h"
+#include "server/front/jobs/table.h"
+
+uint32_t jobs_hold(struct jobs *jobs, const struct session *session, uint32_t request)
+{
+	struct job *job = jobs_find(jobs, session, request);
+	if (!job || job->state != JOB_WAITING)
+		return 0;
+	job->undecided = true;
+	return job->id;
+}
+
+static void take_choice(candil_Render *render, const candil_Choice *choice)
+{
+	render->technique = choice->technique;
+	for (pb_size_t i = 0; i < choice->options_count && render->options_count < LIMIT_OPTIONS; i++)
+		render->options[render->options_count++] = choice->options[i];
+	if (technique_traits(choice->technique) & TECHNIQUE_NOISE)
+		return; // its end is that of the request
+	render->samples = choice->samples;
+	render->target_error = 0;
+}
+
+void jobs_decide(struct jobs *jobs, uint32_t id, candil_QuoteReply *reply)
+{
+	struct job *job = jobs_by_id(jobs, id);
+	if (!job || !job->undecided) {
+		free(reply);
+		return;
+	}
+	job->undecided = false;
+	job->quote = reply;
+	if (reply)
+		take_choice(&job->render, &reply->choice);
+}
+
+double jobs_queue_us(const struct jobs *jobs, uint32_t but, double us, uint32_t *count)
+{
+	double all = 0;
+	*count = 0;
+	for (unsigned i = 0; i < jobs->count; i++) {
+		const struct job *job = jobs->job[i];
+		if (job->id == but || job->state > JOB_ACTIVE)
+			continue;
+		++*count;
+		// Of a job that has not begun nothing is known.
+		const double left = job->fraction > 0 ? (double)job->device_us * (1 - job->fraction) / job->fraction : us;
+		all += fmin(left, us);
+	}
+	return all;
+}
+
+uint64_t jobs_image_bytes(const candil_Render *render)
+{
+	return image_estimate(render);
+}

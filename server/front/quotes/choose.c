@@ -1,0 +1,255 @@
+// Design note. Ways are predicted on a grid of samples, which is enough to see what beats what; the samples of the chosen
+// way are then found exactly. What is on the front of Pareto is beaten by no other way in both time and error.
+#include "server/front/quotes/choose.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/names.h"
+
+#define WAYS 128u
+#define CLEAR_MOST 16u // of a technique without noise, whose samples smooth edges alone
+#define STEP 1.25 // a neighbour on the front differs by so much at least, in time or in error
+
+struct ways {
+	struct quote_way way[WAYS]; // the front of Pareto, once it is made: by time
+	unsigned count;
+};
+
+static bool has_noise(candil_Technique technique)
+{
+	return technique_traits(technique) & TECHNIQUE_NOISE;
+}
+
+bool quote_can(const candil_Render *r, candil_Technique technique)
+{
+	const unsigned traits = technique_traits(technique);
+	if (!(traits & TECHNIQUE_RENDERS) || technique == candil_Technique_TECHNIQUE_AUTO)
+		return false;
+	const bool lens = r->lens.radius > 0 || r->lens.projection == candil_Projection_PROJECTION_PANORAMA ||
+			  r->filter != candil_Filter_FILTER_BOX;
+	if (lens && !(traits & TECHNIQUE_LENS))
+		return false;
+	if (r->technique != candil_Technique_TECHNIQUE_AUTO)
+		return technique == r->technique;
+	// Samples by index are asked for to be merged with others of the same noise.
+	if (r->first_sample > 0 && !(traits & TECHNIQUE_NOISE))
+		return false;
+	for (pb_size_t i = 0; i < r->options_count; i++) {
+		const size_t length = strcspn(r->options[i].name, ".");
+		if (technique_number(r->options[i].name, length) != (int)technique)
+			return false;
+	}
+	return true;
+}
+
+// ---- the ways --------------------------------------------------------------------------------------------------------
+
+static double time_of(const struct quote_ask *ask, const struct quote_way *way)
+{
+	return way->said.us * ask->share + (ask->count_cold ? way->said.cold_us : 0);
+}
+
+static void add_way(struct ways *ways, const struct quote_ask *ask, candil_Technique technique, uint32_t samples)
+{
+	if (ways->count == WAYS)
+		return;
+	struct quote_way *way = &ways->way[ways->count++];
+	*way = (struct quote_way){.technique = technique, .samples = samples};
+	ask->predict(ask->user, way);
+}
+
+static uint32_t samples_most(const struct quote_ask *ask, candil_Technique technique)
+{
+	const candil_Render *r = ask->render;
+	const uint64_t pixels = (uint64_t)r->width * r->height, limit = LIMIT_SAMPLES_TIMES_PIXELS / pixels;
+	uint64_t most = has_noise(technique) ? QUOTE_OPEN_SAMPLES : CLEAR_MOST;
+	if (ask->samples_given)
+		most = r->samples;
+	if (most > limit)
+		most = limit;
+	const uint32_t left = LIMIT_SAMPLES - r->first_sample;
+	return most < left ? (uint32_t)most : left;
+}
+
+static void add_technique(struct ways *ways, const struct quote_ask *ask, candil_Technique technique)
+{
+	const uint32_t most = samples_most(ask, technique);
+	// What has no noise gains little from two samples over one.
+	for (uint32_t n = 1; n < most; n *= has_noise(technique) ? 2 : 4)
+		add_way(ways, ask, technique, n);
+	add_way(ways, ask, technique, most);
+}
+
+static int by_time(const void *a, const void *b)
+{
+	const struct quote_way *x = a, *y = b;
+	if (x->said.us < y->said.us || x->said.us > y->said.us)
+		return x->said.us < y->said.us ? -1 : 1;
+	return x->said.error.relmse < y->said.error.relmse ? -1 : x->said.error.relmse > y->said.error.relmse;
+}
+
+static void keep_front(struct ways *ways)
+{
+	unsigned kept = 0;
+	qsort(ways->way, ways->count, sizeof *ways->way, by_time);
+	for (unsigned i = 0; i < ways->count; i++)
+		if (kept == 0 || ways->way[i].said.error.relmse < ways->way[kept - 1].said.error.relmse)
+			ways->way[kept++] = ways->way[i];
+	ways->count = kept;
+}
+
+// ---- the choice ------------------------------------------------------------------------------------------------------
+
+static bool fits(const struct quote_ask *ask, const struct quote_way *way)
+{
+	const candil_Render *r = ask->render;
+	if (r->deadline_ms > 0 && time_of(ask, way) > r->deadline_ms * 1000.0)
+		return false;
+	return !(r->target_error > 0) || way->said.error.relmse <= r->target_error;
+}
+
+// Is `a` nearer to what is asked than `b`?
+static bool is_better(const struct quote_ask *ask, const struct quote_way *a, const struct quote_way *b)
+{
+	const candil_Render *r = ask->render;
+	const bool a_fits = fits(ask, a), b_fits = fits(ask, b);
+	if (a_fits != b_fits)
+		return a_fits;
+	// Of what fits: the least time within an error, the least error within a time alone. Of what does not: the nearest.
+	const bool by_error = a_fits ? !(r->target_error > 0) : r->deadline_ms == 0;
+	if (by_error)
+		return a->said.error.relmse < b->said.error.relmse;
+	return time_of(ask, a) < time_of(ask, b);
+}
+
+// The number of samples, from those of a way that fits up to twice as many, that just fits.
+static void refine(const struct quote_ask *ask, struct quote_way *way)
+{
+	const bool by_error = ask->render->target_error > 0;
+	uint32_t low = by_error ? (way->samples + 1) / 2 : way->samples, high = by_error ? way->samples : 2 * way->samples;
+	const uint32_t most = samples_most(ask, way->technique);
+	struct quote_way best = *way, tried = *way;
+	if (high > most)
+		high = most;
+	while (low <= high) {
+		tried.samples = low + (high - low) / 2;
+		ask->predict(ask->user, &tried);
+		const bool good = fits(ask, &tried);
+		if (good)
+			best = tried;
+		if (good == by_error) {
+			if (tried.samples == 0)
+				break;
+			high = tried.samples - 1;
+		} else {
+			low = tried.samples + 1;
+		}
+	}
+	*way = best;
+}
+
+static void tell(const struct quote_way *way, candil_Choice *out)
+{
+	*out = (candil_Choice){.technique = way->technique,
+			       .samples = way->samples,
+			       .time_ms = way->said.us / 1000,
+			       .time_ms_low = way->said.us_low / 1000,
+			       .time_ms_high = way->said.us_high / 1000,
+			       .relmse = way->said.error.relmse,
+			       .relmse_low = way->said.error.low,
+			       .relmse_high = way->said.error.high,
+			       .options_count = (pb_size_t)way->option_count};
+	memcpy(out->options, way->options, way->option_count * sizeof *out->options);
+}
+
+static const char *s_of(uint32_t count)
+{
+	return count == 1 ? "" : "s";
+}
+
+// Why nothing fits.
+static void say_unmet(const struct quote_ask *ask, const struct quote_way *w, candil_QuoteReply *reply)
+{
+	const candil_Render *r = ask->render;
+	char because[128];
+	if (r->deadline_ms > 0 && time_of(ask, w) > r->deadline_ms * 1000.0)
+		snprintf(because, sizeof because, "%u sample%s of %u x %u pixels take%s %.3g ms%s", w->samples,
+			 s_of(w->samples), r->width, r->height, w->samples == 1 ? "s" : "", time_of(ask, w) / 1000,
+			 ask->count_cold && w->said.cold_us > 0 ? ", with programs to be compiled first" : "");
+	else if (r->deadline_ms > 0)
+		snprintf(because, sizeof because, "in that time the error is about %.3g", w->said.error.relmse);
+	else if (has_noise(w->technique))
+		snprintf(because, sizeof because, "%u samples, the most of a request, leave an error of %.3g", w->samples,
+			 w->said.error.relmse);
+	else
+		snprintf(because, sizeof because, "its error stays at about %.3g, whatever the samples",
+			 w->said.error.relmse);
+	snprintf(reply->why, sizeof reply->why, "cannot be met: nearest is %s with %u sample%s, because %s",
+		 technique_name(w->technique), w->samples, s_of(w->samples), because);
+}
+
+static void say_why(const struct quote_ask *ask, const struct quote_way *w, candil_QuoteReply *reply)
+{
+	const candil_Render *r = ask->render;
+	const char *name = technique_name(w->technique);
+	const bool open = r->technique == candil_Technique_TECHNIQUE_AUTO;
+	if (!reply->met)
+		say_unmet(ask, w, reply);
+	else if (r->target_error > 0)
+		snprintf(reply->why, sizeof reply->why, "%s with %u sample%s takes the least time for an error of %.3g%s",
+			 name, w->samples, s_of(w->samples), r->target_error, open ? ", of all techniques" : "");
+	else if (r->deadline_ms > 0)
+		snprintf(reply->why, sizeof reply->why, "%s with %u sample%s has the least error within %u ms%s", name,
+			 w->samples, s_of(w->samples), r->deadline_ms, open ? ", of all techniques" : "");
+	else
+		snprintf(reply->why, sizeof reply->why, "%s with %u sample%s, as asked", name, w->samples, s_of(w->samples));
+}
+
+// The neighbours of the choice on the front.
+static void tell_neighbours(const struct ways *ways, const struct quote_way *chosen, candil_QuoteReply *reply)
+{
+	const double us = chosen->said.us, error = chosen->said.error.relmse;
+	reply->has_cheaper = reply->has_better = false;
+	for (unsigned i = 0; i < ways->count; i++) {
+		const struct quote_way *w = &ways->way[i];
+		if (w->said.us * STEP <= us && w->said.error.relmse > error) {
+			reply->has_cheaper = true;
+			tell(w, &reply->cheaper);
+		}
+		if (!reply->has_better && w->said.error.relmse * STEP <= error && w->said.us > us) {
+			reply->has_better = true;
+			tell(w, &reply->better);
+		}
+	}
+}
+
+void quote_choose(const struct quote_ask *ask, candil_QuoteReply *reply)
+{
+	struct ways ways = {0};
+	struct quote_way chosen;
+	const candil_Render *r = ask->render;
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++)
+		if (quote_can(r, (candil_Technique)t))
+			add_technique(&ways, ask, (candil_Technique)t);
+	if (r->target_error > 0 || r->deadline_ms > 0) {
+		chosen = ways.way[0];
+		for (unsigned i = 1; i < ways.count; i++)
+			if (is_better(ask, &ways.way[i], &chosen))
+				chosen = ways.way[i];
+		if (fits(ask, &chosen) && has_noise(chosen.technique))
+			refine(ask, &chosen);
+	} else {
+		chosen =
+		    (struct quote_way){.technique = r->technique ? r->technique : TECHNIQUE_OF_AUTO, .samples = r->samples};
+		ask->predict(ask->user, &chosen);
+	}
+	keep_front(&ways);
+	reply->met = fits(ask, &chosen);
+	reply->has_choice = true;
+	tell(&chosen, &reply->choice);
+	say_why(ask, &chosen, reply);
+	tell_neighbours(&ways, &chosen, reply);
+}

@@ -1,0 +1,36 @@
+// Which of many ways to render is the best for a time or an error. Values alone, for the front's one thread; nothing fails.
+#ifndef CANDIL_FRONT_QUOTES_CHOOSE_H
+#define CANDIL_FRONT_QUOTES_CHOOSE_H
+
+#include "candil.pb.h"
+#include "server/front/quotes/model.h"
+
+#define QUOTE_OPEN_SAMPLES 65536u // what request.c fills in where an end is given and no number of samples
+
+// A way to render, and what to expect of it.
+struct quote_way {
+	candil_Technique technique;
+	uint32_t samples;
+	unsigned option_count;
+	candil_Option options[LIMIT_CHOICE_OPTIONS]; // beside those of the request
+	struct quote_prediction said;
+};
+
+// What is asked, and who knows.
+struct quote_ask {
+	const candil_Render *render; // a checked one: its technique (AUTO: any), samples, options, end, size
+	bool samples_given; // by the client, so that no technique is to take more
+	bool count_cold; // what is cold counts against the deadline
+	double share; // of the device that is others', as times that the work takes longer: 1 if it is idle
+	void *user;
+	// Predict the request by a technique, samples and options. `way->said` is filled in.
+	void (*predict)(void *user, struct quote_way *way);
+};
+
+// Answer; some technique can. choice, met, why, cheaper and better of `reply` are set, the rest is the caller's.
+void quote_choose(const struct quote_ask *ask, candil_QuoteReply *reply);
+
+// Whether a technique can render the request, as far as its traits and the names of its options tell.
+bool quote_can(const candil_Render *render, candil_Technique technique);
+
+#endif

@@ -1,0 +1,78 @@
+#include "server/front/quotes/key.h"
+
+#include <pb_encode.h>
+#include <stdlib.h>
+#include <string.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "server/base/ipc.h"
+
+static void add_text(XXH64_state_t *state, const char *text)
+{
+	XXH64_update(state, text ? text : "", text ? strlen(text) + 1 : 1);
+}
+
+static bool add_bytes(pb_ostream_t *stream, const pb_byte_t *bytes, size_t count)
+{
+	return XXH64_update(stream->state, bytes, count) == XXH_OK;
+}
+
+// All of a request that shows in the picture but its technique, its options, its size and its samples.
+static uint64_t hash_view(const candil_Render *render)
+{
+	candil_Render r = *render;
+	XXH64_state_t state;
+	XXH64_reset(&state, 0);
+	pb_ostream_t stream = {.callback = add_bytes, .state = &state, .max_size = SIZE_MAX};
+	r.scene[0] = r.environment.scene[0] = 0;
+	r.technique = candil_Technique_TECHNIQUE_AUTO;
+	r.options_count = 0;
+	r.width = r.height = r.samples = r.first_sample = r.deadline_ms = r.progress_ms = r.aovs = 0;
+	r.seed = 0;
+	r.target_error = r.exposure_ev = 0;
+	r.format = candil_Format_FORMAT_EXR_HALF;
+	r.view = candil_View_VIEW_NONE;
+	r.progressive = false;
+	// A message that was decoded can be encoded.
+	pb_encode(&stream, candil_Render_fields, &r);
+	return XXH64_digest(&state);
+}
+
+static int compare_options(const void *a, const void *b)
+{
+	return strcmp(((const candil_Option *)a)->name, ((const candil_Option *)b)->name);
+}
+
+static uint64_t hash_look(const candil_Render *render, candil_Technique technique)
+{
+	candil_Option options[LIMIT_OPTIONS];
+	const size_t count = render->options_count;
+	XXH64_state_t state;
+	XXH64_reset(&state, technique);
+	memcpy(options, render->options, count * sizeof *options);
+	qsort(options, count, sizeof *options, compare_options);
+	for (size_t i = 0; i < count; i++) {
+		add_text(&state, options[i].name);
+		add_text(&state, options[i].value);
+	}
+	return XXH64_digest(&state);
+}
+
+static uint64_t hash_texts(const char *first, const char *second)
+{
+	XXH64_state_t state;
+	XXH64_reset(&state, 0);
+	add_text(&state, first);
+	add_text(&state, second);
+	return XXH64_digest(&state);
+}
+
+struct quote_key quote_key_of(const candil_Render *render, candil_Technique technique, const char *scene,
+			      const char *environment, const char *device)
+{
+	return (struct quote_key){.where = hash_texts(device, ipc_build()),
+				  .scene = hash_texts(scene, environment),
+				  .look = hash_look(render, technique),
+				  .view = hash_view(render)};
+}

@@ -1,0 +1,13 @@
+// What of a request decides its cost and its error, hashed. For the front's one thread. Nothing fails.
+#ifndef CANDIL_FRONT_QUOTES_KEY_H
+#define CANDIL_FRONT_QUOTES_KEY_H
+
+#include "candil.pb.h"
+#include "server/front/quotes/model.h"
+
+// The key of a checked request for `technique`, whatever its own. `scene` and `environment` (NULL: none) are hashes as
+// SceneInfo has them, `device` is the worker's word.
+struct quote_key quote_key_of(const candil_Render *render, candil_Technique technique, const char *scene,
+			      const char *environment, const char *device);
+
+#endif

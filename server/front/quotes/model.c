@@ -1,0 +1,364 @@
+#include "server/front/quotes/model.h"
+
+#include <math.h>
+#include <string.h>
+
+#define NORMAL_90 1.645
+#define STRETCH_RATE 0.2
+#define STRETCH_LEAST 0.5
+#define STRETCH_MOST 4.0
+#define AGE_LEAST 1e-3 // weight below which a record does not count any more
+#define OCTAVE 0.04 // deviation that each octave of pixels or samples between a record and a request adds
+#define BELIEF 4.0 // frames that what is assumed of a group counts as
+#define DRIFT_BELIEF 8.0 // octaves squared, of the drift
+#define MEMORY 64.0 // frames after which older ones count half
+
+// What is assumed until frames tell: of a part, a guess for a processor and for a GPU, its deviation, the deviations of the
+// groups, the drift with each octave of pixels and of samples. Measured over our own scenes: tests/bench/RESULTS.md.
+static const struct assumed {
+	double processor, gpu, deviation;
+	double group[QUOTE_GROUPS];
+	double drift_pixels, drift_samples;
+} assumed[QUOTE_PARTS] = {
+    [QUOTE_FIXED] = {4e3, 4e3, 0.7, {0.15, 0.3, 0.3, 0.4}, 0.1, 0.05},
+    [QUOTE_PIXEL] = {0.15, 0.02, 1.0, {0.1, 0.3, 0.2, 0.3}, 0, 0.1},
+    [QUOTE_SAMPLE] = {3, 0.01, 1.5, {0.05, 0.12, 0.3, 0.7}, 0, 0},
+    [QUOTE_ENCODE] = {0.02, 0.02, 0.7, {0.08, 0.3, 0.15, 0.3}, -0.05, 0},
+    [QUOTE_SETUP] = {2e4, 1e4, 1.5, {0.3, 0.3, 0.5, 1.2}, 0, 0},
+    [QUOTE_COLD] = {2e6, 5e5, 1.0, {0.3, 0.3, 0.4, 0.5}, 0, 0},
+    [QUOTE_ERROR] = {0.3, 0.3, 1.3, {0.05, 0.15, 0.5, 1.1}, -0.02, -0.05},
+};
+
+// Weight of a record over that of the next newer one of its group: of other scenes, many are to be heard.
+static const double ages[QUOTE_GROUPS] = {0.8, 0.8, 0.9, 0.98};
+
+static double least_of(enum quote_part part)
+{
+	return part == QUOTE_ERROR ? 1e-12 : part == QUOTE_FIXED || part == QUOTE_SETUP ? 10 : 1e-6;
+}
+
+void quote_set_part(struct quote_record *record, enum quote_part part, double value)
+{
+	record->known &= ~(1u << part);
+	if (!isfinite(value) || value < 0)
+		return;
+	record->known |= 1u << part;
+	record->part[part] = (float)log(fmax(value, least_of(part)));
+}
+
+static bool knows(const struct quote_record *r, enum quote_part part)
+{
+	return r->known >> part & 1u;
+}
+
+static const struct quote_record *newest(const struct quote_model *m, uint32_t back)
+{
+	return &m->records[(m->oldest + m->count - 1 - back) % LIMIT_QUOTE_RECORDS];
+}
+
+static const struct quote_habits *find_habits(const struct quote_model *m, uint64_t where)
+{
+	for (unsigned i = 0; i < LIMIT_QUOTE_DEVICES; i++)
+		if (where != 0 && m->habits[i].where == where)
+			return &m->habits[i];
+	return NULL;
+}
+
+static struct quote_habits *make_habits(struct quote_model *m, uint64_t where)
+{
+	for (unsigned i = 0; i < LIMIT_QUOTE_DEVICES; i++)
+		if (m->habits[i].where == where)
+			return &m->habits[i];
+	struct quote_habits *h = &m->habits[m->turn++ % LIMIT_QUOTE_DEVICES];
+	*h = (struct quote_habits){.where = where};
+	return h;
+}
+
+// ---- prediction ------------------------------------------------------------------------------------------------------
+
+// What a part changes by with each octave: least squares, held to what is assumed (ridge regression).
+static void drift_of(const struct quote_habit *h, enum quote_part part, double *pixels, double *samples)
+{
+	const struct assumed *a = &assumed[part];
+	const double pp = h ? h->pp + DRIFT_BELIEF : 1, ss = h ? h->ss + DRIFT_BELIEF : 1, ps = h ? h->ps : 0;
+	const double p = h ? h->p + DRIFT_BELIEF * a->drift_pixels : a->drift_pixels;
+	const double s = h ? h->s + DRIFT_BELIEF * a->drift_samples : a->drift_samples;
+	const double determinant = pp * ss - ps * ps; // above 0, by the beliefs
+	*pixels = (p * ss - s * ps) / determinant;
+	*samples = (s * pp - p * ps) / determinant;
+}
+
+// What frames have lain beside a group's word in the mean, and the variance about that.
+static void group_of(const struct quote_habit *h, enum quote_part part, enum quote_group g, double *shift, double *variance)
+{
+	const double believed = assumed[part].group[g] * assumed[part].group[g];
+	*shift = 0;
+	*variance = believed;
+	if (!h)
+		return;
+	// Of frames and of what lies further away the mean is no bias that would go on, but of pilots it is.
+	if (g == QUOTE_PILOTS)
+		*shift = h->sum[g] / (h->count[g] + 2);
+	const double squares = h->squares[g] - 2 * *shift * h->sum[g] + h->count[g] * *shift * *shift;
+	*variance = (BELIEF * believed + fmax(squares, 0)) / (BELIEF + h->count[g]);
+}
+
+static bool same_view(const struct quote_key *a, const struct quote_key *b)
+{
+	return a->scene == b->scene && a->look == b->look && a->view == b->view;
+}
+
+static enum quote_group group_in(const struct quote_record *r, const struct quote_key *key)
+{
+	if (same_view(&r->key, key))
+		return r->pilot ? QUOTE_PILOTS : QUOTE_FRAMES;
+	return r->key.scene == key->scene ? QUOTE_SCENE : QUOTE_OTHERS;
+}
+
+// What the groups say of one part of a request.
+struct said {
+	double weight[QUOTE_GROUPS]; // 0: nothing
+	double mean[QUOTE_GROUPS];
+};
+
+static struct said ask(const struct quote_model *m, const struct quote_habit *h, const struct quote_query *q,
+		       enum quote_part part)
+{
+	struct said said = {0};
+	double age[QUOTE_GROUPS] = {1, 1, 1, 1}, drift_pixels, drift_samples;
+	drift_of(h, part, &drift_pixels, &drift_samples);
+	for (uint32_t i = 0; i < m->count; i++) {
+		const struct quote_record *r = newest(m, i);
+		if (r->key.where != q->key.where || r->technique != q->technique || !knows(r, part))
+			continue;
+		const enum quote_group g = group_in(r, &q->key);
+		if (age[g] < AGE_LEAST)
+			continue;
+		const double pixels = log2(q->pixels / r->pixels), samples = log2(q->samples / r->samples);
+		const double own = part == QUOTE_ERROR ? (double)r->spread : OCTAVE;
+		const double variance = own * own + OCTAVE * OCTAVE * (pixels * pixels + samples * samples) + 1e-6;
+		const double weight = age[g] / variance;
+		age[g] *= ages[g];
+		said.weight[g] += weight;
+		said.mean[g] += weight * ((double)r->part[part] + drift_pixels * pixels + drift_samples * samples);
+	}
+	for (int g = 0; g < QUOTE_GROUPS; g++)
+		said.mean[g] = said.weight[g] > 0 ? said.mean[g] / said.weight[g] : 0;
+	return said;
+}
+
+// The logarithm of a part, and its variance.
+struct guess {
+	double mean, variance;
+	double pilots; // their share
+};
+
+static struct guess guess_part(const struct quote_model *m, const struct quote_habits *habits, const struct quote_query *q,
+			       enum quote_part part)
+{
+	const struct quote_habit *h = habits ? &habits->habit[q->technique][part] : NULL;
+	const struct said said = ask(m, h, q, part);
+	const struct assumed *a = &assumed[part];
+	double weight = 1 / (a->deviation * a->deviation), pilots = 0;
+	double mean = weight * log(q->software ? a->processor : a->gpu);
+	for (int g = 0; g < QUOTE_GROUPS; g++) {
+		double shift, variance;
+		if (said.weight[g] <= 0)
+			continue;
+		group_of(h, part, (enum quote_group)g, &shift, &variance);
+		const double w = 1 / (variance + 1 / said.weight[g]);
+		weight += w;
+		mean += w * (said.mean[g] + shift);
+		pilots += g == QUOTE_PILOTS ? w : 0;
+	}
+	return (struct guess){.mean = mean / weight, .variance = 1 / weight, .pilots = pilots / weight};
+}
+
+static double stretch_of(const struct quote_habits *h, uint32_t technique, int which)
+{
+	return h && h->stretch[technique][which] > 0 ? h->stretch[technique][which] : 1;
+}
+
+static bool has_noise(uint32_t technique)
+{
+	return technique_traits(technique) & TECHNIQUE_NOISE;
+}
+
+struct quote_prediction quote_predict(const struct quote_model *m, const struct quote_query *q)
+{
+	const struct quote_habits *habits = find_habits(m, q->key.where);
+	const double times[QUOTE_COLD] = {[QUOTE_FIXED] = 1,
+					  [QUOTE_PIXEL] = q->pixels,
+					  [QUOTE_SAMPLE] = q->pixels * q->samples,
+					  [QUOTE_ENCODE] = q->bytes,
+					  [QUOTE_SETUP] = q->setup ? 1 : 0};
+	struct quote_prediction out = {.records = quote_count_scene(m, &q->key)};
+	double variance = 0;
+	for (int part = 0; part < QUOTE_COLD; part++) {
+		if (times[part] <= 0)
+			continue;
+		const struct guess g = guess_part(m, habits, q, (enum quote_part)part);
+		const double us = exp(g.mean) * times[part];
+		out.us += us;
+		variance += us * us * g.variance;
+	}
+	const double time_width = exp(NORMAL_90 * stretch_of(habits, q->technique, 0) * sqrt(variance) / out.us);
+	out.us_low = out.us / time_width;
+	out.us_high = out.us * time_width;
+	if (q->cold)
+		out.cold_us = exp(guess_part(m, habits, q, QUOTE_COLD).mean);
+	const struct guess e = guess_part(m, habits, q, QUOTE_ERROR);
+	const double width = exp(NORMAL_90 * stretch_of(habits, q->technique, 1) * sqrt(e.variance));
+	out.error.kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
+	out.error.relmse = exp(e.mean) / (has_noise(q->technique) ? q->samples : 1);
+	out.error.low = out.error.relmse / width;
+	out.error.high = out.error.relmse * width;
+	out.from_pilot = e.pilots > 0.5;
+	return out;
+}
+
+// ---- learning --------------------------------------------------------------------------------------------------------
+
+static void learn_drift(const struct quote_model *m, struct quote_habit *h, const struct quote_record *r,
+			enum quote_part part)
+{
+	unsigned pairs = 0;
+	for (uint32_t i = 0; i < m->count && pairs < 4; i++) {
+		const struct quote_record *old = newest(m, i);
+		if (old->pilot || old->key.where != r->key.where || !same_view(&old->key, &r->key) || !knows(old, part))
+			continue;
+		const double pixels = log2((double)r->pixels / old->pixels),
+			     samples = log2((double)r->samples / old->samples);
+		if (fabs(pixels) < 0.5 && fabs(samples) < 0.5)
+			continue;
+		const double change = (double)r->part[part] - (double)old->part[part];
+		h->pp += pixels * pixels;
+		h->ps += pixels * samples;
+		h->ss += samples * samples;
+		h->p += pixels * change;
+		h->s += samples * change;
+		pairs++;
+	}
+	if (h->pp + h->ss <= 16 * MEMORY)
+		return;
+	h->pp /= 2;
+	h->ps /= 2;
+	h->ss /= 2;
+	h->p /= 2;
+	h->s /= 2;
+}
+
+static void learn_groups(const struct quote_model *m, struct quote_habit *h, const struct quote_record *r,
+			 const struct quote_query *q, enum quote_part part)
+{
+	const struct said said = ask(m, h, q, part);
+	for (int g = 0; g < QUOTE_GROUPS; g++) {
+		if (said.weight[g] <= 0)
+			continue;
+		// One that is far off, of a machine that was busy say, is not to spoil all that was learned.
+		const double most = 3 * assumed[part].group[g] + 0.3;
+		const double beside = fmax(fmin((double)r->part[part] - said.mean[g], most), -most);
+		h->count[g] += 1;
+		h->sum[g] += beside;
+		h->squares[g] += beside * beside;
+		if (h->count[g] < MEMORY)
+			continue;
+		h->count[g] /= 2;
+		h->sum[g] /= 2;
+		h->squares[g] /= 2;
+	}
+}
+
+static void learn_stretch(double *stretch, double out, double low, double high)
+{
+	const bool outside = out < low || out > high;
+	const double now = (*stretch > 0 ? *stretch : 1) * exp(STRETCH_RATE * ((outside ? 1 : 0) - 0.1));
+	*stretch = fmin(fmax(now, STRETCH_LEAST), STRETCH_MOST);
+}
+
+void quote_learn(struct quote_model *m, const struct quote_record *r, const struct quote_query *q, double us)
+{
+	if (q) {
+		const struct quote_prediction said = quote_predict(m, q);
+		struct quote_habits *h = make_habits(m, r->key.where);
+		if (us > 0)
+			learn_stretch(&h->stretch[r->technique][0], us, said.us_low, said.us_high);
+		if (knows(r, QUOTE_ERROR) && has_noise(r->technique))
+			learn_stretch(&h->stretch[r->technique][1], exp((double)r->part[QUOTE_ERROR]) / r->samples,
+				      said.error.low, said.error.high);
+		for (int part = 0; part < QUOTE_PARTS; part++) {
+			if (!knows(r, (enum quote_part)part))
+				continue;
+			struct quote_habit *habit = &h->habit[r->technique][part];
+			learn_drift(m, habit, r, (enum quote_part)part);
+			learn_groups(m, habit, r, q, (enum quote_part)part);
+		}
+	}
+	quote_keep(m, r);
+}
+
+void quote_keep(struct quote_model *m, const struct quote_record *record)
+{
+	if (m->count < LIMIT_QUOTE_RECORDS) {
+		m->records[(m->oldest + m->count++) % LIMIT_QUOTE_RECORDS] = *record;
+		return;
+	}
+	m->records[m->oldest] = *record;
+	m->oldest = (m->oldest + 1) % LIMIT_QUOTE_RECORDS;
+}
+
+// ---- what there is ---------------------------------------------------------------------------------------------------
+
+uint32_t quote_count_scene(const struct quote_model *m, const struct quote_key *key)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < m->count; i++)
+		count += m->records[i].key.where == key->where && m->records[i].key.scene == key->scene;
+	return count;
+}
+
+uint32_t quote_count_view(const struct quote_model *m, const struct quote_key *key, enum quote_part part)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < m->count; i++)
+		count += m->records[i].key.where == key->where && same_view(&m->records[i].key, key) &&
+			 knows(&m->records[i], part);
+	return count;
+}
+
+bool quote_record_holds(const struct quote_record *r)
+{
+	if (!(technique_traits(r->technique) & TECHNIQUE_RENDERS) || r->technique >= TECHNIQUE_COUNT || r->pilot > 1 ||
+	    r->unused != 0 || r->pixels == 0 || r->pixels > LIMIT_PIXELS || r->samples == 0 || r->samples > LIMIT_SAMPLES ||
+	    r->known >> QUOTE_PARTS || !(r->spread >= 0 && r->spread <= 100))
+		return false;
+	for (int part = 0; part < QUOTE_PARTS; part++)
+		if (!(fabs((double)r->part[part]) <= 100))
+			return false;
+	return true;
+}
+
+static bool is_sum(double x, double least)
+{
+	return x >= least && x <= 1e6;
+}
+
+bool quote_habits_hold(const struct quote_habits *habits)
+{
+	for (int t = 0; t < TECHNIQUE_COUNT; t++)
+		for (int part = 0; part < QUOTE_PARTS; part++) {
+			const struct quote_habit *h = &habits->habit[t][part];
+			// Normal equations have a determinant that is not below 0.
+			bool good = is_sum(h->pp, 0) && is_sum(h->ss, 0) && h->ps * h->ps <= h->pp * h->ss * (1 + 1e-9) &&
+				    is_sum(h->p, -1e6) && is_sum(h->s, -1e6);
+			for (int g = 0; g < QUOTE_GROUPS; g++)
+				good = good && is_sum(h->count[g], 0) && is_sum(h->sum[g], -1e6) && is_sum(h->squares[g], 0);
+			if (!good)
+				return false;
+		}
+	for (int t = 0; t < TECHNIQUE_COUNT; t++)
+		for (int i = 0; i < 2; i++)
+			if (!(habits->stretch[t][i] >= 0 && habits->stretch[t][i] <= STRETCH_MOST))
+				return false;
+	return true;
+}

@@ -1,0 +1,125 @@
+// What is known of time and error: records of frames and pilots, and the habits of a device. Values alone: no clock, no
+// file, no process.
+//
+// A record holds parts, each of them a logarithm: of a time divided by what it grows with, or of an error. A part of a
+// request is predicted from five groups of records, the nearest first: frames of the same view and settings, pilots of
+// them, anything else of the same scene and technique, other scenes, and a guess that needs none. A group's members are
+// first carried to the size and samples of the request by the drift, which is learned: what a part changes by with each
+// doubling. A group's mean counts by the inverse of its variance, which is that of its members and that of the group: how
+// far frames have lain from what the group said (Cochran, Problems arising in the analysis of a series of similar
+// experiments, 1937). Both are learned from every frame, for each device, technique and part.
+//
+// Intervals. The logarithm of a time or an error is taken as normal. 1.645 deviations hold 90 %, times a stretch that every
+// frame corrects: by exp(0.2 · 0.9) where what came out lay outside, else by exp(−0.2 · 0.1). In the long run nine of ten
+// lie inside, whatever the distribution (Gibbs and Candès, Adaptive conformal inference under distribution shift, NeurIPS
+// 2021, equation 2, on the logarithm of the width).
+//
+// For the front's one thread. Nothing fails. Times are microseconds.
+#ifndef CANDIL_FRONT_QUOTES_MODEL_H
+#define CANDIL_FRONT_QUOTES_MODEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "protocol/limits.h"
+#include "protocol/names.h"
+#include "server/base/estimate.h"
+
+// The parts of a record. Each is the logarithm of:
+enum quote_part {
+	QUOTE_FIXED, // µs of a frame beside all stages
+	QUOTE_PIXEL, // µs for a pixel, whatever the samples
+	QUOTE_SAMPLE, // µs for a sample of a pixel
+	QUOTE_ENCODE, // µs for a byte of the file, by image_estimate
+	QUOTE_SETUP, // µs of what is made once for a scene
+	QUOTE_COLD, // µs of compiling
+	QUOTE_ERROR, // relMSE × samples of a technique with noise, else relMSE
+	QUOTE_PARTS
+};
+
+// The groups of records beside a guess.
+enum quote_group { QUOTE_FRAMES, QUOTE_PILOTS, QUOTE_SCENE, QUOTE_OTHERS, QUOTE_GROUPS };
+
+// What a record is about, hashed.
+struct quote_key {
+	uint64_t where; // the device, its driver, the build
+	uint64_t scene; // with the picture of its surroundings
+	uint64_t look; // technique and options
+	uint64_t view; // camera and all else that shows, but the size and the samples
+};
+
+// One frame, or one technique's part of a pilot.
+struct quote_record {
+	struct quote_key key;
+	uint64_t stamp; // of the clock on the wall, µs: no two records of a daemon have the same
+	uint32_t technique; // candil_Technique, one with TECHNIQUE_RENDERS
+	uint32_t pilot; // 1, or 0: a frame
+	uint32_t pixels, samples; // above 0
+	uint32_t known; // bits 1 << enum quote_part
+	float part[QUOTE_PARTS]; // those that are known
+	float spread; // deviation of part[QUOTE_ERROR]
+	uint32_t unused; // 0
+};
+
+// Sums over what was learned of one part of one technique.
+struct quote_habit {
+	double pp, ps, ss, p, s; // normal equations of the drift: octaves of pixels and samples, and the change
+	double count[QUOTE_GROUPS], sum[QUOTE_GROUPS], squares[QUOTE_GROUPS]; // what came out less what the group said
+};
+
+// A device's.
+struct quote_habits {
+	uint64_t where; // 0: a free place
+	struct quote_habit habit[TECHNIQUE_COUNT][QUOTE_PARTS];
+	double stretch[TECHNIQUE_COUNT][2]; // of the intervals of time and error; 0: 1
+};
+
+// Everything. Zeroed, it is empty.
+struct quote_model {
+	struct quote_habits habits[LIMIT_QUOTE_DEVICES];
+	uint32_t turn; // of the place that the next new device takes
+	uint32_t count; // of records, at most LIMIT_QUOTE_RECORDS
+	uint32_t oldest; // once there are so many
+	struct quote_record records[LIMIT_QUOTE_RECORDS]; // in the order of their coming, from `oldest` on
+};
+
+// What is to be predicted.
+struct quote_query {
+	struct quote_key key;
+	uint32_t technique;
+	bool software; // the device is a processor
+	double pixels, samples, bytes; // of the file
+	bool setup; // what is made once for a scene is to be made
+	bool cold; // programs are to be compiled
+};
+
+struct quote_prediction {
+	double us, us_low, us_high; // on an idle device, without cold_us
+	double cold_us; // 0 unless query->cold
+	struct estimate error; // never unknown
+	bool from_pilot; // the error is of a pilot more than of frames
+	uint32_t records; // of the scene
+};
+
+// Predict time and error.
+struct quote_prediction quote_predict(const struct quote_model *model, const struct quote_query *query);
+
+// Set a part of a record to the logarithm of `value`; not known if that is not finite or not above 0.
+void quote_set_part(struct quote_record *record, enum quote_part part, double value);
+
+// Learn from a record and keep it. `query` is what quote_predict was asked, or would have been, and `us` the whole time of
+// the frame without what is cold; query NULL: a pilot. us 0: not known.
+void quote_learn(struct quote_model *model, const struct quote_record *record, const struct quote_query *query, double us);
+
+// How many records of the scene there are, and how many frames or pilots of that view and look.
+uint32_t quote_count_scene(const struct quote_model *model, const struct quote_key *key);
+uint32_t quote_count_view(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
+
+// Whether a record may be taken from a file.
+bool quote_record_holds(const struct quote_record *record);
+bool quote_habits_hold(const struct quote_habits *habits);
+
+// Add a record without learning from it.
+void quote_keep(struct quote_model *model, const struct quote_record *record);
+
+#endif

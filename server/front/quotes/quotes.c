@@ -1,0 +1,614 @@
+#include "server/front/quotes/quotes.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "protocol/header.h"
+#include "protocol/names.h"
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/stage.h"
+#include "server/front/quotes/choose.h"
+#include "server/front/quotes/key.h"
+#include "server/front/reply.h"
+#include "server/front/session.h"
+
+#define QUOTE_PATIENCE_MS 900u // from a quote's arrival, or its scene's, to its answer
+#define PILOT_US 150000u // of a pilot that nobody has asked for: with its first, tiny picture below 300 ms
+#define PILOT_LEAST_US 20000u
+#define DEADLINE_SHARE 10u // of a deadline, that a pilot may take; the answer waits for it twice as long
+#define COLD_US 20000.0 // of compiling, from which on a frame's other times are not believed
+
+struct quote {
+	struct quote *next;
+	uint32_t id; // of its pilot; never 0
+	struct session *session; // NULL: nobody waits for the answer
+	uint32_t request;
+	uint32_t job; // that is held back for it; 0: a client's question
+	struct scene *scene; // held
+	struct scene *environment; // held; NULL: none
+	candil_Render render;
+	uint32_t pilot_ms; // as asked for
+	uint32_t budget_us; // of the pilot; 0: the request is only looked over
+	uint32_t techniques; // of the pilot
+	bool started; // the scene is there, and what is to be done is known
+	bool piloted; // the pilot is back
+	uint64_t asked_us;
+	struct loop_timer timer; // its answer is due
+	struct quotes *owner;
+};
+
+// ---- what is known ---------------------------------------------------------------------------------------------------
+
+static struct quote_key key_of(const struct quotes *quotes, const struct scene *scene, const struct scene *environment,
+			       const candil_Render *render, candil_Technique technique)
+{
+	return quote_key_of(render, technique, scene->info.hash, environment ? environment->info.hash : NULL,
+			    quotes->worker->device);
+}
+
+// What tells whether a technique is compiled and its scene built, for this request.
+static uint64_t warmth_of(const struct scene *scene, const struct quote_key *key)
+{
+	return key->look ^ key->scene ^ scene->id * 0x9E3779B97F4A7C15ull;
+}
+
+static bool is_warm(const struct quotes *quotes, uint64_t warmth)
+{
+	for (uint32_t i = 0; i < QUOTE_WARM && i < quotes->warm_count; i++)
+		if (quotes->warm[i] == warmth)
+			return true;
+	return false;
+}
+
+static void set_warm(struct quotes *quotes, uint64_t warmth)
+{
+	if (!is_warm(quotes, warmth))
+		quotes->warm[quotes->warm_count++ % QUOTE_WARM] = warmth;
+}
+
+static struct quote_query query_of(const struct quotes *quotes, const struct scene *scene, const struct scene *environment,
+				   const candil_Render *render, candil_Technique technique, uint32_t samples)
+{
+	const struct quote_key key = key_of(quotes, scene, environment, render, technique);
+	const bool warm = is_warm(quotes, warmth_of(scene, &key));
+	return (struct quote_query){.key = key,
+				    .technique = technique,
+				    .software = quotes->worker->software,
+				    .pixels = (double)render->width * render->height,
+				    .samples = samples,
+				    .bytes = (double)jobs_image_bytes(render),
+				    .setup = !warm,
+				    .cold = !warm};
+}
+
+// ---- learning --------------------------------------------------------------------------------------------------------
+
+static uint64_t wall_us(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_REALTIME, &t);
+	return (uint64_t)t.tv_sec * 1000000u + (uint64_t)t.tv_nsec / 1000u;
+}
+
+static void set_error(struct quote_record *r, const struct estimate *e, double times)
+{
+	if (!(e->relmse > 0) || !(e->low >= 0))
+		return;
+	// An interval without a finite or a positive end is a wide one.
+	const double low = fmax(e->low, e->relmse / 10), high = e->high > 0 ? e->high : e->relmse * 10;
+	quote_set_part(r, QUOTE_ERROR, e->relmse * times);
+	r->spread = (float)fmin(fmax(log(fmax(high / low, 1)) / (2 * 1.645), 0.02), 5);
+}
+
+// Sums over a frame's stages, by their kind.
+struct account {
+	double us[STAGE_ENCODE + 1];
+	double all;
+};
+
+static struct account add_up(const candil_Done *done)
+{
+	struct account a = {0};
+	for (pb_size_t i = 0; i < done->stages_count; i++) {
+		a.us[stage_kind(done->stages[i].name)] += (double)done->stages[i].us;
+		a.all += (double)done->stages[i].us;
+	}
+	return a;
+}
+
+static void learn_frame(void *owner, const struct rendered *f)
+{
+	struct quotes *quotes = owner;
+	const candil_Technique technique = f->render->technique ? f->render->technique : TECHNIQUE_OF_AUTO;
+	const candil_Done *done = f->done;
+	if (done->samples == 0 || done->retries > 0)
+		return;
+	const struct quote_query q = query_of(quotes, f->scene, f->environment, f->render, technique, done->samples);
+	const struct account a = add_up(done);
+	struct quote_record r = {.key = q.key,
+				 .stamp = wall_us(),
+				 .technique = technique,
+				 .pixels = (uint32_t)q.pixels,
+				 .samples = done->samples};
+	const bool cold = a.us[STAGE_COLD] > COLD_US;
+	const double fixed = fmax((double)done->elapsed_us - a.all, 0);
+	if (q.setup)
+		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
+	if (cold) {
+		quote_set_part(&r, QUOTE_COLD, a.us[STAGE_COLD]);
+	} else {
+		quote_set_part(&r, QUOTE_PIXEL, a.us[STAGE_PIXEL] / q.pixels);
+		quote_set_part(&r, QUOTE_SAMPLE, a.us[STAGE_SAMPLE] / (q.pixels * done->samples));
+		if (f->alone)
+			quote_set_part(&r, QUOTE_FIXED, fixed);
+	}
+	quote_set_part(&r, QUOTE_ENCODE, a.us[STAGE_ENCODE] / q.bytes);
+	const struct estimate e = {
+	    .relmse = done->estimated_relmse, .low = done->relmse_low, .high = done->relmse_high, .kind = done->error_kind};
+	if (e.kind == candil_ErrorKind_ERROR_KIND_MEASURED && technique_traits(technique) & TECHNIQUE_NOISE)
+		set_error(&r, &e, done->samples);
+	set_warm(quotes, warmth_of(f->scene, &q.key));
+	quote_learn(quotes->model, &r, &q, cold || !f->alone ? 0 : a.all + fixed - a.us[STAGE_QUEUE]);
+	quote_store_mark(&quotes->store);
+}
+
+static void learn_pilot(struct quotes *quotes, const struct quote *quote, candil_Technique technique,
+			const struct pilot_result *p)
+{
+	const struct quote_query q =
+	    query_of(quotes, quote->scene, quote->environment, &quote->render, technique, p->samples);
+	struct quote_record r = {.key = q.key,
+				 .stamp = wall_us(),
+				 .technique = technique,
+				 .pilot = 1,
+				 .pixels = p->pixels,
+				 .samples = p->samples};
+	if (q.setup)
+		quote_set_part(&r, QUOTE_SETUP, p->setup_us);
+	if (p->cold_us > COLD_US)
+		quote_set_part(&r, QUOTE_COLD, p->cold_us);
+	quote_set_part(&r, QUOTE_FIXED, p->fixed_us);
+	quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
+	quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples));
+	set_error(&r, &p->error, technique_traits(technique) & TECHNIQUE_NOISE ? p->samples : 1);
+	set_warm(quotes, warmth_of(quote->scene, &q.key));
+	quote_learn(quotes->model, &r, NULL, 0);
+	quote_store_mark(&quotes->store);
+}
+
+// ---- the answer ------------------------------------------------------------------------------------------------------
+
+struct asking {
+	struct quotes *quotes;
+	const struct quote *quote;
+	candil_Render render; // with the options of a way
+};
+
+static void predict_way(void *user, struct quote_way *way)
+{
+	struct asking *a = user;
+	a->render = a->quote->render;
+	for (unsigned i = 0; i < way->option_count && a->render.options_count < LIMIT_OPTIONS; i++)
+		a->render.options[a->render.options_count++] = way->options[i];
+	const struct quote_query q =
+	    query_of(a->quotes, a->quote->scene, a->quote->environment, &a->render, way->technique, way->samples);
+	way->said = quote_predict(a->quotes->model, &q);
+}
+
+static void __attribute__((format(printf, 2, 3))) add_note(candil_QuoteReply *reply, const char *format, ...)
+{
+	va_list args;
+	if (reply->notes_count == sizeof reply->notes / sizeof *reply->notes)
+		return;
+	va_start(args, format);
+	vsnprintf(reply->notes[reply->notes_count++], sizeof *reply->notes, format, args);
+	va_end(args);
+}
+
+static void add_notes(const struct quotes *quotes, const struct quote *quote, const struct quote_prediction *said,
+		      candil_QuoteReply *reply)
+{
+	if (said->records == 0)
+		add_note(reply, "nothing is known of this scene yet: this is a guess from %s",
+			 quotes->model->count > 0 ? "other scenes" : "nothing but the size");
+	else if (quote->budget_us > 0 && !quote->piloted)
+		add_note(reply, "the pilot is not back yet, so the interval is wide: ask again in a while");
+	if (reply->cold_ms > 0)
+		add_note(reply, "the first frame takes about %.1f s more, to compile its programs", reply->cold_ms / 1000);
+	if (reply->jobs > 0)
+		add_note(reply,
+			 "the time is that of an idle device; with the %u other job%s as they are now add about %.0f ms",
+			 reply->jobs, reply->jobs == 1 ? "" : "s", reply->queue_ms);
+}
+
+static void make_reply(struct quotes *quotes, const struct quote *quote, candil_QuoteReply *reply)
+{
+	struct asking asking = {.quotes = quotes, .quote = quote};
+	candil_Render render = quote->render;
+	const uint64_t gone_ms = quote->job ? (clock_us() - quote->asked_us) / 1000 : 0;
+	const bool noisy = technique_traits(render.technique) & TECHNIQUE_NOISE;
+	if (render.deadline_ms > 0)
+		render.deadline_ms = render.deadline_ms > gone_ms + 1 ? render.deadline_ms - (uint32_t)gone_ms : 1;
+	jobs_queue_us(quotes->jobs, quote->job, 0, &reply->jobs);
+	const struct quote_ask ask = {.render = &render,
+				      .samples_given = render.samples != (noisy ? QUOTE_OPEN_SAMPLES : 1),
+				      .count_cold = quote->job != 0,
+				      .share = quote->job ? 1 + reply->jobs : 1,
+				      .user = &asking,
+				      .predict = predict_way};
+	quote_choose(&ask, reply);
+	struct quote_way way = {.technique = reply->choice.technique,
+				.samples = reply->choice.samples,
+				.option_count = reply->choice.options_count};
+	memcpy(way.options, reply->choice.options, way.option_count * sizeof *way.options);
+	predict_way(&asking, &way);
+	reply->queue_ms = jobs_queue_us(quotes->jobs, quote->job, way.said.us, &reply->jobs) / 1000;
+	reply->cold_ms = way.said.cold_us / 1000;
+	reply->records = way.said.records;
+	snprintf(reply->from, sizeof reply->from, "%s", quote->piloted && way.said.from_pilot ? "pilot" : "model");
+	add_notes(quotes, quote, &way.said, reply);
+}
+
+static void quote_destroy(struct quotes *quotes, struct quote *quote)
+{
+	for (struct quote **at = &quotes->first; *at; at = &(*at)->next)
+		if (*at == quote) {
+			*at = quote->next;
+			break;
+		}
+	quotes->count--;
+	if (quotes->out == quote->id)
+		quotes->out = 0;
+	loop_timer_stop(quotes->worker->loop, &quote->timer);
+	scene_release(quote->scene);
+	if (quote->environment)
+		scene_release(quote->environment);
+	free(quote);
+}
+
+// Nobody waits for it any more. While its pilot is out it stays, for the sake of the model.
+static void quote_leave(struct quotes *quotes, struct quote *quote)
+{
+	if (quote->session && !quote->job)
+		quote->session->requests--;
+	quote->session = NULL;
+	quote->job = 0;
+	loop_timer_stop(quotes->worker->loop, &quote->timer);
+	if (quotes->out != quote->id)
+		quote_destroy(quotes, quote);
+}
+
+static void quote_fail(struct quotes *quotes, struct quote *quote, const struct error *err)
+{
+	if (quote->job)
+		jobs_decide(quotes->jobs, quote->job, NULL);
+	else if (quote->session && err)
+		reply_error(quote->session, quote->request, err);
+	quote_leave(quotes, quote);
+}
+
+static void quote_answer(struct quotes *quotes, struct quote *quote)
+{
+	if (!quote->session)
+		return;
+	candil_QuoteReply *reply = calloc(1, sizeof *reply);
+	struct error err;
+	if (!reply) {
+		error_set(&err, STATUS_MEMORY, "no memory for an answer");
+		quote_fail(quotes, quote, &err);
+		return;
+	}
+	make_reply(quotes, quote, reply);
+	log_line(LOG_DEBUG, "quote %u: %s", quote->id, reply->why);
+	if (quote->job) {
+		jobs_decide(quotes->jobs, quote->job, reply);
+	} else {
+		reply_message(quote->session, MESSAGE_QUOTE_REPLY, quote->request, candil_QuoteReply_fields, reply);
+		free(reply);
+	}
+	quote_leave(quotes, quote);
+}
+
+static void answer_due(void *owner)
+{
+	struct quote *quote = owner;
+	quote_answer(quote->owner, quote);
+}
+
+// ---- pilots ----------------------------------------------------------------------------------------------------------
+
+// By which techniques the scene is to be looked at, and for how long.
+static void plan_pilot(const struct quotes *quotes, struct quote *quote)
+{
+	bool noisy_unknown = false, clear_unknown = false;
+	uint32_t noisy = 0, clear = 0;
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
+		const candil_Technique technique = (candil_Technique)t;
+		// The bias of a technique is seen beside the reference, whose options are its own.
+		const bool can = quote_can(&quote->render, technique);
+		if (!can)
+			continue;
+		const struct quote_key key = key_of(quotes, quote->scene, quote->environment, &quote->render, technique);
+		const bool unknown = quote_count_view(quotes->model, &key, QUOTE_ERROR) == 0;
+		if (technique_traits(t) & TECHNIQUE_NOISE) {
+			noisy |= 1u << t;
+			noisy_unknown |= unknown;
+		} else if (quote->pilot_ms > 0 || is_warm(quotes, warmth_of(quote->scene, &key))) {
+			clear |= 1u << t;
+			clear_unknown |= unknown;
+		}
+	}
+	if (clear != 0 && noisy == 0)
+		noisy = 1u << TECHNIQUE_OF_AUTO; // for its reference
+	quote->techniques = clear_unknown || quote->pilot_ms > 0 ? noisy | clear : noisy_unknown ? noisy : 0;
+	quote->budget_us = quote->techniques == 0 ? 0 : quote->pilot_ms > 0 ? quote->pilot_ms * 1000 : PILOT_US;
+	const uint64_t share_us = quote->render.deadline_ms * 1000ull / DEADLINE_SHARE;
+	if (quote->job && quote->render.deadline_ms > 0 && share_us < quote->budget_us)
+		quote->budget_us = share_us < PILOT_LEAST_US ? 0 : (uint32_t)share_us;
+	if (quote->budget_us == 0)
+		quote->techniques = 0;
+}
+
+static bool is_loaded(const struct quote *quote)
+{
+	return quote->scene->state == SCENE_READY && (!quote->environment || quote->environment->state == SCENE_READY);
+}
+
+// Does the worker have to be asked whether it can render this at all?
+static bool is_doubtful(const struct quotes *quotes, const struct quote *quote)
+{
+	const struct quote_key key = key_of(quotes, quote->scene, quote->environment, &quote->render,
+					    quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO);
+	return !quote->job && quote_count_view(quotes->model, &key, QUOTE_SAMPLE) == 0;
+}
+
+// The scene is there. True: the answer is given.
+static bool quote_start(struct quotes *quotes, struct quote *quote)
+{
+	quote->started = true;
+	plan_pilot(quotes, quote);
+	if (quote->techniques == 0 && !is_doubtful(quotes, quote)) {
+		quote_answer(quotes, quote);
+		return true;
+	}
+	uint64_t wait_us = QUOTE_PATIENCE_MS * 1000ull;
+	if (quote->job && quote->render.deadline_ms > 0) {
+		const uint64_t share_us = 2 * quote->render.deadline_ms * 1000ull / DEADLINE_SHARE;
+		wait_us = share_us < wait_us ? share_us : wait_us;
+	}
+	// Who asks for a pilot waits for it; the worker's watchdog sees to it that it ends.
+	if (quote->pilot_ms == 0)
+		loop_timer_set(quotes->worker->loop, &quote->timer, clock_us() + wait_us, answer_due, quote);
+	return false;
+}
+
+static struct quote *next_pilot(const struct quotes *quotes)
+{
+	for (struct quote *q = quotes->first; q; q = q->next)
+		if (q->started && !q->piloted && q->session && is_loaded(q))
+			return q;
+	return NULL;
+}
+
+static void send_pilot(struct quotes *quotes, struct quote *quote)
+{
+	quotes->out = quote->id;
+	quotes->jobs->pilot_out = true;
+	worker_pilot(quotes->worker, quote->id, quote->scene->id, quote->environment ? quote->environment->id : 0,
+		     &quote->render, quote->techniques, quote->budget_us);
+}
+
+void quotes_dispatch(struct quotes *quotes)
+{
+	for (struct quote *q = quotes->first, *next; q; q = next) {
+		next = q->next;
+		if (!q->started && is_loaded(q))
+			quote_start(quotes, q);
+	}
+	struct jobs *jobs = quotes->jobs;
+	if (quotes->out)
+		return;
+	struct quote *quote = quotes->worker->state == WORKER_READY ? next_pilot(quotes) : NULL;
+	// Between two pilots jobs that have the device take a step.
+	uint32_t others = 0;
+	jobs_queue_us(jobs, 0, 0, &others);
+	jobs->piloting = quote && (others == 0 || jobs->slices != quotes->slices);
+	if (jobs->piloting && !jobs->stepping && !jobs->beginning)
+		send_pilot(quotes, quote);
+}
+
+static struct quote *find_by_id(const struct quotes *quotes, uint32_t id)
+{
+	for (struct quote *q = quotes->first; q; q = q->next)
+		if (q->id == id)
+			return q;
+	return NULL;
+}
+
+static void pilot_back(struct quotes *quotes)
+{
+	quotes->out = 0;
+	quotes->slices = quotes->jobs->slices;
+	quotes->jobs->piloting = quotes->jobs->pilot_out = false;
+}
+
+void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted *piloted)
+{
+	struct quote *quote = find_by_id(quotes, id);
+	pilot_back(quotes);
+	if (!quote)
+		return;
+	quote->piloted = true;
+	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++)
+		if (piloted->results[t].pixels > 0 && piloted->results[t].samples > 0 &&
+		    technique_traits(t) & TECHNIQUE_RENDERS)
+			learn_pilot(quotes, quote, (candil_Technique)t, &piloted->results[t]);
+	if (!quote->session)
+		quote_destroy(quotes, quote);
+	else if (piloted->error.code == STATUS_OK || quote->job)
+		quote_answer(quotes, quote);
+	else
+		quote_fail(quotes, quote, &piloted->error);
+}
+
+void quotes_worker_lost(struct quotes *quotes)
+{
+	struct quote *quote = find_by_id(quotes, quotes->out);
+	pilot_back(quotes);
+	quotes->warm_count = 0;
+	if (!quote)
+		return;
+	// It is not tried again: it may be what the worker died of.
+	quote->piloted = true;
+	if (quote->session)
+		quote_answer(quotes, quote);
+	else
+		quote_destroy(quotes, quote);
+}
+
+// ---- coming and going ------------------------------------------------------------------------------------------------
+
+static enum status quote_create(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
+				struct scene *environment, const candil_Render *render, struct quote **out,
+				struct error *err)
+{
+	if (quotes->count == LIMIT_QUOTES)
+		return error_set(err, STATUS_TOO_MANY_JOBS, "the daemon has %u quotes under way: ask again later",
+				 LIMIT_QUOTES);
+	struct quote *quote = calloc(1, sizeof *quote), **end = &quotes->first;
+	if (!quote)
+		return error_set(err, STATUS_MEMORY, "no memory for a quote");
+	do
+		quotes->last_id++;
+	while (quotes->last_id == 0 || find_by_id(quotes, quotes->last_id));
+	*quote = (struct quote){.id = quotes->last_id,
+				.session = session,
+				.request = request,
+				.scene = scene,
+				.environment = environment,
+				.render = *render,
+				.asked_us = clock_us(),
+				.owner = quotes};
+	scene_hold(scene);
+	if (environment)
+		scene_hold(environment);
+	while (*end)
+		end = &(*end)->next;
+	*end = quote;
+	quotes->count++;
+	*out = quote;
+	return STATUS_OK;
+}
+
+static bool some_can(const candil_Render *render)
+{
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++)
+		if (quote_can(render, (candil_Technique)t))
+			return true;
+	return false;
+}
+
+enum status quotes_add(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
+		       struct scene *environment, const candil_Quote *question, struct error *err)
+{
+	struct quote *quote;
+	char known[64];
+	if (!some_can(&question->render)) {
+		technique_list(TECHNIQUE_RENDERS, "or", known, sizeof known);
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "no technique takes all of these options: name one with them, of %s", known);
+	}
+	const enum status status =
+	    quote_create(quotes, session, request, scene, environment, &question->render, &quote, err);
+	if (status != STATUS_OK)
+		return status;
+	quote->pilot_ms = question->pilot_ms;
+	session->requests++;
+	return STATUS_OK;
+}
+
+void quotes_choose(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
+		   struct scene *environment, const candil_Render *render)
+{
+	struct quote *quote;
+	struct error err;
+	if (!some_can(render) ||
+	    quote_create(quotes, session, request, scene, environment, render, &quote, &err) != STATUS_OK)
+		return;
+	quote->job = jobs_hold(quotes->jobs, session, request);
+	if (!quote->job)
+		quote_destroy(quotes, quote);
+}
+
+static struct quote *find_asked(const struct quotes *quotes, const struct session *session, uint32_t request)
+{
+	for (struct quote *q = quotes->first; q; q = q->next)
+		if (q->session == session && q->request == request && !q->job)
+			return q;
+	return NULL;
+}
+
+bool quotes_find(const struct quotes *quotes, const struct session *session, uint32_t request)
+{
+	return find_asked(quotes, session, request) != NULL;
+}
+
+void quotes_cancel(struct quotes *quotes, const struct session *session, uint32_t request, const struct error *err)
+{
+	quote_fail(quotes, find_asked(quotes, session, request), err);
+}
+
+void quotes_drop_session(struct quotes *quotes, const struct session *session)
+{
+	for (struct quote *q = quotes->first, *next; q; q = next) {
+		next = q->next;
+		if (q->session == session)
+			quote_fail(quotes, q, NULL);
+	}
+}
+
+void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const struct error *err)
+{
+	for (struct quote *q = quotes->first, *next; q; q = next) {
+		next = q->next;
+		if (q->session && (q->scene == scene || q->environment == scene))
+			quote_fail(quotes, q, err);
+	}
+}
+
+void quotes_fail_all(struct quotes *quotes, const struct error *err)
+{
+	for (struct quote *q = quotes->first, *next; q; q = next) {
+		next = q->next;
+		if (q->session)
+			quote_fail(quotes, q, err);
+	}
+}
+
+enum status quotes_init(struct quotes *quotes, struct jobs *jobs, struct worker *worker, const char *state,
+			struct error *err)
+{
+	*quotes = (struct quotes){.jobs = jobs, .worker = worker, .model = calloc(1, sizeof *quotes->model)};
+	if (!quotes->model)
+		return error_set(err, STATUS_MEMORY, "no memory for what is known of times and errors");
+	quote_store_open(&quotes->store, state, worker->loop, quotes->model);
+	jobs->rendered = learn_frame;
+	jobs->owner = quotes;
+	return STATUS_OK;
+}
+
+void quotes_finish(struct quotes *quotes)
+{
+	if (!quotes->model)
+		return;
+	while (quotes->first)
+		quote_destroy(quotes, quotes->first);
+	quote_store_close(&quotes->store);
+	free(quotes->model);
+	quotes->model = NULL;
+}

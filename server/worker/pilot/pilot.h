@@ -1,0 +1,38 @@
+// Pilots: small pictures of a request's view, of which a quote learns what its own will cost and how good it will be. A
+// pilot goes through the seam of technique.h as a job does, with a seed of its own, and no picture of it is kept. Device's
+// thread only.
+#ifndef CANDIL_WORKER_PILOT_PILOT_H
+#define CANDIL_WORKER_PILOT_PILOT_H
+
+#include <stdint.h>
+
+#include "candil.pb.h"
+#include "protocol/names.h"
+#include "server/base/error.h"
+#include "server/base/pilot.h"
+
+struct devices;
+struct resident_scene;
+
+// What is looked at. The pointers stay the caller's.
+struct pilot {
+	struct devices *devices;
+	struct resident_scene *scene;
+	struct resident_scene *environment; // NULL: none
+	const candil_Render *render; // a checked one; its technique, samples and end do not count
+	uint32_t techniques; // bits 1 << candil_Technique
+	uint32_t budget_us; // of work of each technique, beside compiling and what is made once for a scene
+	uint64_t memory; // bytes of the device that it may take
+};
+
+// Look by each technique. One that cannot render the request, or not within the memory or some time, leaves its result
+// zeroed. The bias of techniques without noise is known only if one with noise is looked at, too. Fails only if nothing can:
+// STATUS_DEVICE.
+enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], struct error *err);
+
+// The relMSE of `picture` beside a reference that itself is wrong by about `noise`: mean((x − r)² / (r² + 0.01)) over all
+// `count` floats, less that noise, never below 0. The ends are those of `noise`, and the deviation of the mean over pixels,
+// each of three floats, which are taken as independent.
+struct estimate pilot_bias(const float *picture, const float *reference, uint64_t count, const struct estimate *noise);
+
+#endif
