@@ -94,6 +94,21 @@
 	X(MEASURED, 1, "measured") \
 	X(PREDICTED, 2, "predicted")
 
+// What a study of a scene turns of the techniques, one thing at a time, the others at their defaults: the options that buy
+// accuracy with time. X("option", "values", "values of a quick study"), values between spaces. The option's name begins with
+// that of its technique. The number of samples is not among them: all techniques have it.
+#define CANDIL_KNOB_LIST(X) \
+	X("vct.resolution", "32 64 256", "64") \
+	X("vct.bounces", "0 1 4", "") \
+	X("vct.cones", "6 16 32", "") \
+	X("vct.detail", "full", "") \
+	X("vct.emitters", "cones", "") \
+	X("vct.shadows", "map march cones volume", "") \
+	X("vct.step", "0.25 1", "") \
+	X("vct.start", "0.5 2", "") \
+	X("direct.samples", "8 32", "8") \
+	X("direct.shadows", "map none", "")
+
 // What a light has beside its intensity: bits.
 #define LIGHT_HAS_PLACE 1u
 #define LIGHT_HAS_DIRECTION 2u

@@ -50,6 +50,7 @@ struct command {
 	X(render) \
 	X(sweep) \
 	X(quote) \
+	X(study) \
 	X(compare) \
 	X(inspect) \
 	X(stats)

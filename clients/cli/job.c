@@ -77,32 +77,50 @@ void job_put_warnings(const struct job *job, json_t *answer)
 	json_object_set_new(answer, "warnings_more", cli_json_u64(job->accepted.warnings_more));
 }
 
-enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event),
-			  void *user)
+// See a request through to its end. *failure: errno of an output that could not be written, else 0.
+static candil_status see_through(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event),
+				 void *user, int *failure, struct candil_error *error)
 {
 	candil_client *client = job->target.client;
 	candil_status status = CANDIL_STATUS_OK;
-	struct candil_error error;
 	struct candil_event event = {0};
-	int failure = 0; // errno of an output that could not be written
+	*failure = 0;
 	while (status == CANDIL_STATUS_OK && !event.ends_request) {
-		if (!interrupt_wait(client, &event, &status, &error)) {
+		if (!interrupt_wait(client, &event, &status, error)) {
 			if (status == CANDIL_STATUS_OK)
-				status = candil_cancel(client, id, &error);
+				status = candil_cancel(client, id, error);
 			continue;
 		}
 		if (event.id != id)
 			continue;
-		if (event.kind == CANDIL_EVENT_ERROR && !failure)
-			return job_fail(job, &event.u.error);
-		if (!failure && !take(user, &event)) {
+		if (event.kind == CANDIL_EVENT_ERROR && !*failure) {
+			*error = event.u.error;
+			return error->code;
+		}
+		if (!*failure && !take(user, &event)) {
 			// The request must still be seen through to its end: the connection takes no other call before, and
 			// a scene that was loaded for this command has to be unloaded.
-			failure = errno ? errno : EIO;
+			*failure = errno ? errno : EIO;
 			if (!event.ends_request)
-				status = candil_cancel(client, id, &error);
+				status = candil_cancel(client, id, error);
 		}
 	}
+	return status;
+}
+
+candil_status job_await(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event), void *user,
+			struct candil_error *error)
+{
+	int failure;
+	return see_through(job, id, take, user, &failure, error);
+}
+
+enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event),
+			  void *user)
+{
+	struct candil_error error;
+	int failure;
+	const candil_status status = see_through(job, id, take, user, &failure, &error);
 	if (failure) {
 		errno = failure;
 		return job_fail_output(job, job->output);

@@ -49,4 +49,8 @@ void job_put_warnings(const struct job *job, json_t *answer);
 enum exit_code job_follow(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event),
 			  void *user);
 
+// The same without a word: returns how the request ended, and *error is why. A `take` that fails is a cancelled request.
+candil_status job_await(struct job *job, uint32_t id, bool (*take)(void *user, const struct candil_event *event), void *user,
+			struct candil_error *error);
+
 #endif

@@ -48,6 +48,11 @@ enum {
 	OPTION_PANORAMA,
 	OPTION_NO_DEFAULT_LIGHT,
 	OPTION_PILOT,
+	OPTION_TECHNIQUES,
+	OPTION_BUDGET,
+	OPTION_QUICK,
+	OPTION_PLAN,
+	OPTION_SEEDS,
 };
 
 // Which commands have an option: bits.
@@ -55,10 +60,13 @@ enum {
 #define BY_SWEEP 2u
 #define BY_INSPECT 4u
 #define BY_QUOTE 8u
+#define BY_STUDY 16u
 #define BY_ALL (BY_RENDER | BY_SWEEP | BY_INSPECT | BY_QUOTE)
+#define BY_EACH (BY_ALL | BY_STUDY)
 
 // The options of this file, one a line: its name, its number, who has it, and what it takes, as a refusal says it, with the
-// marks of words.h. NULL: it takes nothing. sweep.c itself refuses what is wrong with the options of a sweep alone.
+// marks of words.h. NULL: it takes nothing. What is wrong with the
+// options of a sweep or a study alone is refused by sweep.c and study_options.c.
 // clang-format off
 static const struct row {
 	const char *name;
@@ -66,35 +74,35 @@ static const struct row {
 	unsigned commands;
 	const char *form;
 } rows[] = {
-	{"output", OPTION_OUTPUT, BY_ALL, "a file name, or - for standard output"},
+	{"output", OPTION_OUTPUT, BY_EACH, "a file name, or - for standard output"},
 	{"format", OPTION_FORMAT, BY_ALL, "exr or png"},
 	{"technique", OPTION_TECHNIQUE, BY_ALL, "auto, {techniques}"},
-	{"size", OPTION_SIZE, BY_ALL, "WxH, two whole numbers of pixels such as 640x480"},
+	{"size", OPTION_SIZE, BY_EACH, "WxH, two whole numbers of pixels such as 640x480"},
 	{"spp", OPTION_SPP, BY_ALL, "a whole number from 1 to 16777216"},
 	{"first-sample", OPTION_FIRST_SAMPLE, BY_ALL, "a whole number from 0 to 16777215"},
 	{"seed", OPTION_SEED, BY_ALL, "a whole number from 0 on"},
-	{"background", OPTION_BACKGROUND, BY_ALL, "r,g,b, three numbers such as 1,1,1, or a picture: its name or its file"},
-	{"background-turn", OPTION_BACKGROUND_TURN, BY_ALL, "a number of degrees"},
-	{"background-scale", OPTION_BACKGROUND_SCALE, BY_ALL, "a number above 0"},
-	{"no-default-light", OPTION_NO_DEFAULT_LIGHT, BY_RENDER | BY_SWEEP | BY_QUOTE, NULL},
-	{"effects", OPTION_EFFECTS, BY_ALL, "auto, all or none, then +NAME or -NAME, between commas; a NAME is {effects}"},
+	{"background", OPTION_BACKGROUND, BY_EACH, "r,g,b, three numbers such as 1,1,1, or a picture: its name or its file"},
+	{"background-turn", OPTION_BACKGROUND_TURN, BY_EACH, "a number of degrees"},
+	{"background-scale", OPTION_BACKGROUND_SCALE, BY_EACH, "a number above 0"},
+	{"no-default-light", OPTION_NO_DEFAULT_LIGHT, BY_RENDER | BY_SWEEP | BY_QUOTE | BY_STUDY, NULL},
+	{"effects", OPTION_EFFECTS, BY_EACH, "auto, all or none, then +NAME or -NAME, between commas; a NAME is {effects}"},
 	{"aov", OPTION_AOV, BY_ALL, "depth, normal, albedo and id, between commas"},
 	{"exposure", OPTION_EXPOSURE, BY_ALL, "a number of stops such as -1.5"},
 	{"view", OPTION_VIEW, BY_ALL, "none, reinhard or filmic"},
 	{"half", OPTION_HALF, BY_ALL, NULL},
 	{"float", OPTION_FLOAT, BY_ALL, NULL},
 	{"set", OPTION_SET, BY_ALL, "NAME=VALUE such as " TECHNIQUE_OPTION_EXAMPLE ", up to 16 times"},
-	{"camera", OPTION_CAMERA, BY_ALL, "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV"},
+	{"camera", OPTION_CAMERA, BY_EACH, "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV"},
 	{"error", OPTION_ERROR, BY_ALL, "a relative MSE above 0 such as 1e-3"},
 	{"time", OPTION_TIME, BY_ALL, "a whole number of milliseconds from 1 to 86400000"},
-	{"filter", OPTION_FILTER, BY_ALL, "box, gauss or bh"},
-	{"lens", OPTION_LENS, BY_ALL, "RADIUS,FOCUS, two lengths in metres such as 0.02,3.5"},
-	{"orthographic", OPTION_ORTHOGRAPHIC, BY_ALL, "the height of the picture in metres, above 0"},
-	{"panorama", OPTION_PANORAMA, BY_ALL, NULL},
-	{"quiet", OPTION_QUIET, BY_ALL, NULL},
+	{"filter", OPTION_FILTER, BY_EACH, "box, gauss or bh"},
+	{"lens", OPTION_LENS, BY_EACH, "RADIUS,FOCUS, two lengths in metres such as 0.02,3.5"},
+	{"orthographic", OPTION_ORTHOGRAPHIC, BY_EACH, "the height of the picture in metres, above 0"},
+	{"panorama", OPTION_PANORAMA, BY_EACH, NULL},
+	{"quiet", OPTION_QUIET, BY_EACH, NULL},
 	{"progressive", OPTION_PROGRESSIVE, BY_RENDER, NULL},
 	{"pilot", OPTION_PILOT, BY_QUOTE, "a whole number of milliseconds from 1 to 60000"},
-	{"at", OPTION_AT, BY_RENDER | BY_INSPECT | BY_QUOTE, "a number of seconds"},
+	{"at", OPTION_AT, BY_RENDER | BY_INSPECT | BY_QUOTE | BY_STUDY, "a number of seconds"},
 	{"orbit", OPTION_ORBIT, BY_SWEEP, ""},
 	{"cameras", OPTION_CAMERAS, BY_SWEEP, ""},
 	{"shard", OPTION_SHARD, BY_SWEEP, ""},
@@ -102,6 +110,11 @@ static const struct row {
 	{"frames", OPTION_FRAMES, BY_SWEEP, ""},
 	{"fps", OPTION_FPS, BY_SWEEP, ""},
 	{"force", OPTION_FORCE, BY_SWEEP, NULL},
+	{"techniques", OPTION_TECHNIQUES, BY_STUDY, ""},
+	{"budget", OPTION_BUDGET, BY_STUDY, ""},
+	{"quick", OPTION_QUICK, BY_STUDY, NULL},
+	{"plan", OPTION_PLAN, BY_STUDY, ""},
+	{"seeds", OPTION_SEEDS, BY_STUDY, ""},
 };
 // clang-format on
 #define ROWS (sizeof(rows) / sizeof(rows[0]))
@@ -281,6 +294,12 @@ static bool take_sweep_option(int option, const char *value, struct sweep_texts 
 	}
 }
 
+// Hand an option to the one who wants to see it before it is taken: a study. false: it is not for this file.
+static bool is_left(const struct option_watch *watch, const struct option *option, const char *value)
+{
+	return watch && watch->take(watch->user, option->name, value);
+}
+
 static const char *format_of(const struct render_options *options, const struct given *given)
 {
 	if (given->format)
@@ -349,13 +368,14 @@ static void options_init(struct render_options *options)
 }
 
 // Parse into options that options_init began. `which`: one of BY_…. `format`: that of an output whose name has no extension;
-// NULL: the name must have one. `texts`: NULL but for a sweep.
+// NULL: the name must have one. `texts`: NULL but for a sweep. `watch`: NULL but for a study.
 static bool options_parse(struct cli *cli, const struct command *self, int argc, char **argv, unsigned which,
 			  const char *format, struct render_options *options, struct sweep_texts *texts,
-			  enum exit_code *code)
+			  const struct option_watch *watch, enum exit_code *code)
 {
 	struct given given = {.format = format};
 	struct option long_options[SHARED + ROWS + 1];
+	const struct option output = {"output", required_argument, NULL, OPTION_OUTPUT};
 	int option, index = 0;
 	list_options(which, long_options);
 	while ((option = getopt_long(argc, argv, "ho:", long_options, &index)) != -1) {
@@ -366,7 +386,8 @@ static bool options_parse(struct cli *cli, const struct command *self, int argc,
 				return false;
 		} else if (option == '?') {
 			return cli_common_option(cli, self, option, code);
-		} else if (texts && take_sweep_option(option, optarg, texts)) {
+		} else if ((texts && take_sweep_option(option, optarg, texts)) ||
+			   is_left(watch, option == OPTION_OUTPUT ? &output : &long_options[index], optarg)) {
 			continue;
 		} else if (!take_flag(option, options, &given) && !take_option(option, optarg, options, &given)) {
 			_Static_assert(LIMIT_EDIT_LIGHTS == LIMIT_EDIT_MATERIALS && LIMIT_EDIT_LIGHTS == LIMIT_EDIT_NODES,
@@ -404,7 +425,7 @@ bool render_options_parse(struct cli *cli, const struct command *self, int argc,
 {
 	options_init(options);
 	options->request.default_light = true;
-	return options_parse(cli, self, argc, argv, BY_RENDER, NULL, options, NULL, code);
+	return options_parse(cli, self, argc, argv, BY_RENDER, NULL, options, NULL, NULL, code);
 }
 
 bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
@@ -413,7 +434,7 @@ bool sweep_options_parse(struct cli *cli, const struct command *self, int argc, 
 	*texts = (struct sweep_texts){0};
 	options_init(options);
 	options->request.default_light = true;
-	return options_parse(cli, self, argc, argv, BY_SWEEP, NULL, options, texts, code);
+	return options_parse(cli, self, argc, argv, BY_SWEEP, NULL, options, texts, NULL, code);
 }
 
 bool inspect_options_parse(struct cli *cli, const struct command *self, int argc, char **argv,
@@ -421,7 +442,7 @@ bool inspect_options_parse(struct cli *cli, const struct command *self, int argc
 {
 	options_init(options);
 	options->request.samples = 1;
-	if (!options_parse(cli, self, argc, argv, BY_INSPECT, "png", options, NULL, code))
+	if (!options_parse(cli, self, argc, argv, BY_INSPECT, "png", options, NULL, NULL, code))
 		return false;
 	if (options->request.technique == CANDIL_TECHNIQUE_AUTO)
 		options->request.technique = (enum candil_technique)technique_with(TECHNIQUE_VOXELS);
@@ -433,5 +454,13 @@ bool quote_options_parse(struct cli *cli, const struct command *self, int argc, 
 {
 	options_init(options);
 	options->request.default_light = true;
-	return options_parse(cli, self, argc, argv, BY_QUOTE, NULL, options, NULL, code);
+	return options_parse(cli, self, argc, argv, BY_QUOTE, NULL, options, NULL, NULL, code);
+}
+
+bool study_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			 const struct option_watch *watch, enum exit_code *code)
+{
+	options_init(options);
+	options->request.default_light = true;
+	return options_parse(cli, self, argc, argv, BY_STUDY, "exr", options, NULL, watch, code);
 }

@@ -1,4 +1,4 @@
-// The command lines of `candil render`, `candil sweep`, `candil quote` and `candil inspect`, parsed.
+// The command lines of `candil render`, `candil sweep`, `candil quote`, `candil inspect` and `candil study`, parsed.
 #ifndef CANDIL_CLI_RENDER_OPTIONS_H
 #define CANDIL_CLI_RENDER_OPTIONS_H
 
@@ -39,5 +39,16 @@ bool quote_options_parse(struct cli *cli, const struct command *self, int argc, 
 // technique that has voxels.
 bool inspect_options_parse(struct cli *cli, const struct command *self, int argc, char **argv,
 			   struct render_options *options, enum exit_code *code);
+
+// Who sees an option of the command line, its name and its text before anything is cut off it; NULL: it has none. true: the
+// option is the watcher's own, and the parser takes nothing of it.
+struct option_watch {
+	bool (*take)(void *user, const char *name, const char *value);
+	void *user;
+};
+
+// The same for `candil study`, whose output is a folder. Its own options, and --camera, are the watcher's.
+bool study_options_parse(struct cli *cli, const struct command *self, int argc, char **argv, struct render_options *options,
+			 const struct option_watch *watch, enum exit_code *code);
 
 #endif

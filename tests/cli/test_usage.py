@@ -6,7 +6,7 @@ import unittest
 
 from common import CANDIL, Daemon, environment, run, write_scene
 
-COMMANDS = ["ping", "doctor", "load", "unload", "scenes", "describe", "render", "sweep", "compare", "inspect", "stats"]
+COMMANDS = ["ping", "doctor", "load", "unload", "scenes", "describe", "render", "sweep", "study", "compare", "inspect", "stats"]
 
 
 class Usage(unittest.TestCase):

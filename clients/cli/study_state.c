@@ -1,0 +1,366 @@
+// The folder of a study. What is in it was written by an earlier session, which may have been killed at any point, or by
+// anybody else: of a line of runs.jsonl only the id counts until a whole image of that name is found, and no path is read
+// from it.
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include "clients/cli/output.h"
+#include "clients/cli/study.h"
+#include "clients/cli/verify.h"
+#include "clients/libcandil/error.h"
+
+#define RUNS_FILE "runs.jsonl"
+#define RUNS_BYTES (256L << 20) // of runs.jsonl at most
+#define LINE_BYTES (1u << 20) // of one line that counts
+
+static enum exit_code refuse_folder(struct study *study, const char *why)
+{
+	struct candil_error error;
+	error_set(&error, CANDIL_STATUS_BAD_ARGUMENT, "%.120s %s", study->job.options.output, why);
+	return job_fail(&study->job, &error);
+}
+
+// ---- runs.jsonl ------------------------------------------------------------------------------------------------------
+
+// Keep a line if it is an object with an id; of two of one id the later. A torn one is none.
+static void keep_line(struct study *study, const char *text, size_t bytes)
+{
+	json_t *line = bytes <= LINE_BYTES ? json_loadb(text, bytes, JSON_REJECT_DUPLICATES, NULL) : NULL;
+	const char *id = json_string_value(json_object_get(line, "id"));
+	if (id && strlen(id) < STUDY_ID)
+		json_object_set(study->lines, id, line);
+	json_decref(line);
+}
+
+static bool read_lines(struct study *study, FILE *file)
+{
+	struct stat about;
+	char *text = NULL;
+	size_t capacity = 0;
+	ssize_t bytes;
+	if (fstat(fileno(file), &about) != 0 || about.st_size > RUNS_BYTES) {
+		errno = EFBIG;
+		return false;
+	}
+	while ((bytes = getline(&text, &capacity, file)) > 0)
+		keep_line(study, text, (size_t)bytes);
+	free(text);
+	return !ferror(file);
+}
+
+static enum exit_code read_runs(struct study *study)
+{
+	char path[PATH_MAX];
+	if (!study_path(study, RUNS_FILE, path, sizeof(path)))
+		return job_fail_output(&study->job, RUNS_FILE);
+	FILE *file = fopen(path, "rbe");
+	if (!file)
+		return errno == ENOENT ? EXIT_DONE : job_fail_output(&study->job, path);
+	const bool good = read_lines(study, file);
+	const int failure = errno;
+	fclose(file);
+	errno = failure;
+	return good ? EXIT_DONE : cli_fail_errno(study->job.cli, RUNS_FILE " cannot be read", study->job.stream);
+}
+
+void study_find_run(struct study *study, struct study_run *run)
+{
+	static struct metadata metadata; // static because it is large
+	char name[STUDY_ID + 16], path[PATH_MAX];
+	const json_t *line = json_object_get(study->lines, run->id);
+	const json_t *report = json_object_get(line, "report");
+	const json_t *us = json_object_get(report, "elapsed_us");
+	metadata.count = 0;
+	snprintf(name, sizeof(name), "images/%s.exr", run->id);
+	run->done = json_is_integer(us) && study_path(study, name, path, sizeof(path)) &&
+		    verify_image(path, false, study->plan.width, study->plan.height, &metadata);
+	if (!run->done || run->kind == STUDY_REFERENCE || run->kind == STUDY_COLD)
+		return;
+	struct study_times *times = &study->plan.points[run->point].times[run->view];
+	times->seconds += (double)json_integer_value(us) * 1e-6;
+	times->runs++;
+}
+
+static bool write_text(int fd, const char *text, size_t bytes)
+{
+	while (bytes > 0) {
+		const ssize_t written = write(fd, text, bytes);
+		if (written < 0 && errno == EINTR)
+			continue;
+		if (written < 0)
+			return false;
+		text += written;
+		bytes -= (size_t)written;
+	}
+	return true;
+}
+
+// A line that a kill has torn must not take the next one with it.
+static bool end_torn_line(int fd)
+{
+	char last = '\n';
+	const off_t end = lseek(fd, 0, SEEK_END);
+	if (end < 0 || (end > 0 && pread(fd, &last, 1, end - 1) != 1))
+		return false;
+	return last == '\n' || write_text(fd, "\n", 1);
+}
+
+enum exit_code study_append(struct study *study, const char *id, json_t *line)
+{
+	char path[PATH_MAX];
+	char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(12)) : NULL;
+	const size_t bytes = text ? strlen(text) : 0;
+	int fd = -1;
+	bool good = false;
+	errno = ENOMEM;
+	if (text && study_path(study, RUNS_FILE, path, sizeof(path))) {
+		text[bytes] = '\n'; // in the place of the zero
+		fd = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+		good = fd >= 0 && end_torn_line(fd) && write_text(fd, text, bytes + 1) && fdatasync(fd) == 0;
+	}
+	const int failure = errno;
+	if (fd >= 0)
+		close(fd);
+	free(text);
+	if (good)
+		json_object_set(study->lines, id, line);
+	json_decref(line);
+	errno = failure;
+	return good ? EXIT_DONE : job_fail_output(&study->job, RUNS_FILE);
+}
+
+enum exit_code study_prune(struct study *study)
+{
+	char path[PATH_MAX];
+	char *text = NULL;
+	size_t bytes = 0;
+	json_t *kept = json_object();
+	FILE *out = open_memstream(&text, &bytes);
+	for (uint32_t i = 0; out && i < study->run_count; i++) {
+		json_t *line = json_object_get(study->lines, study->runs[i].id);
+		if (!study->runs[i].done || !line)
+			continue;
+		json_object_set(kept, study->runs[i].id, line);
+		json_dumpf(line, out, JSON_COMPACT | JSON_REAL_PRECISION(12));
+		fputc('\n', out);
+	}
+	bool good = out && fclose(out) == 0;
+	// Nothing to take out, and no torn end: the file stays as it is.
+	struct stat about;
+	good = good && study_path(study, RUNS_FILE, path, sizeof(path));
+	const bool same = good && stat(path, &about) == 0 && about.st_size == (off_t)bytes;
+	if (good && !same)
+		good = output_save(path, text, bytes);
+	const int failure = errno;
+	free(text);
+	json_decref(study->lines);
+	study->lines = kept;
+	errno = failure;
+	return good ? EXIT_DONE : job_fail_output(&study->job, RUNS_FILE);
+}
+
+// ---- the folder ------------------------------------------------------------------------------------------------------
+
+// Whether nobody's but a study's files can be in it: it is empty, or has the plan or the runs of one.
+static bool is_ours(const struct study *study)
+{
+	char path[PATH_MAX];
+	static const char *const names[] = {"plan.json", RUNS_FILE, "study.json"};
+	for (size_t i = 0; i < sizeof(names) / sizeof(*names); i++)
+		if (study_path(study, names[i], path, sizeof(path)) && access(path, F_OK) == 0)
+			return true;
+	DIR *folder = opendir(study->folder);
+	bool empty = folder != NULL;
+	for (const struct dirent *entry; empty && (entry = readdir(folder));)
+		empty = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0;
+	if (folder)
+		closedir(folder);
+	return empty;
+}
+
+enum exit_code study_open_folder(struct study *study)
+{
+	char path[PATH_MAX];
+	const char *name = study->job.options.output;
+	study->lines = json_object();
+	if (mkdir(name, 0777) != 0 && errno != EEXIST)
+		return job_fail_output(&study->job, name);
+	study->folder = realpath(name, NULL);
+	if (!study->folder)
+		return job_fail_output(&study->job, name);
+	if (!is_ours(study))
+		return refuse_folder(study, "is not empty and is no study: name a new folder");
+	study->lock = open(study->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	if (study->lock < 0)
+		return job_fail_output(&study->job, name);
+	if (flock(study->lock, LOCK_EX | LOCK_NB) != 0)
+		return refuse_folder(study, "is being written by another study: wait for it, or name another folder");
+	if (!study_path(study, "images", path, sizeof(path)) || (mkdir(path, 0777) != 0 && errno != EEXIST))
+		return job_fail_output(&study->job, "images");
+	return read_runs(study);
+}
+
+// Write an object to a file of the folder, whole or not at all. The object is released.
+static enum exit_code write_object(struct study *study, const char *name, json_t *object)
+{
+	char path[PATH_MAX];
+	char *text = object ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) : NULL;
+	errno = ENOMEM;
+	const bool good = text && study_path(study, name, path, sizeof(path)) && output_save(path, text, strlen(text));
+	const int failure = errno;
+	free(text);
+	json_decref(object);
+	errno = failure;
+	return good ? EXIT_DONE : job_fail_output(&study->job, name);
+}
+
+bool study_read_own_plan(struct study *study, const char *key)
+{
+	char path[PATH_MAX];
+	struct candil_error error;
+	struct study_plan plan = study->plan;
+	plan.points = NULL;
+	plan.point_count = 0;
+	if (!study_path(study, "plan.json", path, sizeof(path)) ||
+	    study_plan_read(path, ~0u, &plan, &error) != CANDIL_STATUS_OK || strcmp(plan.key, key) != 0) {
+		free(plan.points);
+		return false;
+	}
+	free(study->plan.points);
+	study->plan = plan;
+	return true;
+}
+
+enum exit_code study_write_plan(struct study *study)
+{
+	return write_object(study, "plan.json", study_plan_json(&study->plan));
+}
+
+bool study_is_ended(const struct study *study)
+{
+	char path[PATH_MAX];
+	json_t *file = study_path(study, "study.json", path, sizeof(path)) ? json_load_file(path, 0, NULL) : NULL;
+	const bool ended = json_is_true(json_object_get(file, "complete"));
+	json_decref(file);
+	return ended;
+}
+
+// ---- study.json ------------------------------------------------------------------------------------------------------
+
+static json_t *machine_json(void)
+{
+	char cpu[128] = "", line[256];
+	double load = 0;
+	struct utsname os = {0};
+	FILE *file = fopen("/proc/cpuinfo", "re");
+	while (file && !cpu[0] && fgets(line, sizeof(line), file)) {
+		const char *colon = strncmp(line, "model name", 10) == 0 ? strchr(line, ':') : NULL;
+		if (colon)
+			snprintf(cpu, sizeof(cpu), "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
+	}
+	if (file)
+		fclose(file);
+	uname(&os);
+	const bool has_load = getloadavg(&load, 1) == 1;
+	return json_pack("{s:o,s:o,s:o,s:o}", "cpu", cpu[0] ? cli_json_text(cpu) : json_null(), "cores",
+			 json_integer(sysconf(_SC_NPROCESSORS_ONLN)), "os",
+			 json_sprintf("%s %s %s", os.sysname, os.release, os.machine), "load",
+			 has_load ? json_real(load) : json_null());
+}
+
+static json_t *varied_json(const struct study *study)
+{
+	json_t *o = json_object();
+	for (uint32_t i = 0; i < study->plan.point_count; i++) {
+		const struct study_point *p = &study->plan.points[i];
+		const char *technique = technique_name(p->technique);
+		json_t *names = json_object_get(o, technique);
+		if (!names) {
+			names = json_pack("[s]", "samples");
+			json_object_set_new(o, technique, names);
+		}
+		for (uint32_t j = 0; j < p->setting_count; j++) {
+			bool known = false;
+			for (size_t k = 0; k < json_array_size(names); k++)
+				known |= strcmp(json_string_value(json_array_get(names, k)), p->settings[j].name) == 0;
+			if (!known)
+				json_array_append_new(names, json_string(p->settings[j].name));
+		}
+	}
+	return o;
+}
+
+json_t *study_missing_json(const struct study *study)
+{
+	json_t *missing = json_array();
+	for (uint32_t i = 0; i < study->run_count; i++) {
+		const struct study_run *r = &study->runs[i];
+		if (!r->done)
+			json_array_append_new(missing, json_pack("{s:s,s:o}", "run", r->id, "why",
+								 cli_json_text(r->why[0] ? r->why : "not made yet")));
+	}
+	return missing;
+}
+
+json_t *study_skipped_json(const struct study *study)
+{
+	json_t *skipped = json_array();
+	for (unsigned t = 1; t < TECHNIQUE_COUNT; t++) {
+		bool done = false;
+		const char *why = NULL;
+		for (uint32_t i = 0; i < study->run_count; i++) {
+			const struct study_run *r = &study->runs[i];
+			if (r->kind == STUDY_REFERENCE || study->plan.points[r->point].technique != t)
+				continue;
+			done |= r->done;
+			why = r->why[0] ? r->why : why;
+		}
+		if (!done && why)
+			json_array_append_new(
+			    skipped, json_pack("{s:s,s:o}", "technique", technique_name(t), "why", cli_json_text(why)));
+	}
+	return skipped;
+}
+
+enum exit_code study_write_state(struct study *study)
+{
+	const struct study_plan *plan = &study->plan;
+	const struct candil_scene_info *info = &study->job.target.info;
+	json_t *views = json_array(), *techniques = json_array(), *notes = json_array(),
+	       *missing = study_missing_json(study);
+	for (uint32_t i = 0; i < plan->view_count; i++) {
+		const struct study_view *v = &plan->views[i];
+		json_array_append_new(views, json_pack("{s:o,s:o}", "name", cli_json_text(v->name), "camera",
+						       v->camera[0] ? cli_json_text(v->camera) : json_null()));
+	}
+	for (unsigned t = 1; t < TECHNIQUE_COUNT; t++)
+		if (study->techniques & 1u << t)
+			json_array_append_new(techniques, json_string(technique_name(t)));
+	for (uint32_t i = 0; i < study->note_count; i++)
+		json_array_append_new(notes, cli_json_text(study->notes[i]));
+	json_t *scene =
+	    json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "file", cli_json_text(study->job.options.scene), "hash",
+		      cli_json_text(info->hash), "triangles", cli_json_u64(info->triangles), "materials",
+		      cli_json_u64(info->materials), "textures", cli_json_u64(info->textures), "emissive_triangles",
+		      cli_json_u64(info->emissive_triangles), "punctual_lights", cli_json_u64(info->punctual_lights));
+	const bool complete = json_array_size(missing) == 0 && study->ended_at[0];
+	json_t *o = json_pack(
+	    "{s:i,s:o,s:o,s:s,s:o,s:o,s:s,s:o,s:[o,o],s:o,s:o,s:o,s:o,s:f,s:o,s:b,s:b,s:o,s:o,s:o,s:o}", "version", 1,
+	    "scene", scene, "command", cli_json_text(study->command), "candil", CANDIL_VERSION_STRING, "device",
+	    cli_json_text(study->device), "machine", machine_json(), "started", study->started_at, "ended",
+	    study->ended_at[0] ? json_string(study->ended_at) : json_null(), "size", cli_json_u64(plan->width),
+	    cli_json_u64(plan->height), "views", views, "techniques", techniques, "title", cli_json_text(plan->title),
+	    "settings_varied", varied_json(study), "budget_s", plan->budget_s, "seeds", cli_json_u64(plan->seeds), "quick",
+	    study->texts.quick, "complete", complete, "missing", missing, "skipped", study_skipped_json(study), "notes",
+	    notes, "order_seed", cli_json_u64(STUDY_REFERENCE_SEED));
+	return write_object(study, "study.json", o);
+}

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Render an experiment of a thesis, and print its table with the thesis's figures beside ours.
+
+    run.py PLAN -o FOLDER [--short] [--scene NAME=FILE]... [--connect ADDR]
+
+PLAN is a file of this folder; its README says what is in it. FOLDER gets a study for each scene and size; started again, what is
+there is not rendered again. CANDIL_BUILD is the folder `build` of the current one if it is not set."""
+import argparse
+import contextlib
+import importlib
+import json
+import os
+import statistics
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+import bench  # it finds the build and the tests' modules
+
+import numpy
+
+import gallery
+import images
+from render import Daemon
+
+CANDIL = os.path.join(bench.BUILD, "bin", "candil")
+BUILD_STAGES = ("voxelise", "voxel-light", "pyramid", "voxel-gather")
+
+
+def shorten(plan, experiment):
+    """The plan for small pictures, as "short" of the experiment has it."""
+    short = experiment.get("short", {})
+    for key in ("size", "seeds", "repeats"):
+        plan[key] = short.get(key, plan.get(key))
+    for key in ("scenes", "sizes"):
+        experiment[key] = short.get(key, experiment.get(key))
+    if plan.get("reference") and "relmse" in short:
+        plan["reference"]["relmse"] = short["relmse"]
+    for point in plan["points"]:
+        settings = point["settings"]
+        for key, values in short.get("drop", {}).items():
+            if isinstance(settings.get(key), list):
+                settings[key] = [value for value in settings[key] if value not in values]
+        settings.update({key: value for key, value in short.get("set", {}).items() if key in settings})
+    return {key: value for key, value in plan.items() if value is not None}
+
+
+def scene_of(name, folder, own):
+    """(what the table calls it, its file, options) of "gallery cube"."""
+    if name in own:
+        return os.path.basename(own[name]), own[name], []
+    module, function = name.split()
+    made = getattr(importlib.import_module(module), function)(folder)
+    return name, made, gallery.arguments(function) if module == "gallery" else []
+
+
+def relmse(path, reference):
+    ours, truth = (numpy.stack([images.channels(p)[c].astype(numpy.float64) for c in "RGB"]) for p in (path, reference))
+    return float(numpy.mean((ours - truth) ** 2 / (truth ** 2 + 0.01)))
+
+
+def stage_ms(line, name):
+    names = BUILD_STAGES if name == "build" else (name,)
+    return sum(stage["us"] for stage in line["report"]["stages"] if stage["name"] in names) / 1e3
+
+
+def megabytes(line):
+    figures = [figure["value"] for figure in line["report"]["figures"] if figure["name"] == "bytes.all"]
+    return (figures[0] if figures else line["report"]["job_bytes"]) / 2 ** 20
+
+
+def value_of(column, lines, cold, reference, folder, from_cold):
+    """One cell: the median of a point's warm runs; of what is made once, of its cold run."""
+    if column == "relmse":
+        return "%.2e" % statistics.mean(relmse(os.path.join(folder, line["image"]), reference) for line in lines) if reference else "–"
+    if column == "ms":
+        return "%.4g" % statistics.median(line["report"]["elapsed_us"] / 1e3 for line in lines)
+    if column == "MB":
+        return "%.4g" % megabytes(lines[0])
+    return "%.4g" % statistics.median(stage_ms(line, column) for line in (cold if column in from_cold and cold else lines))
+
+
+def rows_of(folder, scene, size, experiment):
+    """{"make cornell 256": {"ms": "12.3", …}} of a study's folder, and the device."""
+    with open(os.path.join(folder, "runs.jsonl"), encoding="utf-8") as file:
+        lines = [json.loads(line) for line in file]
+    reference = [os.path.join(folder, line["image"]) for line in lines if line["kind"] == "reference" and not line["failed"]]
+    groups, colds = {}, {}
+    for line in lines:
+        if line["failed"] or line["kind"] == "reference":
+            continue
+        settings = dict(line["settings"], scene=scene, size=size)
+        name = " ".join(str(settings.get(row, "")) for row in experiment["rows"]).strip()
+        (colds if line["kind"] == "cold" else groups).setdefault(name, []).append(line)
+    return {name: {column: value_of(column, group, colds.get(name), reference[0] if reference else None, folder,
+                                    experiment.get("cold", ()))
+                   for column in experiment["columns"]} for name, group in groups.items()}
+
+
+def study(plan_file, scene, size, arguments, folder, address):
+    command = [CANDIL, "--connect", address, "study", scene, "-o", folder, "--plan", plan_file, "--size", size, *arguments]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=False)
+    if done.returncode != 0:
+        sys.stderr.write(done.stdout.decode())
+    return done.returncode
+
+
+def order(name):
+    return [(0, float(word), "") if word.replace(".", "", 1).isdigit() else (1, 0, word) for word in name.split()]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("plan")
+    parser.add_argument("-o", "--output", required=True)
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--scene", action="append", default=[])
+    parser.add_argument("--connect")
+    options = parser.parse_args()
+    with open(options.plan, encoding="utf-8") as file:
+        plan = json.load(file)
+    experiment = plan.pop("experiment")
+    if options.short:
+        plan = shorten(plan, experiment)
+    own = dict(pair.split("=", 1) for pair in options.scene)
+    scenes = os.path.join(options.output, "scenes")
+    os.makedirs(scenes, exist_ok=True)
+    plan_file = os.path.join(options.output, os.path.basename(options.plan))
+    with open(plan_file, "w", encoding="utf-8") as file:
+        json.dump(plan, file, indent=1)
+    found, status = {}, 0
+    with contextlib.ExitStack() as stack:
+        address = options.connect or stack.enter_context(Daemon()).socket
+        for named in experiment["scenes"]:
+            for width, height in experiment.get("sizes") or [plan["size"]]:
+                size = f"{width}x{height}"
+                scene, path, arguments = scene_of(named, scenes, own)
+                folder = os.path.join(options.output, f"{named.replace(' ', '-')}-{size}")
+                status = max(status, study(plan_file, path, size, arguments, folder, address))
+                if os.path.exists(os.path.join(folder, "runs.jsonl")):
+                    several = len(experiment["scenes"]) > 1 and "scene" not in experiment["rows"]
+                    for name, row in rows_of(folder, scene, size, experiment).items():
+                        found[f"{scene}: {name}" if several else name] = (name, row)
+                    with open(os.path.join(folder, "study.json"), encoding="utf-8") as file:
+                        device = json.load(file)["device"]
+    bench.header(device)
+    print(f"Beside: {experiment['source']}.\n")
+    theirs = experiment["theirs"]
+    others = sorted({column for row in theirs.values() for column in row})
+    bench.table([", ".join(experiment["rows"]), *(">" + c for c in experiment["columns"]), *(f">{c} there" for c in others)],
+                [[title, *(row[c] for c in experiment["columns"]), *(theirs.get(name, {}).get(c, "") for c in others)]
+                 for title, (name, row) in sorted(found.items(), key=lambda item: order(item[0]))])
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

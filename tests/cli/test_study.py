@@ -1,0 +1,321 @@
+"""candil study: a folder that is complete, goes on wherever it was cut short, and says what is missing; plan files and folders of
+strangers."""
+import fcntl
+import json
+import os
+import resource
+import shlex
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import images
+from common import CANDIL, MTL, OBJ, Daemon, run, skip_without_device, write_scene
+
+PLAN = {
+    "title": "a tiny study",
+    "size": [32, 24],
+    "seeds": 2,
+    "repeats": 1,
+    "reference": {"relmse": 0.5, "samples": 64},
+    "points": [
+        {"technique": "pt", "settings": {"samples": [1, 4]}},
+        {"technique": "pt", "settings": {"samples": 4}, "effects": "auto,-bounces"},
+        {"technique": "direct", "settings": {"samples": 1, "direct.samples": [1, 4]}},
+        {"technique": "vct", "settings": {"vct.resolution": 16}},
+    ],
+}
+# 1 reference; 2 cold and 3 x 2 runs of pt; a cold and a warm one of each of the other 3 points.
+RUNS = 1 + 2 + 6 + 3 * 2
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+class Study(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.scene = write_scene(cls.temporary.name)
+        cls.daemon = Daemon(cls.temporary.name)
+        cls.daemon.__enter__()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.__exit__(None, None, None)
+        cls.temporary.cleanup()
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(dir=self.temporary.name)
+        self.out = os.path.join(self.folder, "study")
+
+    def write_plan(self, plan):
+        path = os.path.join(self.folder, "plan.json")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(plan if isinstance(plan, str) else json.dumps(plan))
+        return path
+
+    def command(self, *more, plan=PLAN, scene=None):
+        return [CANDIL, "--connect", self.daemon.socket, "study", scene or self.scene, "-o", self.out, "--plan",
+                self.write_plan(plan), *more]
+
+    def study(self, *more, status=0, plan=PLAN, scene=None):
+        result = run(*self.command("--json", *more, plan=plan, scene=scene))
+        self.assertEqual(result.returncode, status, result)
+        return json.loads(result.stdout)
+
+    def path(self, *names):
+        return os.path.join(self.out, *names)
+
+    def lines(self):
+        return [json.loads(line) for line in read(self.path("runs.jsonl")).splitlines()]
+
+    def state(self):
+        return json.loads(read(self.path("study.json")))
+
+    def test_the_folder_is_complete(self):
+        answer = self.study()
+        self.assertLessEqual({"folder", "report", "complete", "missing", "skipped", "runs", "made", "seconds", "warnings"},
+                             set(answer))
+        self.assertEqual((answer["complete"], answer["missing"], answer["runs"]), (True, [], RUNS))
+        state = self.state()
+        self.assertTrue(state["complete"])
+        self.assertEqual((state["version"], state["size"], state["seeds"], state["title"]), (1, [32, 24], 2, PLAN["title"]))
+        self.assertEqual(state["settings_varied"]["direct"], ["samples", "direct.samples"])
+        self.assertEqual(state["techniques"], ["pt", "vct", "direct"])
+        self.assertEqual(len(state["scene"]["hash"]), 32)
+        self.assertLessEqual({"cpu", "cores", "os", "load"}, set(state["machine"]))
+        lines = self.lines()
+        self.assertEqual(len(lines), RUNS)
+        self.assertEqual(len({line["id"] for line in lines}), RUNS)
+        for line in lines:
+            self.assertEqual(images.channels(self.path(line["image"]))["R"].shape, (24, 32))
+            self.assertEqual(line["report"]["scene_hash"], state["scene"]["hash"])
+            self.assertEqual(line["warm"], line["report"]["cold_us"] == 0)
+            self.assertIsNone(line["failed"])
+            if line["kind"] in ("point", "ablation"):
+                self.assertTrue(line["warm"], "what is timed has compiled nothing")
+            first = line["kind"] == "reference" or (line["kind"] in ("point", "ablation") and line["seed"] == 1)
+            self.assertEqual(line["quote"] is not None, first, "what a point would take was asked before")
+            if first:
+                self.assertEqual(line["quote"]["technique"], line["technique"])
+                self.assertGreater(line["quote"]["time_ms"], 0)
+        reference, = (line for line in lines if line["kind"] == "reference")
+        self.assertEqual(reference["report"]["reason"], "error")
+        self.assertLessEqual(reference["report"]["relmse_high"], 0.5)
+        self.assertNotIn(reference["seed"], {line["seed"] for line in lines if line["kind"] != "reference"})
+        self.assertEqual({line["effects"] for line in lines if line["kind"] == "ablation"}, {"auto,-bounces"})
+        self.assertEqual(sorted(os.listdir(self.path("images"))), sorted(line["id"] + ".exr" for line in lines))
+
+    def assert_again(self, line):
+        """The command of a line makes its image again."""
+        words = shlex.split(line["command"])
+        self.assertEqual(words[0], "candil")
+        result = run(CANDIL, *words[1:], cwd=self.folder)
+        self.assertEqual(result.returncode, 0, result)
+        theirs, ours = images.channels(os.path.join(self.folder, line["id"] + ".exr")), images.channels(self.path(line["image"]))
+        for name, values in ours.items():
+            self.assertEqual(values.tobytes(), theirs[name].tobytes(), (line["command"], name))
+
+    def test_commands_make_the_images_again_whatever_names_there_are(self):
+        scene = os.path.join(self.folder, "it's $HOME; a `room` \"here\".obj")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write(OBJ)
+        with open(os.path.join(self.folder, "room.mtl"), "w", encoding="utf-8") as file:
+            file.write(MTL)
+        self.out = os.path.join(self.folder, "out 'of' $order;\u00e9")
+        self.study("--camera", "0,1,4,0,1,0,0,1,0,40", "--camera", "1,1,4,0,1,0,0,1,0,40", "--light",
+                   "point:at=0,1.5,1,intensity=2", "--background", "0.1,0.2,0.3", scene=scene)
+        lines = self.lines()
+        self.assertEqual({line["view"] for line in lines}, {0, 1})
+        for kind, technique in (("reference", "pt"), ("point", "pt"), ("ablation", "pt"), ("point", "direct"), ("point", "vct")):
+            found = [line for line in lines if (line["kind"], line["technique"], line["view"]) == (kind, technique, 1)]
+            self.assert_again(found[-1])
+
+    def test_what_is_done_is_not_done_again(self):
+        self.study()
+        before = read(self.path("runs.jsonl")), read(self.path("study.json")), os.stat(self.path("runs.jsonl")).st_mtime_ns
+        answer = self.study()
+        self.assertEqual((answer["made"], answer["complete"]), (0, True))
+        self.assertEqual(before, (read(self.path("runs.jsonl")), read(self.path("study.json")),
+                                  os.stat(self.path("runs.jsonl")).st_mtime_ns))
+        point = next(line for line in self.lines() if line["kind"] == "point" and line["technique"] == "pt")
+        os.remove(self.path(point["image"]))
+        self.assertEqual(self.study()["made"], 1)
+        self.assertEqual(len(self.lines()), RUNS)
+        with open(self.path(point["image"]), "r+b") as file:
+            file.truncate(1000)
+        self.assertEqual(self.study()["made"], 1)
+        whole = read(self.path("runs.jsonl"))
+        for torn in (whole[:-20], b"\x00\xff{\n[]\n{\"id\": 3}\n{\"id\": \"../../x\"}\n" + whole[whole.index(b"\n") + 1:]):
+            with open(self.path("runs.jsonl"), "wb") as file:
+                file.write(torn)
+            answer = self.study()
+            self.assertIn(answer["made"], (1, 2), "the run, and perhaps one before it that warms up")
+            self.assertTrue(answer["complete"])
+            self.assertEqual(len(self.lines()), RUNS)
+
+    def test_what_differs_is_done_again(self):
+        self.study()
+        first = {line["id"] for line in self.lines()}
+        for more in (["--size", "24x16"], ["--camera", "0,1,4,0,1,0,0,1,0,40"], ["--background", "1,0,0"]):
+            self.study(*more)
+            self.assertFalse(first & {line["id"] for line in self.lines()}, more)
+        changed = os.path.join(self.folder, "changed.obj")
+        with open(changed, "w", encoding="utf-8") as file:
+            file.write(OBJ.replace("v 1 2 -1", "v 1 2.5 -1"))
+        with open(os.path.join(self.folder, "room.mtl"), "w", encoding="utf-8") as file:
+            file.write(MTL)
+        self.study(scene=changed)
+        self.assertFalse(first & {line["id"] for line in self.lines()})
+        self.assertEqual(len(self.lines()), RUNS)
+
+    def start(self, plan):
+        """Start a study, and wait until some of it is on disk."""
+        process = subprocess.Popen(self.command(plan=plan), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        deadline = time.monotonic() + 120
+        while not os.path.exists(self.path("runs.jsonl")) or read(self.path("runs.jsonl")).count(b"\n") < 4:
+            self.assertIsNone(process.poll(), process.poll() is not None and process.stderr.read())
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        return process
+
+    def test_killed_and_interrupted_it_goes_on(self):
+        plan = dict(PLAN, seeds=60)
+        process = self.start(plan)
+        process.kill()
+        process.communicate()
+        before = read(self.path("runs.jsonl"))
+        process = subprocess.Popen(self.command(plan=plan), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        while len(read(self.path("runs.jsonl"))) <= len(before) + 2000:
+            self.assertIsNone(process.poll())
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate()[1]
+        self.assertEqual(process.returncode, 8, said)
+        self.assertIn(b"cancelled", said)
+        self.assertTrue(read(self.path("runs.jsonl")).startswith(before[:before.rindex(b"\n") + 1]))
+        state = self.state()
+        self.assertEqual((state["complete"], state["missing"][0]["why"]), (False, "not made yet"))
+        done = len(self.lines())
+        answer = self.study(plan=plan)
+        self.assertTrue(answer["complete"])
+        self.assertLessEqual(answer["made"], answer["runs"] - done + 2, "and what warms up")
+
+    def test_a_worker_that_is_killed_costs_no_study(self):
+        plan = dict(PLAN, seeds=40)
+        process = self.start(plan)
+        for _ in range(4):
+            workers = run("pgrep", "-P", str(self.daemon.process.pid), "candil-worker").stdout.split()
+            for worker in workers:
+                os.kill(int(worker), signal.SIGKILL)
+            time.sleep(0.3)
+        said = process.communicate()[1]
+        self.assertIn(process.returncode, (0, 1), said)
+        state = self.state()
+        self.assertEqual(state["complete"], process.returncode == 0)
+        for missing in state["missing"]:
+            self.assertIn("worker", missing["why"])
+        self.assertTrue(self.study(plan=plan)["complete"])
+
+    def test_a_full_disk_is_said_and_resumed(self):
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
+        result = subprocess.run(self.command("--json"), preexec_fn=limit, capture_output=True, timeout=300, check=False)
+        self.assertEqual(result.returncode, 1, result)
+        self.assertIn(b"cannot write", result.stderr)
+        self.assertEqual(json.loads(result.stdout)["exit"], 1)
+        self.assertTrue(self.study()["complete"])
+        self.assertEqual(len(self.lines()), RUNS)
+
+    def test_a_technique_that_cannot_is_named(self):
+        answer = self.study("--panorama", status=1)
+        self.assertFalse(answer["complete"])
+        self.assertEqual({skipped["technique"] for skipped in answer["skipped"]}, {"vct", "direct"})
+        self.assertIn("panorama", answer["skipped"][0]["why"])
+        self.assertEqual({missing["run"].split("-")[1] for missing in answer["missing"]}, {"vct", "direct"})
+        self.assertEqual(self.state()["skipped"], answer["skipped"])
+        wrong = dict(PLAN, points=PLAN["points"] + [{"technique": "vct", "settings": {"vct.wings": 2}}])
+        answer = self.study(status=1, plan=wrong)
+        self.assertEqual((answer["skipped"], {missing["run"].split("-")[1] for missing in answer["missing"]}), ([], {"vct"}))
+        self.assertIn("vct.wings", answer["missing"][0]["why"])
+
+    def test_bad_plans_are_refused_with_a_sentence(self):
+        point = PLAN["points"][0]
+        for plan, word in (
+                ("", "no JSON"), ("[]", "object"), ("{\"a\": 1, \"a\": 2}", "duplicate"), (" " * (1 << 20) + "{}", "1 MiB"),
+                ({}, "points"), (dict(PLAN, sise=[1, 1]), "no key \"sise\""), (dict(PLAN, points=[]), "1 to 1024"),
+                (dict(PLAN, points=[dict(point, technique="magic")]), "technique"),
+                (dict(PLAN, points=[dict(point, technique="auto")]), "technique"),
+                (dict(PLAN, points=[dict(point, extra=1)]), "points[0]"),
+                (dict(PLAN, points=[point, 7]), "points[1]"), (dict(PLAN, points=[dict(point, settings=[])]), "settings"),
+                (dict(PLAN, points=[dict(point, settings={"samples": 0})]), "16777216"),
+                (dict(PLAN, points=[dict(point, settings={"samples": []})]), "1 to 64"),
+                (dict(PLAN, points=[dict(point, settings={"samples": [[1]]})]), "samples"),
+                (dict(PLAN, points=[dict(point, settings={"pt.depth": {}})]), "pt.depth"),
+                (dict(PLAN, points=[dict(point, settings={"pt.depth": "x" * 32})]), "31 bytes"),
+                (dict(PLAN, points=[dict(point, settings={"depth": 1})]), "option"),
+                (dict(PLAN, points=[dict(point, settings={f"a.{i}": list(range(40)) for i in range(9)})]), "1024"),
+                (dict(PLAN, points=[dict(point, settings={f"a.{i}": 1 for i in range(17)})]), "16 options"),
+                (dict(PLAN, points=[{"technique": "vct", "settings": {"samples": "fit"}}]), "fit"),
+                (dict(PLAN, points=[dict(point, effects="auto,-shiny")]), "effects"),
+                (dict(PLAN, points=[dict(point, effects="auto,\u0007")]), "control"),
+                (dict(PLAN, size=[0, 1]), "16384"), (dict(PLAN, size=[1]), "16384"), (dict(PLAN, size="1x1"), "16384"),
+                (dict(PLAN, seeds=0), "1000"), (dict(PLAN, seeds=1.5), "1000"), (dict(PLAN, seeds=1 << 40), "1000"),
+                (dict(PLAN, budget=-1), "budget"), (dict(PLAN, views=[]), "32"), (dict(PLAN, views=[{}] * 33), "32"),
+                (dict(PLAN, views=[{"camera": "1,2,3"}]), "ten numbers"), (dict(PLAN, views=[{"camera": ""}, 1]), "views[1]"),
+                (dict(PLAN, reference={"relmse": 0}), "relmse"), (dict(PLAN, reference={"seed": 1}), "1001"),
+                (dict(PLAN, reference=3), "object"), (dict(PLAN, title="a\u0000b"), "JSON"), (dict(PLAN, title="t" * 128), "title"), (dict(PLAN, ablations=1), "true")):
+            answer = self.study(status=2, plan=plan)
+            self.assertIn(word, answer["error"]["message"], plan if len(str(plan)) < 500 else word)
+        self.assertFalse(os.path.exists(self.out))
+        result = run(CANDIL, "study", self.scene, "-o", self.out, "--plan", self.folder, "--json")
+        self.assertEqual(result.returncode, 2, result)
+        for wrong in (["--techniques", "magic"], ["--techniques", "radiosity"], ["--budget", "0"], ["--budget", "inf"],
+                      ["--seeds", "0"], ["--camera", "1,2"], ["--quick", "--plan", "x"], ["--set", "pt.depth=1"],
+                      ["--spp", "1"], ["--camera", "a"] * 33):
+            result = run(CANDIL, "study", self.scene, "-o", self.out, *wrong)
+            self.assertEqual(result.returncode, 2, (wrong, result))
+            self.assertTrue(result.stderr.startswith("candil: "), result.stderr)
+        self.assertFalse(os.path.exists(self.out))
+
+    def test_a_folder_of_somebody_else_is_left_alone(self):
+        os.mkdir(self.out)
+        with open(self.path("thesis.tex"), "w", encoding="utf-8") as file:
+            file.write("years of work")
+        self.assertIn("no study", self.study(status=2)["error"]["message"])
+        self.assertEqual(os.listdir(self.out), ["thesis.tex"])
+        os.remove(self.path("thesis.tex"))
+        held = os.open(self.out, os.O_RDONLY)
+        fcntl.flock(held, fcntl.LOCK_EX)
+        self.assertIn("another study", self.study(status=2)["error"]["message"])
+        os.close(held)
+        self.assertTrue(self.study()["complete"])
+
+    def test_every_setting_of_a_full_study_is_one_that_there_is(self):
+        result = run(CANDIL, "--connect", self.daemon.socket, "study", self.scene, "-o", self.out, "--size", "16x16",
+                     "--budget", "1", "--seeds", "1", "--json")
+        self.assertEqual(result.returncode, 0, result)
+        lines = self.lines()
+        varied = self.state()["settings_varied"]
+        self.assertLessEqual({"samples", "vct.resolution", "vct.bounces", "vct.cones"}, set(varied["vct"]))
+        without = {(line["technique"], line["effects"]) for line in lines if line["kind"] == "ablation"}
+        self.assertLessEqual({("pt", "auto,-bounces"), ("pt", "auto,-emitters")}, without)
+        samples = {line["settings"]["samples"] for line in lines if line["kind"] == "point" and line["technique"] == "pt"}
+        self.assertLessEqual({1, 4}, samples)
+        # The plan that it made is a plan file, too.
+        plan = json.loads(read(self.path("plan.json")))
+        self.assertGreater(plan["planned"], 0)
+        first = {line["id"] for line in lines}
+        self.assertEqual(self.study(plan=plan)["complete"], True)
+        self.assertEqual(first, {line["id"] for line in self.lines()})
+
+
+if __name__ == "__main__":
+    skip_without_device()
+    unittest.main()
