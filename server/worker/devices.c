@@ -1,7 +1,9 @@
 #include "server/worker/devices.h"
 
+#include "server/base/clock.h"
 #include "server/worker/gl/device.h"
 #include "server/worker/gl/program.h"
+#include "server/worker/gl/settle.h"
 #include "server/worker/vk/device.h"
 #include "server/worker/vk/pipeline.h"
 
@@ -14,7 +16,11 @@ enum status devices_gl(struct devices *d, struct gl_device **gl, struct error *e
 							  .bytes = &d->vk->bytes,
 							  .budget = &d->vk->budget,
 							  .wanted = &d->vk->wanted};
+		const uint64_t start = clock_us();
 		s = gl_device_create(&options, &d->gl, err);
+		if (s == STATUS_OK)
+			s = gl_settle_prepare(d->gl, err);
+		d->open_us += clock_us() - start;
 	}
 	*gl = d->gl;
 	return s;
@@ -22,8 +28,10 @@ enum status devices_gl(struct devices *d, struct gl_device **gl, struct error *e
 
 void devices_finish(struct devices *d)
 {
-	if (d->gl)
+	if (d->gl) {
+		gl_settle_finish(d->gl);
 		gl_program_destroy_all(d->gl);
+	}
 	if (d->vk)
 		pipeline_destroy_all(d->vk);
 	gl_device_destroy(d->gl);

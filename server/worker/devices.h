@@ -3,6 +3,8 @@
 #ifndef CANDIL_WORKER_DEVICES_H
 #define CANDIL_WORKER_DEVICES_H
 
+#include <stdint.h>
+
 #include "server/base/error.h"
 
 struct device; // vk/device.h
@@ -12,6 +14,7 @@ struct gl_device; // gl/device.h
 struct devices {
 	struct device *vk; // NULL: there is none, and nothing renders
 	struct gl_device *gl; // NULL: not opened yet
+	uint64_t open_us; // that opening it took; 0: not opened yet
 };
 
 // The OpenGL device, opened if it was not: on the GPU of `vk`, which must be open, and within its memory budget. It stays

@@ -35,6 +35,9 @@ struct job {
 	const struct technique *technique;
 	struct technique_job *work;
 	uint64_t edit_us; // that its edits took; 0: none, or made before
+	uint64_t open_us; // that opening a device took for it
+	uint64_t preview_us; // that reading intermediate images took
+	uint64_t work_us; // all that this thread spent on it, on the device or beside it
 };
 
 struct server {
@@ -162,10 +165,12 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	if (bytes > budget)
 		return refuse_size(s, job, bytes, budget, err);
+	const uint64_t open_us = s->devices->open_us;
 	do {
 		s->devices->vk->wanted = 0;
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
 	} while (r == STATUS_MEMORY && make_room(s));
+	job->open_us = s->devices->open_us - open_us;
 	if (r == STATUS_OK && job->technique->time_effects)
 		r = job->technique->time_effects(job->work, job->plan.reports, job->plan.report_count, err);
 	return r;
@@ -174,6 +179,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 static enum status on_begin(struct server *s, const struct ipc_begin *m)
 {
 	struct ipc_begun answer = {.head = {.op = IPC_BEGUN, .job = m->head.job}};
+	const uint64_t start = clock_us();
 	struct job *job = calloc(1, sizeof *job);
 	if (!job) {
 		error_set(&answer.error, STATUS_MEMORY, "out of memory");
@@ -185,6 +191,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 			answer.error = (struct error){.code = STATUS_OK};
 			fill_accepted(s, job, &answer.accepted);
 			job->next = s->jobs;
+			job->work_us = clock_us() - start;
 			s->jobs = job;
 		} else {
 			job_destroy(s, job);
@@ -220,6 +227,8 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	answer.fraction = result.fraction;
 	answer.estimate = result.estimate;
 	answer.device_us = clock_us() - start;
+	if (job)
+		job->work_us += answer.device_us;
 	if (s->devices->vk) {
 		answer.device_bytes = s->devices->vk->bytes;
 		answer.validation_errors = atomic_load(&s->devices->vk->validation_errors);
@@ -320,19 +329,43 @@ static struct verdict_about about_of(const struct job *job)
 	return about;
 }
 
+// Add what the technique does not know of the time that was spent on its job, of which `read_us` on this frame: what has no
+// name in the end is told, too.
+static void add_stages(struct job *job, uint64_t read_us, bool final, struct frame *f)
+{
+	if (job->edit_us > 0)
+		frame_add_stage(f, "edit", job->edit_us);
+	if (job->open_us > 0)
+		frame_add_stage(f, FRAME_STAGE_OPEN, job->open_us);
+	if (job->preview_us > 0)
+		frame_add_stage(f, "preview", job->preview_us);
+	uint64_t named_us = 0, resolve_us = 0;
+	for (uint32_t i = 0; i < f->stage_count; i++) {
+		named_us += f->stages[i].us;
+		if (!strcmp(f->stages[i].name, "resolve"))
+			resolve_us = f->stages[i].us;
+	}
+	job->work_us += read_us;
+	if (job->work_us > named_us)
+		frame_add_stage(f, "host", job->work_us - named_us);
+	// The other stages of an intermediate image are those of the final one, as far as they have come.
+	if (!final)
+		job->preview_us += resolve_us;
+}
+
 static enum status on_read(struct server *s, const struct ipc_read *m)
 {
 	struct ipc_image failure = {.head = {.op = IPC_IMAGE, .job = m->head.job}};
 	struct job *job = *find_job(s, m->head.job);
 	struct frame *frame;
+	const uint64_t start = clock_us();
 	enum status r = job ? job->technique->read(job->work, &frame, &failure.error)
 			    : error_set(&failure.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
 	if (r != STATUS_OK)
 		return answer_front(s, &failure, sizeof failure);
 	if (frame->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN)
 		frame->estimate = m->predicted;
-	if (job->edit_us > 0)
-		frame_add_stage(frame, "edit", job->edit_us);
+	add_stages(job, clock_us() - start, m->final != 0, frame);
 	add_metadata(s, job, frame);
 	const struct encoder_task task = {.job = job->id,
 					  .final = m->final != 0,

@@ -23,7 +23,7 @@ class Render(FakeCase):
         self.assertEqual(done.slices, 4)
         self.assertEqual(done.retries, 0)
         self.assertEqual(done.reason, "samples")
-        self.assertEqual([stage.name for stage in done.stages], ["queue", "trace"])
+        self.assertEqual([stage.name for stage in done.stages], ["queue", "wait", "trace", "send"])
         self.assertGreater(done.elapsed_us, 0)
         self.assertEqual(connection.stats().jobs_done, 1)
 

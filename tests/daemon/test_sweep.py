@@ -44,7 +44,7 @@ class Frames(SweepCase):
         replies = connection.follow(connection.send(wire.SWEEP, sweep(256, seed=3, progress_ms=1)))
         done = self.check(replies, 256, seed=3)
         self.assertEqual((done.samples, done.slices, done.retries, done.device), (4, 4 * 256, 0, "fake"))
-        self.assertEqual([stage.name for stage in done.stages], ["queue", "trace"])
+        self.assertEqual([stage.name for stage in done.stages], ["queue", "wait", "trace", "send"])
         progress = [reply.body for reply in replies if reply.kind == wire.PROGRESS]
         self.assertGreater(len(progress), 0)
         self.assertEqual({p.samples for p in progress}, {4 * 256})

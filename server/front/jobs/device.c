@@ -47,8 +47,9 @@ void jobs_begin_next(struct jobs *jobs)
 	if (!job)
 		return;
 	job->state = JOB_BEGINNING;
+	job->again_us = clock_us();
 	if (!job->begun_us)
-		job->begun_us = clock_us();
+		job->begun_us = job->again_us;
 	jobs->beginning = job->id;
 	jobs->begin_behind_step = jobs->stepping != 0;
 	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render);

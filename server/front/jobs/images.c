@@ -79,6 +79,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	if (final) {
 		jobs_learn_encoding(jobs, job);
 		job->done = image->done;
+		job->encoded_us = clock_us();
 		job->state = JOB_SENDING;
 		take_over(jobs, job, &job->final, fd, &frame);
 		// A preview that has not been announced is of no use any more.
@@ -96,18 +97,20 @@ static bool job_pump(struct jobs *jobs, struct job *job)
 	struct image *image = image_waits(&job->preview) ? &job->preview : &job->final;
 	if (!image_waits(image) || !job_is_first(jobs, job))
 		return false;
+	// The session asks for more when it has sent all that was queued before, so the last byte is sent by now.
+	if (image_is_sent(image)) {
+		bool last = image == &job->final;
+		job_release_image(jobs, job, image);
+		if (last)
+			job_finish(jobs, job);
+		return true;
+	}
 	bool queued = image_pump(image, job->session, job->request, &broken);
 	if (broken) {
 		struct error err;
 		error_set(&err, STATUS_INTERNAL, "the image could not be read back");
 		jobs_fail(jobs, job, &err);
 		return true;
-	}
-	if (image_is_sent(image)) {
-		bool last = image == &job->final;
-		job_release_image(jobs, job, image);
-		if (last)
-			job_finish(jobs, job);
 	}
 	return queued;
 }

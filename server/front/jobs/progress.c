@@ -100,16 +100,33 @@ void job_traced(struct jobs *jobs, struct job *job)
 	advance_sweep(jobs, job->sweep, &err);
 }
 
-// Add the front's part to the worker's account of a job: the wait for the device, and what the worker cannot know.
+// Put a stage at the account's beginning or end. There is room: the worker leaves it (FRAME_STAGES_MAX).
+static void put_stage(candil_Done *done, pb_size_t at, const char *name, uint64_t us)
+{
+	if (done->stages_count == MAX_STAGES)
+		done->stages_count--;
+	at = at < done->stages_count ? at : done->stages_count;
+	memmove(&done->stages[at + 1], &done->stages[at], (done->stages_count - at) * sizeof *done->stages);
+	done->stages_count++;
+	done->stages[at] = (candil_Stage){.us = us};
+	snprintf(done->stages[at].name, sizeof done->stages[at].name, "%s", name);
+}
+
+// Add the front's part to the worker's account of a job, whose stages are all time that the worker spent on it. So what is
+// left between BEGIN and the image is the wait for the device, for room and for messages.
 static void complete_account(struct job *job)
 {
 	candil_Done *done = &job->done;
-	if (done->stages_count == MAX_STAGES)
-		done->stages_count--;
-	memmove(&done->stages[1], &done->stages[0], done->stages_count * sizeof *done->stages);
-	done->stages_count++;
-	done->stages[0] = (candil_Stage){.name = "queue", .us = job->begun_us - job->asked_us};
-	done->elapsed_us = clock_us() - job->asked_us;
+	const uint64_t now = clock_us(), with_worker = job->encoded_us - job->again_us;
+	uint64_t worked = 0;
+	for (pb_size_t i = 0; i < done->stages_count; i++)
+		worked += done->stages[i].us;
+	put_stage(done, 0, "wait", with_worker > worked ? with_worker - worked : 0);
+	if (job->again_us > job->begun_us)
+		put_stage(done, 0, "lost", job->again_us - job->begun_us);
+	put_stage(done, 0, "queue", job->begun_us - job->asked_us);
+	put_stage(done, MAX_STAGES, "send", now - job->encoded_us);
+	done->elapsed_us = now - job->asked_us;
 	done->slices = job->slices;
 	done->retries = job->retries;
 	snprintf(done->reason, sizeof done->reason, "%s", job->late ? "time" : job->reached ? "error" : "samples");

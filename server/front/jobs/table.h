@@ -54,6 +54,8 @@ struct job {
 	uint64_t read_us; // when its last image was asked for
 	uint64_t device_us; // that it had
 	uint64_t asked_us, begun_us; // begun_us: the first BEGIN; 0: none yet
+	uint64_t again_us; // the latest BEGIN
+	uint64_t encoded_us; // when the final image came
 	uint64_t progress_us; // when progress was told last
 	bool preview_due; // asked of the worker, not here yet
 	uint32_t preview_samples; // of the last preview that was asked for

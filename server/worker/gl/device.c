@@ -135,6 +135,7 @@ static void look_around(struct gl_device *d)
 {
 	GLint64 bytes = 0;
 	GLint side = 0;
+	d->software = strstr((const char *)glGetString(GL_RENDERER), "llvmpipe") != NULL;
 	snprintf(d->name, sizeof d->name, "%.60s, OpenGL %.50s", (const char *)glGetString(GL_RENDERER),
 		 (const char *)glGetString(GL_VERSION));
 	glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);

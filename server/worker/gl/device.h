@@ -40,6 +40,10 @@ struct gl_device {
 	unsigned vertex_array; // an empty one: shaders read vertices from storage buffers
 	struct gl_program *programs; // kept by program.c
 	uint64_t program_turn; // counts gl_program_get
+	bool software; // its driver compiles programs anew for other shapes of textures
+	uint64_t shapes; // of what is bound since gl_program_use: kept by texture.c and scene.c by gl_shape
+	struct gl_program *settle; // kept by settle.c
+	unsigned settle_texture;
 };
 
 // Open a context on the GPU that `options` name where EGL tells UUIDs, else on the first one of the kind asked for. *device

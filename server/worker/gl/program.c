@@ -83,6 +83,35 @@ static enum status build(struct gl_program *p, struct error *err)
 	return s == STATUS_OK ? link_program(p, err) : s;
 }
 
+void gl_program_use(struct gl_device *d, const struct gl_program *p)
+{
+	glUseProgram(p->name);
+	d->shapes = 0;
+}
+
+// FNV-1a's step, by words.
+void gl_shape(struct gl_device *d, uint64_t shape)
+{
+	d->shapes = (d->shapes ^ shape) * 0x100000001b3ull + 1;
+}
+
+bool gl_program_is_warm(const struct gl_device *d, const struct gl_program *p)
+{
+	const uint32_t kept = p->warm_count < GL_PROGRAM_SHAPES ? p->warm_count : GL_PROGRAM_SHAPES;
+	if (!d->software)
+		return kept > 0;
+	for (uint32_t i = 0; i < kept; i++)
+		if (p->warm[i] == d->shapes)
+			return true;
+	return false;
+}
+
+void gl_program_has_run(const struct gl_device *d, struct gl_program *p)
+{
+	if (!gl_program_is_warm(d, p))
+		p->warm[p->warm_count++ % GL_PROGRAM_SHAPES] = d->shapes;
+}
+
 void gl_program_hold(struct gl_program *p)
 {
 	if (p)

@@ -17,7 +17,9 @@ struct gl_source {
 	const char *fragment;
 };
 
-// A linked program. `warm` is its user's to set; all else is for reading.
+#define GL_PROGRAM_SHAPES 16u // that are remembered of a program
+
+// A linked program, for reading.
 struct gl_program {
 	struct gl_program *next;
 	const struct gl_source *source;
@@ -25,7 +27,8 @@ struct gl_program {
 	unsigned name; // OpenGL's
 	uint32_t users; // holds of it: gl_program_hold
 	uint64_t used; // device->program_turn when it was last asked for
-	bool warm; // its user has run it once, so that the driver has compiled it
+	uint64_t warm[GL_PROGRAM_SHAPES]; // shapes of textures that it has run with, so that the driver has compiled it
+	uint32_t warm_count; // that it has run with; the latest are kept
 };
 
 // The macros of a program: lines that come before its source. Zeroed: none.
@@ -49,6 +52,18 @@ void gl_define_effects(struct gl_defines *defines, uint32_t effects);
 // that are `full`; STATUS_MEMORY, STATUS_DEVICE.
 enum status gl_program_get(struct gl_device *device, const struct gl_source *source, const struct gl_defines *defines,
 			   struct gl_program **program, struct error *err);
+
+// Put a program into use, with no texture bound for it yet. What it reads and writes is bound behind this call.
+void gl_program_use(struct gl_device *device, const struct gl_program *program);
+
+// Take down that a texture, an image or a texel buffer of some shape is bound; `shape` is any number that differs if the
+// driver may have to compile another program.
+void gl_shape(struct gl_device *device, uint64_t shape);
+
+// Whether the program in use has run with textures of the shapes that are bound, and so is compiled; and that it has. On
+// hardware any run is enough.
+bool gl_program_is_warm(const struct gl_device *device, const struct gl_program *program);
+void gl_program_has_run(const struct gl_device *device, struct gl_program *program);
 
 // Hold a program for as long as the caller keeps a pointer to it, and let go of it: once for each hold. NULL is allowed in
 // both.

@@ -3,6 +3,8 @@
 #include <epoxy/gl.h>
 #include <stdlib.h>
 
+#include "server/worker/gl/program.h"
+
 static const char kind; // its address is gl_scene's kind of struct derived
 
 #define TEXEL_BYTES 16u
@@ -85,6 +87,13 @@ enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device,
 	return gl_scene_upload(s, scene, bindings, err);
 }
 
+static void bind_texels(const struct gl_scene *s, unsigned binding, unsigned unit, unsigned texture)
+{
+	const uint64_t texels = s->buffers[binding].bytes / TEXEL_BYTES;
+	gl_shape(s->device, (uint64_t)unit << 1 | ((texels & (texels - 1)) == 0));
+	glBindTextureUnit(unit, texture);
+}
+
 void gl_scene_bind(const struct gl_scene *s)
 {
 	if (s->base)
@@ -93,7 +102,7 @@ void gl_scene_bind(const struct gl_scene *s)
 		if (s->buffers[i].name)
 			gl_buffer_bind(&s->buffers[i], i);
 	if (s->node_texels)
-		glBindTextureUnit(UNIT_NODES, s->node_texels);
+		bind_texels(s, BIND_NODES, UNIT_NODES, s->node_texels);
 	if (s->leaf_texels)
-		glBindTextureUnit(UNIT_LEAF_TRIANGLES, s->leaf_texels);
+		bind_texels(s, BIND_LEAF_TRIANGLES, UNIT_LEAF_TRIANGLES, s->leaf_texels);
 }

@@ -2,6 +2,8 @@
 
 #include <epoxy/gl.h>
 
+#include "server/worker/gl/program.h"
+
 // Bytes of a texel, and the format and type in which zeros are handed to the driver.
 static const struct texel {
 	GLenum format;
@@ -84,6 +86,7 @@ enum status gl_texture_init(struct gl_texture *t, struct gl_device *d, const str
 	enum status s = gl_reserve(d, bytes, err);
 	if (s != STATUS_OK)
 		return s;
+	t->device = d;
 	t->desc = *desc;
 	t->desc.levels = levels_of(desc);
 	t->bytes = bytes;
@@ -132,12 +135,31 @@ void gl_texture_linear(const struct gl_texture *t, bool mips)
 						: GL_LINEAR_MIPMAP_NEAREST);
 }
 
+// 1 or 0.
+static uint64_t is_power_of_two(uint32_t x)
+{
+	return (x & (x - 1)) == 0;
+}
+
+// Tell the program in use what it gets: llvmpipe's lp_static_texture_state has a texture's format, target, whether its sides
+// are powers of two and whether it has levels.
+static void tell_shape(const struct gl_texture *t, unsigned unit, bool image)
+{
+	const struct gl_texture_desc *d = &t->desc;
+	const uint64_t sides = is_power_of_two(d->width) | is_power_of_two(d->height) << 1 | is_power_of_two(d->depth) << 2;
+	const uint64_t more = sides | (uint64_t)(d->levels > 1) << 3 | (uint64_t)image << 4 | (uint64_t)unit << 8;
+	if (t->device)
+		gl_shape(t->device, more << 32 | (uint64_t)d->target << 16 | d->format);
+}
+
 void gl_texture_bind(const struct gl_texture *t, unsigned unit)
 {
+	tell_shape(t, unit, false);
 	glBindTextureUnit(unit, t->name);
 }
 
 void gl_texture_bind_image(const struct gl_texture *t, unsigned unit, uint32_t level, unsigned access)
 {
+	tell_shape(t, unit, true);
 	glBindImageTexture(unit, t->name, (GLint)level, GL_TRUE, 0, access, t->desc.format);
 }

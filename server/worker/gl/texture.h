@@ -16,6 +16,7 @@ struct gl_texture_desc {
 // A texture; zeroed: none. May be moved by copying the struct.
 struct gl_texture {
 	unsigned name; // 0: none
+	struct gl_device *device; // that it is on
 	struct gl_texture_desc desc; // with the number of levels filled in
 	uint64_t bytes;
 };

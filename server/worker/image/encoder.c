@@ -111,7 +111,8 @@ static void work(const struct encoder *e, const struct encoder_task *task)
 	image.head.job = task->job;
 	int fd = -1;
 	size_t bytes = 0;
-	uint64_t start = clock_us();
+	const uint64_t start = clock_us();
+	frame_add_stage(task->frame, "encoder", start - task->submitted_us);
 	const struct verdict_file *file = &task->file;
 	image.error.code = codec_encode(task->frame, file->format, file->view, file->exposure_ev, &fd, &bytes, &image.error);
 	judge(task, &image);
@@ -178,10 +179,13 @@ enum status encoder_create(int socket, const char *device, struct encoder **enco
 
 void encoder_submit(struct encoder *encoder, const struct encoder_task *task)
 {
+	const uint64_t submitted_us = clock_us();
 	pthread_mutex_lock(&encoder->mutex);
 	while (encoder->count == ENCODER_QUEUE_FRAMES)
 		pthread_cond_wait(&encoder->changed, &encoder->mutex);
-	encoder->ring[(encoder->first + encoder->count) % ENCODER_QUEUE_FRAMES] = *task;
+	struct encoder_task *slot = &encoder->ring[(encoder->first + encoder->count) % ENCODER_QUEUE_FRAMES];
+	*slot = *task;
+	slot->submitted_us = submitted_us;
 	encoder->count++;
 	pthread_cond_broadcast(&encoder->changed);
 	pthread_mutex_unlock(&encoder->mutex);

@@ -22,6 +22,7 @@ struct encoder_task {
 	struct frame *frame; // the encoder's from encoder_submit on
 	struct verdict_file file;
 	struct verdict_about about;
+	uint64_t submitted_us; // filled in by encoder_submit
 };
 
 // Start the thread. `socket`, the one to the front, stays the caller's and must outlive the encoder. `device`, the device's

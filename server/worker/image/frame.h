@@ -12,7 +12,7 @@
 #include "server/base/estimate.h"
 
 #define FRAME_METADATA_MAX 80u // entries of each list at most
-#define FRAME_STAGES_MAX (LIMIT_STAGES - 1u) // the front adds the wait
+#define FRAME_STAGES_MAX (LIMIT_STAGES - 4u) // the front adds what it knows
 #define FRAME_FIGURES_MAX 32u
 #define FRAME_NOTES_MAX 4u
 

@@ -224,5 +224,5 @@ struct gl_timer *deferred_timer(struct deferred *d)
 void deferred_add_setup(struct deferred *d, uint64_t upload_us, uint64_t compile_us)
 {
 	d->upload_us += upload_us;
-	gl_timer_add(&d->timer, "compile", compile_us);
+	gl_timer_add(&d->timer, FRAME_STAGE_COMPILE, compile_us);
 }

@@ -76,7 +76,8 @@ struct deferred_work *deferred_current(struct deferred *deferred);
 // Issue `count` units of the pass at the cursor, from the cursor's unit on. Does not wait.
 void deferred_record(struct deferred *deferred, uint32_t count);
 
-// Make the driver compile a pass by running it over nothing, and mark its program as warm. Blocks. Fails as gl_check does.
-enum status deferred_warm_up(struct deferred *deferred, struct deferred_work *work, struct error *err);
+// Make the driver compile a pass by running it over nothing, with the textures that it will have, unless its program has run
+// with such before; *cold says whether. Blocks. Fails as gl_check does.
+enum status deferred_warm_up(struct deferred *deferred, struct deferred_work *work, bool *cold, struct error *err);
 
 #endif

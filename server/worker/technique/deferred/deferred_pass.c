@@ -1,6 +1,7 @@
 // One piece of one pass. It binds all that it needs, because other jobs use the device between two slices.
 #include <epoxy/gl.h>
 
+#include "server/worker/gl/settle.h"
 #include "server/worker/technique/deferred/deferred_job.h"
 #include "shaders/shared/deferred.h"
 
@@ -77,7 +78,7 @@ static void set_uniforms(const struct deferred *d, uint32_t first_tile, uint32_t
 
 static void bind_common(const struct deferred *d, const struct gl_program *program)
 {
-	glUseProgram(program->name);
+	gl_program_use(d->device, program);
 	gl_scene_bind(d->gl_scene);
 	gl_buffer_bind(&d->job, BIND_JOB);
 }
@@ -133,6 +134,8 @@ static void record_tiles(const struct deferred *d, const struct deferred_work *w
 	const struct deferred_band *b = &d->bands[d->band];
 	const struct deferred_area area = {
 	    .width = d->plan.width, .first_row = b->outer.first_row, .rows = b->outer.rows, .sample = d->sample};
+	if (work->kind == DEFERRED_SHADE)
+		gl_settle(d->device);
 	bind_common(d, work->program);
 	gl_texture_bind(&d->visibility, DEFERRED_VISIBILITY_UNIT);
 	gl_texture_bind_image(&d->radiance, DEFERRED_RADIANCE_UNIT, 0, GL_READ_WRITE);
@@ -167,15 +170,23 @@ void deferred_record(struct deferred *d, uint32_t count)
 	gl_timer_end(&d->timer);
 }
 
-enum status deferred_warm_up(struct deferred *d, struct deferred_work *work, struct error *err)
+enum status deferred_warm_up(struct deferred *d, struct deferred_work *work, bool *cold, struct error *err)
 {
-	bind_common(d, work->program);
+	if (work->kind == DEFERRED_DRAW)
+		bind_common(d, work->program);
+	else
+		record_tiles(d, work, 0, 0);
+	*cold = !gl_program_is_warm(d->device, work->program);
+	if (!*cold)
+		return STATUS_OK;
 	if (work->kind == DEFERRED_DRAW) {
 		record_draw(d, work, 0, scene_count(d->scene, BLOB_TRIANGLES) > 0);
 	} else {
-		record_tiles(d, work, 0, 0);
 		set_uniforms(d, 0, 0);
 		glDispatchCompute(1, 1, 1);
 	}
-	return gl_wait(d->device, work->stage, err);
+	enum status s = gl_wait(d->device, work->stage, err);
+	if (s == STATUS_OK)
+		gl_program_has_run(d->device, work->program);
+	return s;
 }

@@ -147,11 +147,10 @@ static enum status make_program(struct deferred *d, struct deferred_work *work, 
 		return s;
 	gl_program_hold(program);
 	work->program = program;
-	if (program->warm)
-		return STATUS_OK;
-	s = deferred_warm_up(d, work, err);
-	program->warm = s == STATUS_OK;
-	gl_timer_add(&d->timer, "compile", clock_us() - start);
+	bool cold;
+	s = deferred_warm_up(d, work, &cold, err);
+	if (cold)
+		gl_timer_add(&d->timer, FRAME_STAGE_COMPILE, clock_us() - start);
 	return s;
 }
 
@@ -212,7 +211,7 @@ enum status deferred_create(struct devices *devices, struct resident_scene *scen
 	d->pass_count = pass_count;
 	memcpy(d->passes, passes, pass_count * sizeof *passes);
 	gl_timer_init(&d->timer);
-	gl_timer_add(&d->timer, "compile", 0); // so that it is the first stage that is told
+	gl_timer_add(&d->timer, FRAME_STAGE_COMPILE, 0); // so that it is the first stage that is told
 	s = make_all(d, bindings, err);
 	if (s != STATUS_OK) {
 		deferred_destroy(d);

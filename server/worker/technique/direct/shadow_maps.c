@@ -219,8 +219,9 @@ static enum status make_programs(struct shadow_maps *m, const struct plan *plan,
 			return s;
 		gl_program_hold(program);
 		m->programs[i] = program;
-		warm &= program->warm;
-		program->warm = true;
+		gl_program_use(m->device, program);
+		warm &= gl_program_is_warm(m->device, program);
+		gl_program_has_run(m->device, program);
 	}
 	if (warm || scene_count(m->scene, BLOB_TRIANGLES) == 0)
 		return STATUS_OK;

@@ -327,7 +327,7 @@ static void pt_account(const struct technique_job *j, struct frame *f)
 static enum status pt_read(struct technique_job *j, struct frame **frame, struct error *err)
 {
 	struct frame *f;
-	const uint64_t start = clock_us();
+	const uint64_t start = clock_us(), error_us = j->error_us;
 	enum status s = frame_create(j->plan.width, j->plan.height, j->plan.aovs, &f, err);
 	if (s != STATUS_OK)
 		return s;
@@ -346,7 +346,7 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	pt_account(j, f);
 	if (pt_settings(&j->plan)->clamp > 0)
 		account_clamp(j, f);
-	frame_add_stage(f, "resolve", clock_us() - start);
+	frame_add_stage(f, "resolve", clock_us() - start - (j->error_us - error_us));
 	*frame = f;
 	return STATUS_OK;
 }

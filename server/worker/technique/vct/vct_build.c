@@ -6,6 +6,8 @@
 
 #include "server/base/clock.h"
 #include "server/worker/gl/scene.h"
+#include "server/worker/gl/settle.h"
+#include "server/worker/image/frame.h"
 #include "server/worker/technique/vct/vct_cones.h"
 #include "shaders/gl/vct_cells_comp.h"
 #include "shaders/gl/vct_gather_comp.h"
@@ -164,7 +166,9 @@ static void bind_images(const struct vct_volume *v, enum vct_stage stage)
 static enum status vct_build_bind(const struct vct_volume *v, enum vct_stage stage, const struct gl_program *program,
 				  struct error *err)
 {
-	glUseProgram(program->name);
+	if (stage == VCT_LIGHT)
+		gl_settle(v->device);
+	gl_program_use(v->device, program);
 	if (stage == VCT_LIGHT) {
 		struct gl_scene *scene;
 		enum status s = gl_scene_get(v->scene, v->device, v->bindings, &scene, err);
@@ -201,17 +205,17 @@ static enum status warm_up(const struct vct_volume *v, enum vct_stage stage, str
 	const uint64_t start = clock_us();
 	struct gl_program *program;
 	enum status s = program_of(v, stage, &program, err);
-	if (s != STATUS_OK || program->warm)
-		return s;
-	s = vct_build_bind(v, stage, program, err);
-	if (s != STATUS_OK)
+	if (s == STATUS_OK)
+		s = vct_build_bind(v, stage, program, err);
+	if (s != STATUS_OK || gl_program_is_warm(v->device, program))
 		return s;
 	glUniform2ui(VCT_RANGE, 0, 0);
 	glDispatchCompute(1, 1, 1);
 	s = gl_wait(v->device, "compiling", err);
-	program->warm = s == STATUS_OK;
+	if (s == STATUS_OK)
+		gl_program_has_run(v->device, program);
 	if (timer)
-		gl_timer_add(timer, "compile", clock_us() - start);
+		gl_timer_add(timer, FRAME_STAGE_COMPILE, clock_us() - start);
 	return s;
 }
 

@@ -141,7 +141,7 @@ static void voxel_build_use(const struct voxels *v, const struct gl_program *pro
 	gl_buffer_bind(&v->build->job, BIND_JOB);
 	gl_buffer_bind(&v->build->items, BIND_VOXEL_ITEMS);
 	voxels_bind(v);
-	glUseProgram(program->name);
+	gl_program_use(v->device, program);
 }
 
 static void voxel_build_run(uint32_t invocations, uint32_t group)
@@ -169,16 +169,17 @@ static enum status compile_piece(struct voxels *v, struct error *err)
 		return r;
 	gl_program_hold(b->programs[i]);
 	b->compiled++;
-	if (b->programs[i]->warm)
-		return STATUS_OK;
 	voxel_build_use(v, b->programs[i]);
+	if (gl_program_is_warm(v->device, b->programs[i]))
+		return STATUS_OK;
 	if (i == VOXEL_PROGRAM_MARK || i == VOXEL_PROGRAM_SUM)
 		glUniform2ui(0, 0, 0);
 	else
 		glUniform1ui(0, 0);
 	voxel_build_run(1, 1);
 	r = gl_wait(v->device, "compiling", err);
-	b->programs[i]->warm = r == STATUS_OK;
+	if (r == STATUS_OK)
+		gl_program_has_run(v->device, b->programs[i]);
 	b->compile_us += clock_us() - start;
 	return r;
 }
