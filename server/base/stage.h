@@ -4,10 +4,11 @@
 
 enum stage_kind {
 	STAGE_QUEUE, // with what others do
-	STAGE_COLD, // with nothing: it comes once a program
+	STAGE_COLD, // with nothing: it comes once a device, or a program
 	STAGE_SETUP, // with the scene: it comes once, and what it made is kept
 	STAGE_PIXEL, // with pixels
 	STAGE_SAMPLE, // with pixels times samples
+	STAGE_FIXED, // with nothing: it comes with every frame
 	STAGE_ENCODE, // with the file
 };
 

@@ -136,7 +136,7 @@ static void learn_frame(void *owner, const struct rendered *f)
 				 .pixels = (uint32_t)q.pixels,
 				 .samples = done->samples};
 	const bool cold = a.us[STAGE_COLD] > COLD_US;
-	const double fixed = fmax((double)done->elapsed_us - a.all, 0);
+	const double fixed = a.us[STAGE_FIXED] + fmax((double)done->elapsed_us - a.all, 0);
 	if (q.setup)
 		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
 	if (cold) {
@@ -153,7 +153,7 @@ static void learn_frame(void *owner, const struct rendered *f)
 	if (e.kind == candil_ErrorKind_ERROR_KIND_MEASURED && technique_traits(technique) & TECHNIQUE_NOISE)
 		set_error(&r, &e, done->samples);
 	set_warm(quotes, warmth_of(f->scene, &q.key));
-	quote_learn(quotes->model, &r, &q, cold || !f->alone ? 0 : a.all + fixed - a.us[STAGE_QUEUE]);
+	quote_learn(quotes->model, &r, &q, cold || !f->alone ? 0 : (double)done->elapsed_us - a.us[STAGE_QUEUE]);
 	quote_store_mark(&quotes->store);
 }
 
