@@ -87,6 +87,8 @@ struct study_plan {
 	bool ablations; // one of each effect of the scene is to be made
 	bool reference; // there is one
 	uint64_t reference_seed;
+	struct study_setting reference_settings[STUDY_SETTINGS_MAX];
+	uint32_t reference_setting_count;
 	struct study_point *points;
 	uint32_t point_count;
 	double planned_s; // what the plan was thought to take, all told; 0: it is not fitted
@@ -175,7 +177,7 @@ uint32_t study_seeds_of(const struct study_plan *plan, const struct study_point 
 candil_status study_plan_read(const char *path, unsigned techniques, struct study_plan *plan, struct candil_error *error);
 // A plan, and the settings of a point, as a file has them.
 json_t *study_plan_json(const struct study_plan *plan);
-json_t *study_settings_json(const struct study_point *point);
+json_t *study_settings_json(uint32_t samples, const struct study_setting *settings, uint32_t count);
 
 // ---- study_options.c ------------------------------------------------------------------------------------------------
 

@@ -153,6 +153,18 @@ static const json_t *value_at(const json_t *value, size_t index)
 	return json_is_array(value) ? json_array_get(value, index) : value;
 }
 
+// Take a setting that is no number of samples.
+static bool take_setting(struct reader *r, const char *key, const json_t *value, struct study_setting *settings,
+			 uint32_t *count)
+{
+	if (strlen(key) > LIMIT_OPTION_NAME || !strchr(key, '.') || !is_printable(key))
+		return refuse(r, "a setting is \"samples\" or the name of an option, as in --set " TECHNIQUE_OPTION_EXAMPLE);
+	if (*count == STUDY_SETTINGS_MAX)
+		return refuse(r, "a run has no room for more than 16 options");
+	snprintf(settings[*count].name, sizeof(settings[*count].name), "%s", key);
+	return take_value(r, value, settings[(*count)++].value);
+}
+
 // Set one cell of a grid: `number` counts through all combinations of the settings' values.
 static bool take_cell(struct reader *r, json_t *settings, size_t number, struct study_point *point)
 {
@@ -172,16 +184,8 @@ static bool take_cell(struct reader *r, json_t *settings, size_t number, struct 
 				return false;
 			continue;
 		}
-		struct study_setting *s = &point->settings[point->setting_count];
-		if (strlen(key) > LIMIT_OPTION_NAME || !strchr(key, '.') || !is_printable(key))
-			return refuse(
-			    r, "a setting is \"samples\" or the name of an option, as in --set " TECHNIQUE_OPTION_EXAMPLE);
-		if (point->setting_count == STUDY_SETTINGS_MAX)
-			return refuse(r, "a run has no room for more than 16 options");
-		snprintf(s->name, sizeof(s->name), "%s", key);
-		if (!take_value(r, one, s->value))
+		if (!take_setting(r, key, one, point->settings, &point->setting_count))
 			return false;
-		point->setting_count++;
 	}
 	memcpy(r->place, place, sizeof(place));
 	return study_add_point(r->plan, point) || refuse(r, "more than 1024 points, or no memory: take fewer values");
@@ -292,7 +296,9 @@ static bool take_size(struct reader *r, const json_t *size)
 
 static bool take_reference(struct reader *r, json_t *reference)
 {
-	static const char *const keys[] = {"relmse", "samples", "seed", NULL};
+	static const char *const keys[] = {"relmse", "samples", "seed", "settings", NULL};
+	json_t *settings = json_object_get(reference, "settings"), *value;
+	const char *key;
 	double relmse = 0;
 	uint32_t samples = 0, seed = 0;
 	snprintf(r->place, sizeof(r->place), "reference");
@@ -303,6 +309,14 @@ static bool take_reference(struct reader *r, json_t *reference)
 	    !take_whole(r, reference, "samples", 1, LIMIT_SAMPLES, &samples) ||
 	    !take_whole(r, reference, "seed", STUDY_SEEDS_MAX + 1, UINT32_MAX, &seed))
 		return false;
+	if (settings && !json_is_object(settings))
+		return refuse(r, "\"settings\" is an object");
+	r->plan->reference_setting_count = 0;
+	json_object_foreach(settings, key, value)
+	{
+		if (!take_setting(r, key, value, r->plan->reference_settings, &r->plan->reference_setting_count))
+			return false;
+	}
 	for (uint32_t i = 0; i < r->plan->view_count; i++) {
 		if (relmse > 0)
 			r->plan->views[i].relmse = relmse;
@@ -370,15 +384,10 @@ candil_status study_plan_read(const char *path, unsigned techniques, struct stud
 
 // ---- out -------------------------------------------------------------------------------------------------------------
 
-json_t *study_settings_json(const struct study_point *point)
+static void put_settings(json_t *o, const struct study_setting *settings, uint32_t count)
 {
-	json_t *o = json_object();
-	if (point->samples == STUDY_SAMPLES_FIT)
-		json_object_set_new(o, "samples", json_string("fit"));
-	else
-		json_object_set_new(o, "samples", cli_json_u64(point->samples));
-	for (uint32_t i = 0; i < point->setting_count; i++) {
-		const struct study_setting *s = &point->settings[i];
+	for (uint32_t i = 0; i < count; i++) {
+		const struct study_setting *s = &settings[i];
 		double number;
 		const bool is_number = cli_parse_double(s->value, &number);
 		const bool whole = is_number && number == floor(number) && fabs(number) < 0x1p53;
@@ -387,7 +396,21 @@ json_t *study_settings_json(const struct study_point *point)
 				    : is_number ? json_real(number)
 						: cli_json_text(s->value));
 	}
+}
+
+json_t *study_settings_json(uint32_t samples, const struct study_setting *settings, uint32_t count)
+{
+	json_t *o = json_object();
+	json_object_set_new(o, "samples", samples == STUDY_SAMPLES_FIT ? json_string("fit") : cli_json_u64(samples));
+	put_settings(o, settings, count);
 	return o;
+}
+
+static json_t *reference_json(const struct study_plan *plan)
+{
+	json_t *settings = json_object();
+	put_settings(settings, plan->reference_settings, plan->reference_setting_count);
+	return json_pack("{s:o,s:o}", "seed", cli_json_u64(plan->reference_seed), "settings", settings);
 }
 
 json_t *study_plan_json(const struct study_plan *plan)
@@ -406,20 +429,19 @@ json_t *study_plan_json(const struct study_plan *plan)
 	}
 	for (uint32_t i = 0; i < plan->point_count; i++) {
 		const struct study_point *p = &plan->points[i];
-		json_t *point =
-		    json_pack("{s:s,s:o}", "technique", technique_name(p->technique), "settings", study_settings_json(p));
+		json_t *point = json_pack("{s:s,s:o}", "technique", technique_name(p->technique), "settings",
+					  study_settings_json(p->samples, p->settings, p->setting_count));
 		if (p->effects[0])
 			json_object_set_new(point, "effects", cli_json_text(p->effects));
 		if (p->seeds > 0)
 			json_object_set_new(point, "seeds", cli_json_u64(p->seeds));
 		json_array_append_new(points, point);
 	}
-	json_t *o = json_pack(
-	    "{s:o,s:s,s:[o,o],s:o,s:o,s:o,s:f,s:o,s:o}", "title", cli_json_text(plan->title), "key", plan->key, "size",
-	    cli_json_u64(plan->width), cli_json_u64(plan->height), "views", views, "seeds", cli_json_u64(plan->seeds),
-	    "repeats", cli_json_u64(plan->repeats), "budget", plan->budget_s, "reference",
-	    plan->reference ? json_pack("{s:o}", "seed", cli_json_u64(plan->reference_seed)) : json_false(), "points",
-	    points);
+	json_t *o =
+	    json_pack("{s:o,s:s,s:[o,o],s:o,s:o,s:o,s:f,s:o,s:o}", "title", cli_json_text(plan->title), "key", plan->key,
+		      "size", cli_json_u64(plan->width), cli_json_u64(plan->height), "views", views, "seeds",
+		      cli_json_u64(plan->seeds), "repeats", cli_json_u64(plan->repeats), "budget", plan->budget_s,
+		      "reference", plan->reference ? reference_json(plan) : json_false(), "points", points);
 	if (o && plan->planned_s > 0)
 		json_object_set_new(o, "planned", json_real(plan->planned_s));
 	return o;

@@ -49,9 +49,10 @@ void study_request(struct study *study, const struct study_run *run, struct cand
 	r->effects_on = effects_on;
 	r->effects_off = effects_off;
 	r->options = options;
-	r->option_count = p ? p->setting_count : 0;
+	const struct study_setting *settings = p ? p->settings : study->plan.reference_settings;
+	r->option_count = p ? p->setting_count : study->plan.reference_setting_count;
 	for (size_t i = 0; i < r->option_count; i++)
-		options[i] = (struct candil_option){p->settings[i].name, p->settings[i].value};
+		options[i] = (struct candil_option){settings[i].name, settings[i].value};
 	if (p && p->effects[0]) {
 		char list[sizeof(p->effects)];
 		const char *wrong;
@@ -96,8 +97,10 @@ bool study_command_line(const struct study *study, const struct study_run *run, 
 		study_quote(text, capacity, "--effects", &full);
 		study_quote(text, capacity, p->effects, &full);
 	}
-	for (uint32_t i = 0; p && i < p->setting_count; i++) {
-		snprintf(setting, sizeof(setting), "%s=%s", p->settings[i].name, p->settings[i].value);
+	const struct study_setting *settings = p ? p->settings : study->plan.reference_settings;
+	const uint32_t count = p ? p->setting_count : study->plan.reference_setting_count;
+	for (uint32_t i = 0; i < count; i++) {
+		snprintf(setting, sizeof(setting), "%.31s=%.31s", settings[i].name, settings[i].value);
 		study_quote(text, capacity, "--set", &full);
 		study_quote(text, capacity, setting, &full);
 	}

@@ -80,7 +80,9 @@ static json_t *begin_line(const struct study *study, const struct study_run *run
 	char command[8192];
 	const struct study_point *p = study_point_of(study, run);
 	const struct candil_render_request *r = &study->job.options.request;
-	json_t *settings = p ? study_settings_json(p) : json_pack("{s:o}", "samples", cli_json_u64(r->samples));
+	json_t *settings =
+	    p ? study_settings_json(p->samples, p->settings, p->setting_count)
+	      : study_settings_json(r->samples, study->plan.reference_settings, study->plan.reference_setting_count);
 	const char *effects = p && p->effects[0] ? p->effects : "auto";
 	const bool whole = study_command_line(study, run, command, sizeof(command));
 	json_t *quote = json_object_get(study->quotes, run->id);

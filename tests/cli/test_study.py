@@ -19,7 +19,7 @@ PLAN = {
     "size": [32, 24],
     "seeds": 2,
     "repeats": 1,
-    "reference": {"relmse": 0.5, "samples": 64},
+    "reference": {"relmse": 0.5, "samples": 64, "settings": {"pt.depth": 9}},
     "points": [
         {"technique": "pt", "settings": {"samples": [1, 4]}},
         {"technique": "pt", "settings": {"samples": 4}, "effects": "auto,-bounces"},
@@ -107,6 +107,7 @@ class Study(unittest.TestCase):
         reference, = (line for line in lines if line["kind"] == "reference")
         self.assertEqual(reference["report"]["reason"], "error")
         self.assertLessEqual(reference["report"]["relmse_high"], 0.5)
+        self.assertEqual((reference["settings"]["pt.depth"], reference["report"]["depth"]), (9, 9))
         self.assertNotIn(reference["seed"], {line["seed"] for line in lines if line["kind"] != "reference"})
         self.assertEqual({line["effects"] for line in lines if line["kind"] == "ablation"}, {"auto,-bounces"})
         self.assertEqual(sorted(os.listdir(self.path("images"))), sorted(line["id"] + ".exr" for line in lines))
@@ -270,6 +271,7 @@ class Study(unittest.TestCase):
                 (dict(PLAN, budget=-1), "budget"), (dict(PLAN, views=[]), "32"), (dict(PLAN, views=[{}] * 33), "32"),
                 (dict(PLAN, views=[{"camera": "1,2,3"}]), "ten numbers"), (dict(PLAN, views=[{"camera": ""}, 1]), "views[1]"),
                 (dict(PLAN, reference={"relmse": 0}), "relmse"), (dict(PLAN, reference={"seed": 1}), "1001"),
+                (dict(PLAN, reference={"settings": []}), "object"), (dict(PLAN, reference={"settings": {"a.b": [1]}}), "word"),
                 (dict(PLAN, reference=3), "object"), (dict(PLAN, title="a\u0000b"), "JSON"), (dict(PLAN, title="t" * 128), "title"), (dict(PLAN, ablations=1), "true")):
             answer = self.study(status=2, plan=plan)
             self.assertIn(word, answer["error"]["message"], plan if len(str(plan)) < 500 else word)

@@ -146,7 +146,8 @@ def main():
     bench.header(device)
     print(f"Beside: {experiment['source']}.\n")
     theirs = experiment["theirs"]
-    others = sorted({column for row in theirs.values() for column in row})
+    told = {column for row in theirs.values() for column in row}
+    others = [c for c in experiment["columns"] if c in told] + sorted(told - set(experiment["columns"]))
     bench.table([", ".join(experiment["rows"]), *(">" + c for c in experiment["columns"]), *(f">{c} there" for c in others)],
                 [[title, *(row[c] for c in experiment["columns"]), *(theirs.get(name, {}).get(c, "") for c in others)]
                  for title, (name, row) in sorted(found.items(), key=lambda item: order(item[0]))])
