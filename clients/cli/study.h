@@ -68,7 +68,7 @@ struct study_point {
 	uint32_t samples;
 	struct study_setting settings[STUDY_SETTINGS_MAX];
 	uint32_t setting_count;
-	char effects[256]; // as --effects takes them; "": as the command line has them
+	char effects[256]; // as --effects takes them, in the place of the command line's; "": those
 	uint32_t seeds; // how many runs a view; 0: as the plan has it
 	bool probe; // it is there to be measured alone
 	struct study_times times[STUDY_VIEWS_MAX];
@@ -110,6 +110,7 @@ struct study_texts {
 	uint32_t camera_count;
 	const char *techniques, *budget, *plan, *seeds;
 	bool quick, sized, too_many;
+	char effects[224]; // of all points that have none of their own; "": auto
 	char shared[2048]; // render's options that count for all runs, quoted for a shell, each behind a space
 	bool shared_full;
 };

@@ -158,7 +158,8 @@ static bool add_ablations(struct study *study, unsigned technique, double second
 	{
 		if (strcmp(text_of(effect, "state"), "simulated") != 0)
 			continue;
-		snprintf(point.effects, sizeof(point.effects), "auto,-%.31s", text_of(effect, "name"));
+		snprintf(point.effects, sizeof(point.effects), "%s,-%.31s",
+			 study->texts.effects[0] ? study->texts.effects : "auto", text_of(effect, "name"));
 		if (!study_add_point(&study->plan, &point))
 			return false;
 	}

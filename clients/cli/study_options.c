@@ -38,6 +38,8 @@ static bool take(void *user, const char *name, const char *value)
 		return true;
 	}
 	t->sized |= strcmp(name, "size") == 0;
+	if (strcmp(name, "effects") == 0)
+		t->shared_full |= (size_t)snprintf(t->effects, sizeof(t->effects), "%s", value) >= sizeof(t->effects);
 	for (size_t i = 0; silent[i]; i++)
 		if (strcmp(name, silent[i]) == 0)
 			return false;

@@ -83,7 +83,8 @@ static json_t *begin_line(const struct study *study, const struct study_run *run
 	json_t *settings =
 	    p ? study_settings_json(p->samples, p->settings, p->setting_count)
 	      : study_settings_json(r->samples, study->plan.reference_settings, study->plan.reference_setting_count);
-	const char *effects = p && p->effects[0] ? p->effects : "auto";
+	const char *base = study->texts.effects[0] ? study->texts.effects : "auto";
+	const char *effects = p && p->effects[0] ? p->effects : base;
 	const bool whole = study_command_line(study, run, command, sizeof(command));
 	json_t *quote = json_object_get(study->quotes, run->id);
 	return json_pack("{s:s,s:s,s:o,s:s,s:o,s:s,s:o,s:o,s:O}", "id", run->id, "kind", study_kind_name(run->kind), "view",

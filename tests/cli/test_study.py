@@ -316,6 +316,9 @@ class Study(unittest.TestCase):
         first = {line["id"] for line in lines}
         self.assertEqual(self.study(plan=plan)["complete"], True)
         self.assertEqual(first, {line["id"] for line in self.lines()})
+        self.assertEqual(run(CANDIL, "--connect", self.daemon.socket, "study", self.scene, "-o", self.out, "--size", "16x16",
+                             "--budget", "1", "--seeds", "1", "--techniques", "pt", "--effects", "auto,-bounces").returncode, 0)
+        self.assertEqual({line["effects"] for line in self.lines()}, {"auto,-bounces", "auto,-bounces,-emitters"})
 
 
 if __name__ == "__main__":

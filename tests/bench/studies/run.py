@@ -64,6 +64,10 @@ def stage_ms(line, name):
     return sum(stage["us"] for stage in line["report"]["stages"] if stage["name"] in names) / 1e3
 
 
+def number(value):
+    return "%.0f" % value if value >= 1000 else "%.3g" % value
+
+
 def megabytes(line):
     figures = [figure["value"] for figure in line["report"]["figures"] if figure["name"] == "bytes.all"]
     return (figures[0] if figures else line["report"]["job_bytes"]) / 2 ** 20
@@ -74,14 +78,14 @@ def value_of(column, lines, cold, reference, folder, from_cold):
     if column == "relmse":
         return "%.2e" % statistics.mean(relmse(os.path.join(folder, line["image"]), reference) for line in lines) if reference else "–"
     if column == "ms":
-        return "%.4g" % statistics.median(line["report"]["elapsed_us"] / 1e3 for line in lines)
+        return number(statistics.median(line["report"]["elapsed_us"] / 1e3 for line in lines))
     if column == "MB":
-        return "%.4g" % megabytes(lines[0])
-    return "%.4g" % statistics.median(stage_ms(line, column) for line in (cold if column in from_cold and cold else lines))
+        return number(megabytes(lines[0]))
+    return number(statistics.median(stage_ms(line, column) for line in (cold if column in from_cold and cold else lines)))
 
 
 def rows_of(folder, scene, size, experiment):
-    """{"make cornell 256": {"ms": "12.3", …}} of a study's folder, and the device."""
+    """{("make cornell", "256"): {"ms": "12.3", …}} of a study's folder."""
     with open(os.path.join(folder, "runs.jsonl"), encoding="utf-8") as file:
         lines = [json.loads(line) for line in file]
     reference = [os.path.join(folder, line["image"]) for line in lines if line["kind"] == "reference" and not line["failed"]]
@@ -90,11 +94,16 @@ def rows_of(folder, scene, size, experiment):
         if line["failed"] or line["kind"] == "reference":
             continue
         settings = dict(line["settings"], scene=scene, size=size)
-        name = " ".join(str(settings.get(row, "")) for row in experiment["rows"]).strip()
+        name = tuple(str(settings.get(row, "")) for row in experiment["rows"])
         (colds if line["kind"] == "cold" else groups).setdefault(name, []).append(line)
     return {name: {column: value_of(column, group, colds.get(name), reference[0] if reference else None, folder,
                                     experiment.get("cold", ()))
                    for column in experiment["columns"]} for name, group in groups.items()}
+
+
+def figures_there(theirs, name):
+    """Others' figures of a row: by all of its words, or, where they have but one scene, by those behind the scene."""
+    return theirs.get(" ".join(filter(None, name))) or theirs.get(" ".join(filter(None, name[1:])), {})
 
 
 def study(plan_file, scene, size, arguments, folder, address):
@@ -106,7 +115,9 @@ def study(plan_file, scene, size, arguments, folder, address):
 
 
 def order(name):
-    return [(0, float(word), "") if word.replace(".", "", 1).isdigit() else (1, 0, word) for word in name.split()]
+    """Numbers by what they are, sizes by their width, words by their letters."""
+    heads = [word.split("x")[0] if word[:1].isdigit() else word for word in name]
+    return [(0, float(word), "") if word.replace(".", "", 1).isdigit() else (1, 0, word) for word in heads]
 
 
 def main():
@@ -138,9 +149,7 @@ def main():
                 folder = os.path.join(options.output, f"{named.replace(' ', '-')}-{size}")
                 status = max(status, study(plan_file, path, size, arguments, folder, address))
                 if os.path.exists(os.path.join(folder, "runs.jsonl")):
-                    several = len(experiment["scenes"]) > 1 and "scene" not in experiment["rows"]
-                    for name, row in rows_of(folder, scene, size, experiment).items():
-                        found[f"{scene}: {name}" if several else name] = (name, row)
+                    found.update(rows_of(folder, scene, size, experiment))
                     with open(os.path.join(folder, "study.json"), encoding="utf-8") as file:
                         device = json.load(file)["device"]
     bench.header(device)
@@ -148,9 +157,9 @@ def main():
     theirs = experiment["theirs"]
     told = {column for row in theirs.values() for column in row}
     others = [c for c in experiment["columns"] if c in told] + sorted(told - set(experiment["columns"]))
-    bench.table([", ".join(experiment["rows"]), *(">" + c for c in experiment["columns"]), *(f">{c} there" for c in others)],
-                [[title, *(row[c] for c in experiment["columns"]), *(theirs.get(name, {}).get(c, "") for c in others)]
-                 for title, (name, row) in sorted(found.items(), key=lambda item: order(item[0]))])
+    bench.table([*experiment["rows"], *(">" + c for c in experiment["columns"]), *(f">{c} there" for c in others)],
+                [[*name, *(row[c] for c in experiment["columns"]), *(figures_there(theirs, name).get(c, "") for c in others)]
+                 for name, row in sorted(found.items(), key=lambda item: order(item[0]))])
     return status
 
 
