@@ -144,6 +144,27 @@ class Signals(FakeCase):
         self.daemon.start()  # on the socket that the dead one left
 
 
+class LeaveDuringAPilot(FakeCase):
+    """A quote holds its scene for as long as its pilot is out."""
+    environment = {"FAKE_PILOT_US": "600000000"}
+
+    def leave(self, connection):
+        self.daemon.process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.daemon.process.wait(wire.PATIENCE), 0)
+        return connection.drained()
+
+    def test_before_the_answer(self):
+        connection = self.with_box()
+        connection.send(wire.QUOTE, pb.Quote(render=render()))
+        connection.ask(wire.PING)
+        self.assert_error(self.leave(connection)[-1], "shutting-down")
+
+    def test_behind_the_answer(self):
+        connection = self.with_box()
+        self.assertEqual(connection.ask(wire.QUOTE, pb.Quote(render=render())).kind, wire.QUOTE_REPLY)
+        self.leave(connection)
+
+
 def running(pid):
     try:
         with open(f"/proc/{pid}/stat") as file:

@@ -588,6 +588,9 @@ void quotes_fail_all(struct quotes *quotes, const struct error *err)
 		if (q->session)
 			quote_fail(quotes, q, err);
 	}
+	// Those whose pilot is out hold their scenes until it is back, which nobody waits for any more.
+	while (quotes->first)
+		quote_destroy(quotes, quotes->first);
 }
 
 enum status quotes_init(struct quotes *quotes, struct jobs *jobs, struct worker *worker, const char *state,
