@@ -107,4 +107,15 @@
 #define LIMIT_ENCODE_SECONDS 600u // an image that is not encoded by then: the worker hangs
 #define LIMIT_IPC_QUEUE 4096u // messages that wait for a worker to take them; more: it hangs
 
+// ---- a study on disk, as the program that reports on it reads it ----
+#define LIMIT_STUDY_RUNS 65536u // lines of runs.jsonl
+#define LIMIT_STUDY_LINE_BYTES (1u << 20) // one of them, and study.json
+#define LIMIT_STUDY_BYTES (512u << 20) // runs.jsonl
+#define LIMIT_STUDY_VIEWS 32u
+#define LIMIT_STUDY_TEXT 4095u // of an id, a path, a command
+#define LIMIT_STUDY_SETTINGS 24u // of one run
+#define LIMIT_STUDY_PIXELS (4u * 1024u * 1024u) // of one image
+#define LIMIT_REPORT_BYTES (3u << 20) // the page that a browser opens
+#define LIMIT_REPORT_TABLE_BYTES (4u << 20) // the page of hard cases
+
 #endif

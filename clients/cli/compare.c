@@ -33,15 +33,17 @@ const struct command compare_command = {
     .name = "compare",
     .summary = "measure how far an image is from a reference",
     .help =
-	"Usage: candil compare A B [--mask-above RADIANCE] [--error-image OUT.png]\n"
-	"                      [--side-by-side OUT.png] [--json]\n\n"
+	"Usage: candil compare A B [C...] [--mask-above RADIANCE] [--error-image OUT.png]\n"
+	"                      [--side-by-side OUT.png] [--html OUT.html] [--json]\n\n"
 	"Prints the difference of image A from reference B: RMSE, relative MSE (mean of (a-b)²/(b²+0.01)), signed\n"
 	"mean, and FLIP: how much a person sees of the difference, 0 to 1 (blue for green). No daemon is needed.\n"
 	"The sizes are the same, or one is a whole multiple of the other (1024x1024 and 512x512), which is then\n"
 	"averaged down to it.\n\n"
 	"  --mask-above RADIANCE  leave out pixels where the reference is brighter\n"
 	"  --error-image OUT.png  draw the error in false colours\n"
-	"  --side-by-side OUT.png draw A, B and the error beside one another\n\n"
+	"  --side-by-side OUT.png draw A, B and the error beside one another\n"
+	"  --html OUT.html        write a page that slides and flips between A, B and any number of others, with the\n"
+	"                         figures and the maps of each beside B; what is printed is of A and B\n\n"
 	"candil compare room.exr reference.exr --mask-above 10   leaves out the lamp that is seen itself\n\n"
 	"--json: {\"a\", \"b\", \"width\", \"height\", \"pixels\", \"masked\", \"non_finite_a\", \"non_finite_b\",\n"
 	"\"rmse\", \"relmse\", \"mean_difference\", \"mean_difference_relative\", \"max_abs\", \"flip\",\n"

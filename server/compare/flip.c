@@ -392,7 +392,7 @@ static void compare_rows(struct work *w, const struct picture *a, const struct p
 }
 
 enum status flip_compare(const struct picture *a, const struct picture *b, const float *excluded, bool high_range,
-			 struct flip *flip, struct error *err)
+			 struct flip *flip, float *map, struct error *err)
 {
 	struct work w;
 	double sum = 0;
@@ -407,6 +407,8 @@ enum status flip_compare(const struct picture *a, const struct picture *b, const
 		compare_rows(&w, a, b, first, high_range, flip);
 		for (size_t i = (size_t)band * b->width; i < (size_t)end * b->width; i++) {
 			const double value = (double)w.map[i - (size_t)first * b->width];
+			if (map)
+				map[i] = excluded[i] < 0 ? excluded[i] : (float)value;
 			if (excluded[i] < 0)
 				continue;
 			sum += value;

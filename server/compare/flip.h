@@ -33,9 +33,10 @@ struct flip {
 // metrics_compare marks them; metrics_blank must have blanked them. `high_range`: the pictures are radiance, which is
 // compared at each of the exposures that the reference calls for; otherwise they are what a display shows, 0…1. The
 // exposures reach from that in which the reference's brightest pixel is at 0.85 of the display's range by the ACES curve to
-// that in which its median is. Where more than half of a reference is black, the median is of the rest.
+// that in which its median is. Where more than half of a reference is black, the median is of the rest. The caller's `map`,
+// unless it is NULL, receives the value of each pixel (width × height), or what `excluded` has below 0.
 // STATUS_MEMORY; no other failure.
 enum status flip_compare(const struct picture *a, const struct picture *b, const float *excluded, bool high_range,
-			 struct flip *flip, struct error *err);
+			 struct flip *flip, float *map, struct error *err);
 
 #endif

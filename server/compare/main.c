@@ -4,21 +4,24 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "server/compare/gallery.h"
 #include "server/compare/report.h"
 
 enum exit_code { EXIT_COMPARED = 0, EXIT_COULD_NOT = 1, EXIT_USAGE = 2 };
 
 struct arguments {
 	const char *a, *b;
-	const char *error_image, *side_by_side; // NULL: do not draw
+	char *const *files; // `count` of them: a, b and, for a page, more
+	int count;
+	const char *error_image, *side_by_side, *html; // NULL: do not draw
 	double mask_above;
 	bool json;
 };
 
 static const char usage[] =
-    "usage: candil-compare A B [--mask-above RADIANCE] [--error-image OUT.png] [--side-by-side OUT.png] [--json]\n"
+    "usage: candil-compare A B [C...] [--mask-above RADIANCE] [--error-image OUT.png] [--side-by-side OUT.png]\n"
+    "                      [--html OUT.html] [--json]\n"
     "\n"
     "Compare picture A with the reference B: RMSE, relMSE = mean((a-b)^2 / (b^2 + 0.01)), the signed mean difference,\n"
     "the largest one, pixels that are not finite and FLIP, what a person sees of the difference (0: nothing, 1: blue for\n"
@@ -28,6 +31,8 @@ static const char usage[] =
     "  --mask-above RADIANCE   leave out pixels of which the reference, at the compared size, exceeds this in a channel\n"
     "  --error-image OUT.png   draw the error in false colours, and print their scale\n"
     "  --side-by-side OUT.png  draw A, B and the error beside one another\n"
+    "  --html OUT.html         write a page that slides and flips between A, B and any number of others, with the figures\n"
+    "                          and the maps of each beside B; the printed figures stay those of A and B\n"
     "  --json                  print one JSON object\n"
     "\n"
     "Exit status: 0 compared, 1 could not compare, 2 wrong arguments.\n";
@@ -46,6 +51,7 @@ static int parse(int argc, char **argv, struct arguments *args)
 	    {"mask-above", required_argument, NULL, 'm'},
 	    {"error-image", required_argument, NULL, 'e'},
 	    {"side-by-side", required_argument, NULL, 's'},
+	    {"html", required_argument, NULL, 'p'},
 	    {"json", no_argument, NULL, 'j'},
 	    {"help", no_argument, NULL, 'h'},
 	    {NULL, 0, NULL, 0},
@@ -61,6 +67,8 @@ static int parse(int argc, char **argv, struct arguments *args)
 			args->error_image = optarg;
 		if (option == 's')
 			args->side_by_side = optarg;
+		if (option == 'p')
+			args->html = optarg;
 		if (option == 'j')
 			args->json = true;
 		if (option == 'h') {
@@ -70,8 +78,10 @@ static int parse(int argc, char **argv, struct arguments *args)
 		if (option == '?')
 			return EXIT_USAGE + 1;
 	}
-	if (argc - optind != 2) {
-		fputs("candil-compare: two pictures are needed; see --help\n", stderr);
+	args->files = argv + optind;
+	args->count = argc - optind;
+	if (args->count < 2 || (args->count > 2 && !args->html)) {
+		fputs("candil-compare: two pictures are needed, or with --html two or more; see --help\n", stderr);
 		return EXIT_USAGE + 1;
 	}
 	args->a = argv[optind];
@@ -88,6 +98,8 @@ static enum status output(const struct arguments *args, const struct report *rep
 		s = report_draw_error(args->error_image, a->width, a->height, error, err);
 	if (s == STATUS_OK && args->side_by_side)
 		s = report_draw_side_by_side(args->side_by_side, a, b, error, err);
+	if (s == STATUS_OK && args->html)
+		s = gallery_write(args->html, args->files, args->count, args->mask_above, err);
 	if (s == STATUS_OK && args->json)
 		s = report_print_json(report, err);
 	else if (s == STATUS_OK)
@@ -96,27 +108,6 @@ static enum status output(const struct arguments *args, const struct report *rep
 		report_print_scale();
 	if (s == STATUS_OK && fflush(stdout) != 0)
 		s = error_errno(err, STATUS_IO, "cannot write the figures");
-	return s;
-}
-
-// FLIP of copies in which the excluded pixels are blanked. The originals are still needed for drawing.
-static enum status flip(const struct picture *a, const struct picture *b, const float *error, struct report *report,
-			struct error *err)
-{
-	const size_t bytes = (size_t)a->width * a->height * 3 * sizeof *a->rgb;
-	struct picture x = *a, r = *b;
-	x.rgb = malloc(bytes);
-	r.rgb = malloc(bytes);
-	enum status s = x.rgb && r.rgb ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory to compare");
-	report->high_range = !a->is_display || !b->is_display;
-	if (s == STATUS_OK) {
-		memcpy(x.rgb, a->rgb, bytes);
-		memcpy(r.rgb, b->rgb, bytes);
-		metrics_blank(&x, &r, error);
-		s = flip_compare(&x, &r, error, report->high_range, &report->flip, err);
-	}
-	picture_finish(&x);
-	picture_finish(&r);
 	return s;
 }
 
@@ -137,9 +128,7 @@ static enum status compare(const struct arguments *args, struct error *err)
 		s = error_set(err, STATUS_MEMORY, "no memory to compare");
 		goto out;
 	}
-	s = metrics_compare(&a, &b, args->mask_above, &report.metrics, error, err);
-	if (s == STATUS_OK)
-		s = flip(&a, &b, error, &report, err);
+	s = comparison_make(&a, &b, args->mask_above, &report.comparison, error, NULL, err);
 	if (s == STATUS_OK)
 		s = output(args, &report, &a, &b, error, err);
 out:

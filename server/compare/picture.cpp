@@ -1,6 +1,10 @@
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
+#include <string>
+#include <vector>
 
 extern "C" {
 #include "protocol/limits.h"
@@ -79,6 +83,30 @@ status write(const char *path, uint32_t width, uint32_t height, const uint8_t *c
 	return STATUS_OK;
 }
 
+status encode(const char *format, uint32_t width, uint32_t height, const uint8_t *codes, uint8_t **bytes, size_t *size,
+	      error *err)
+{
+	const std::string name = std::string("picture.") + format;
+	auto out = OIIO::ImageOutput::create(name);
+	if (!out || !out->supports("ioproxy"))
+		return error_set(err, STATUS_ENCODE, "OpenImageIO cannot write %s: %s", format, OIIO::geterror().c_str());
+	OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeDesc::UINT8);
+	spec.attribute("oiio:ColorSpace", "sRGB");
+	spec.attribute("Compression", std::string(format) == "jpeg" ? "jpeg:90" : "zip:9");
+	spec.attribute("jpeg:subsampling", "4:4:4");
+	std::vector<unsigned char> memory;
+	OIIO::Filesystem::IOVecOutput proxy(memory);
+	out->set_ioproxy(&proxy);
+	if (!out->open(name, spec) || !out->write_image(OIIO::TypeDesc::UINT8, codes) || !out->close())
+		return error_set(err, STATUS_ENCODE, "cannot encode a picture: %s", out->geterror().c_str());
+	*bytes = static_cast<uint8_t *>(std::malloc(memory.size() + 1));
+	if (!*bytes)
+		throw std::bad_alloc();
+	std::memcpy(*bytes, memory.data(), memory.size());
+	*size = memory.size();
+	return STATUS_OK;
+}
+
 // Run `body` and turn exceptions into a status, so that none crosses into C.
 template <typename Body> status guarded(const char *what, error *err, Body body)
 {
@@ -110,4 +138,10 @@ extern "C" enum status picture_write_png(const char *path, uint32_t width, uint3
 					 struct error *err)
 {
 	return guarded(path, err, [&] { return write(path, width, height, codes, err); });
+}
+
+extern "C" enum status picture_encode(const char *format, uint32_t width, uint32_t height, const uint8_t *codes,
+				      uint8_t **bytes, size_t *size, struct error *err)
+{
+	return guarded(format, err, [&] { return encode(format, width, height, codes, bytes, size, err); });
 }

@@ -3,6 +3,7 @@
 #define CANDIL_COMPARE_PICTURE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "server/base/error.h"
@@ -25,6 +26,10 @@ void picture_finish(struct picture *picture);
 
 // Write sRGB codes, 3 bytes a pixel, as an 8-bit PNG. STATUS_IO, STATUS_ENCODE, STATUS_MEMORY.
 enum status picture_write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *codes, struct error *err);
+
+// The same in memory, as "png" or "jpeg" (quality 90, no colours left out): `bytes` is to be freed.
+enum status picture_encode(const char *format, uint32_t width, uint32_t height, const uint8_t *codes, uint8_t **bytes,
+			   size_t *size, struct error *err);
 
 #ifdef __cplusplus
 }

@@ -18,7 +18,7 @@ static void print_mean(const char *label, double mean, const double rgb[3])
 
 void report_print(const struct report *report)
 {
-	const struct metrics *m = &report->metrics;
+	const struct metrics *m = &report->comparison.metrics;
 	printf("%s against %s, %u x %u, %" PRIu64 " pixels\n", report->name_a, report->name_b, m->width, m->height,
 	       m->pixels);
 	printf("%-22s %.6g\n", "RMSE", m->rmse);
@@ -30,10 +30,10 @@ void report_print(const struct report *report)
 	print_mean("mean", m->mean_a, m->mean_a_rgb);
 	print_mean("mean of reference", m->mean_b, m->mean_b_rgb);
 	printf("%-22s %" PRIu64 " pixels, %" PRIu64 " in the reference\n", "not finite", m->non_finite_a, m->non_finite_b);
-	printf("%-22s %.6g, at most %.6g", "FLIP", report->flip.mean, report->flip.max);
-	if (report->high_range)
-		printf("  (the largest of %u exposures, %+.2f to %+.2f stops)", report->flip.exposures,
-		       report->flip.exposure_low, report->flip.exposure_high);
+	printf("%-22s %.6g, at most %.6g", "FLIP", report->comparison.flip.mean, report->comparison.flip.max);
+	if (report->comparison.high_range)
+		printf("  (the largest of %u exposures, %+.2f to %+.2f stops)", report->comparison.flip.exposures,
+		       report->comparison.flip.exposure_low, report->comparison.flip.exposure_high);
 	putchar('\n');
 	if (isfinite(report->mask_above))
 		printf("%-22s %" PRIu64 " pixels (reference above %g)\n", "masked", m->masked, report->mask_above);
@@ -47,7 +47,7 @@ static json_t *number(double value)
 
 enum status report_print_json(const struct report *report, struct error *err)
 {
-	const struct metrics *m = &report->metrics;
+	const struct metrics *m = &report->comparison.metrics;
 	json_t *root = json_pack("{s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:I}", "a", report->name_a, "b", report->name_b,
 				 "width", (int)m->width, "height", (int)m->height, "pixels", (json_int_t)m->pixels, "masked",
 				 (json_int_t)m->masked, "non_finite_a", (json_int_t)m->non_finite_a, "non_finite_b",
@@ -61,12 +61,14 @@ enum status report_print_json(const struct report *report, struct error *err)
 	json_object_set_new(root, "mean_difference", number(m->mean_difference));
 	json_object_set_new(root, "mean_difference_relative", number(relative));
 	json_object_set_new(root, "max_abs", number(m->max_abs));
-	json_object_set_new(root, "flip", number(report->flip.mean));
-	json_object_set_new(root, "flip_max", number(report->flip.max));
+	json_object_set_new(root, "flip", number(report->comparison.flip.mean));
+	json_object_set_new(root, "flip_max", number(report->comparison.flip.max));
 	json_object_set_new(root, "flip_exposures",
-			    report->high_range ? json_pack("{s:f, s:f, s:i}", "low", report->flip.exposure_low, "high",
-							   report->flip.exposure_high, "count", (int)report->flip.exposures)
-					       : json_null());
+			    report->comparison.high_range
+				? json_pack("{s:f, s:f, s:i}", "low", report->comparison.flip.exposure_low, "high",
+					    report->comparison.flip.exposure_high, "count",
+					    (int)report->comparison.flip.exposures)
+				: json_null());
 	json_object_set_new(root, "mean_a", number(m->mean_a));
 	json_object_set_new(root, "mean_b", number(m->mean_b));
 	json_t *rgb_a = json_array(), *rgb_b = json_array();

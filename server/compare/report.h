@@ -2,13 +2,10 @@
 #ifndef CANDIL_COMPARE_REPORT_H
 #define CANDIL_COMPARE_REPORT_H
 
-#include "server/compare/flip.h"
-#include "server/compare/metrics.h"
+#include "server/compare/comparison.h"
 
 struct report {
-	struct metrics metrics;
-	struct flip flip;
-	bool high_range; // flip is of radiance at several exposures
+	struct comparison comparison;
 	const char *name_a, *name_b;
 	double mask_above; // radiance; +infinity: no mask
 };

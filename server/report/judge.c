@@ -1,0 +1,257 @@
+#include "server/report/judge.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+size_t judge_technique_of(const struct judgement *j, const char *name)
+{
+	size_t i = 0;
+	while (i < j->technique_count && strcmp(j->techniques[i].name, name) != 0)
+		i++;
+	return i;
+}
+
+static void add_technique(struct judgement *j, struct study *study, const char *name)
+{
+	if (judge_technique_of(j, name) < j->technique_count)
+		return;
+	if (j->technique_count == JUDGE_TECHNIQUES)
+		study_miss(study, NULL, "technique %.60s: a report has room for %u", name, JUDGE_TECHNIQUES);
+	else
+		j->techniques[j->technique_count++] = (struct judge_technique){name, figures_noise(name)};
+}
+
+// In the order of study.json, then those that have points all the same.
+static void list_techniques(struct judgement *j, const struct figures *f)
+{
+	const json_t *listed = json_object_get(f->study->json, "techniques"), *name;
+	size_t i;
+	json_array_foreach(listed, i, name)
+	{
+		for (size_t k = 0; k < f->point_count && json_is_string(name); k++)
+			if (strcmp(f->points[k].runs[0].technique, json_string_value(name)) == 0)
+				add_technique(j, f->study, f->points[k].runs[0].technique);
+	}
+	for (i = 0; i < f->point_count; i++)
+		add_technique(j, f->study, f->points[i].runs[0].technique);
+}
+
+static bool takes_part(const struct point *p, uint32_t view)
+{
+	return p->runs[0].view == view && isfinite(p->relmse) && isfinite(p->seconds);
+}
+
+static bool is_of(const struct point *p, const char *technique)
+{
+	return strcmp(p->runs[0].technique, technique) == 0;
+}
+
+const struct point *judge_best(const struct figures *f, uint32_t view, const char *technique)
+{
+	const struct point *best = NULL;
+	for (size_t i = 0; i < f->point_count; i++)
+		if (takes_part(&f->points[i], view) && is_of(&f->points[i], technique) &&
+		    (!best || f->points[i].relmse < best->relmse))
+			best = &f->points[i];
+	return best;
+}
+
+// ---- floors ----
+
+static bool same_but_samples(const struct point *a, const struct point *b)
+{
+	json_t *x = json_copy((json_t *)a->runs[0].settings), *y = json_copy((json_t *)b->runs[0].settings);
+	json_object_del(x, "samples");
+	json_object_del(y, "samples");
+	const bool same = json_equal(x, y) && strcmp(a->runs[0].effects, b->runs[0].effects) == 0;
+	json_decref(x);
+	json_decref(y);
+	return same;
+}
+
+static const struct point *find_floor(const struct figures *f, uint32_t view, const char *technique)
+{
+	const struct point *lowest = NULL;
+	for (size_t i = 0; i < f->point_count; i++) {
+		const struct point *p = &f->points[i];
+		bool most = p->runs[0].view == view && is_of(p, technique) && isfinite(p->relmse) && !p->noise;
+		for (size_t k = 0; k < f->point_count && most; k++) {
+			const struct point *q = &f->points[k];
+			most = !(q->runs[0].view == view && is_of(q, technique) && isfinite(q->relmse) &&
+				 q->runs[0].samples > p->runs[0].samples && same_but_samples(p, q));
+		}
+		if (most && (!lowest || p->relmse < lowest->relmse))
+			lowest = p;
+	}
+	return lowest;
+}
+
+double judge_floor(const struct judgement *j, size_t technique)
+{
+	double sum = 0;
+	for (uint32_t view = 0; view < j->view_count; view++) {
+		const struct point *floor = j->views[view].floors[technique];
+		sum += floor ? floor->relmse : (double)NAN;
+	}
+	return sum / j->view_count;
+}
+
+// ---- who wins ----
+
+static int by_seconds(const void *a, const void *b)
+{
+	const struct point *x = *(const struct point *const *)a, *y = *(const struct point *const *)b;
+	if (x->seconds != y->seconds)
+		return x->seconds > y->seconds ? 1 : -1;
+	return (x->relmse > y->relmse) - (x->relmse < y->relmse);
+}
+
+static void find_spans(const struct judgement *j, struct judge_view *v, const struct point *const *sorted, size_t count)
+{
+	const struct point *best = NULL;
+	for (size_t i = 0; i < count; i++) {
+		if (best && !(sorted[i]->relmse < best->relmse))
+			continue;
+		best = sorted[i];
+		const size_t technique = judge_technique_of(j, best->runs[0].technique);
+		struct judge_span *last = v->span_count ? &v->spans[v->span_count - 1] : NULL;
+		if (!last || last->technique != technique)
+			v->spans[v->span_count++] = (struct judge_span){technique, best, best};
+		else
+			last->best = best;
+	}
+}
+
+static void find_overtake(const struct judgement *j, struct judge_view *v, size_t winner, size_t loser,
+			  const struct point *const *sorted, size_t count)
+{
+	const char *const names[2] = {j->techniques[winner].name, j->techniques[loser].name};
+	const struct point *since = NULL;
+	double best[2] = {(double)INFINITY, (double)INFINITY};
+	for (size_t i = 0; i < count; i++) {
+		const int who = is_of(sorted[i], names[0]) ? 0 : is_of(sorted[i], names[1]) ? 1 : -1;
+		if (who < 0)
+			continue;
+		best[who] = fmin(best[who], sorted[i]->relmse);
+		if (!(best[0] < best[1]))
+			since = NULL;
+		else if (!since)
+			since = sorted[i];
+	}
+	if (isfinite(best[0]) && isfinite(best[1]))
+		v->overtakes[v->overtake_count++] = (struct judge_overtake){winner, loser, since};
+}
+
+// ---- rows ----
+
+// Up to two significant digits.
+static double round_up(double x)
+{
+	const double unit = pow(10, floor(log10(x)) - 1);
+	return ceil(x / unit - 1e-9) * unit;
+}
+
+static void add_row(const struct judgement *j, struct judge_view *v, bool is_time, double target,
+		    const struct point *const *sorted, size_t count)
+{
+	struct judge_row row = {.is_time = is_time, .target = round_up(target)};
+	bool any = false;
+	for (size_t t = 0; t < j->technique_count; t++) {
+		const struct point *best = NULL;
+		// In the order of time: for an equal error the first that is good enough.
+		for (size_t i = 0; i < count; i++) {
+			const struct point *p = sorted[i];
+			if (!is_of(p, j->techniques[t].name) || (is_time ? p->seconds : p->relmse) > row.target || !p->shown)
+				continue;
+			if (!best || (is_time && p->relmse < best->relmse))
+				best = p;
+		}
+		row.points[t] = best;
+		any = any || best;
+	}
+	for (size_t i = 0; i < v->row_count; i++)
+		any = any && (v->rows[i].is_time != is_time || v->rows[i].target != row.target);
+	if (any)
+		v->rows[v->row_count++] = row;
+}
+
+// Times from that in which every technique has something to the longest, evenly in their logarithm.
+static void find_equal_times(const struct judgement *j, struct judge_view *v, const struct point *const *sorted,
+			     size_t count)
+{
+	double first = 0;
+	const double last = sorted[count - 1]->seconds;
+	for (size_t t = 0; t < j->technique_count; t++)
+		for (size_t i = 0; i < count; i++)
+			if (is_of(sorted[i], j->techniques[t].name)) {
+				first = fmax(first, sorted[i]->seconds);
+				break;
+			}
+	for (unsigned k = 0; k < JUDGE_TARGETS; k++)
+		add_row(j, v, true, first * pow(last / first, (double)k / (JUDGE_TARGETS - 1)), sorted, count);
+}
+
+static int descending(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+	return (x < y) - (x > y);
+}
+
+// Errors: the floors, which is where techniques part; without any, those from the worst best to the best of all.
+static void find_equal_errors(const struct figures *f, const struct judgement *j, struct judge_view *v, uint32_t view,
+			      const struct point *const *sorted, size_t count)
+{
+	double bests[JUDGE_TECHNIQUES];
+	size_t known = 0;
+	for (size_t t = 0; t < j->technique_count; t++) {
+		const struct point *best = judge_best(f, view, j->techniques[t].name);
+		if (best && best->relmse > 0)
+			bests[known++] = best->relmse;
+	}
+	qsort(bests, known, sizeof *bests, descending);
+	for (size_t k = 0; k < known && k < JUDGE_TARGETS; k++)
+		add_row(j, v, false, bests[k], sorted, count);
+}
+
+enum status judge(const struct figures *f, struct judgement *j, struct error *err)
+{
+	*j = (struct judgement){.view_count = f->study->views};
+	list_techniques(j, f);
+	j->views = calloc(j->view_count, sizeof *j->views);
+	const struct point **sorted = calloc(f->point_count + 1, sizeof *sorted);
+	enum status s = j->views && sorted ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory to compare points");
+	for (uint32_t view = 0; view < j->view_count && s == STATUS_OK; view++) {
+		struct judge_view *v = &j->views[view];
+		size_t count = 0;
+		for (size_t i = 0; i < f->point_count; i++)
+			if (takes_part(&f->points[i], view) &&
+			    judge_technique_of(j, f->points[i].runs[0].technique) < j->technique_count)
+				sorted[count++] = &f->points[i];
+		for (size_t t = 0; t < j->technique_count; t++)
+			v->floors[t] = find_floor(f, view, j->techniques[t].name);
+		v->spans = calloc(count + 1, sizeof *v->spans);
+		if (!v->spans)
+			s = error_set(err, STATUS_MEMORY, "no memory to compare points");
+		if (!v->spans || count == 0)
+			continue;
+		qsort(sorted, count, sizeof *sorted, by_seconds);
+		find_spans(j, v, sorted, count);
+		for (size_t t = 0; t < j->technique_count; t++)
+			for (size_t k = 0; k < j->technique_count; k++)
+				if (j->techniques[t].noise && !j->techniques[k].noise)
+					find_overtake(j, v, t, k, sorted, count);
+		find_equal_times(j, v, sorted, count);
+		find_equal_errors(f, j, v, view, sorted, count);
+	}
+	free(sorted);
+	return s;
+}
+
+void judge_finish(struct judgement *j)
+{
+	for (uint32_t view = 0; j->views && view < j->view_count; view++)
+		free(j->views[view].spans);
+	free(j->views);
+	*j = (struct judgement){0};
+}
