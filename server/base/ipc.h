@@ -56,6 +56,7 @@ struct ipc_begin {
 	uint64_t scene;
 	uint64_t environment; // id of the scene that holds the environment map; 0: none
 	candil_Render render; // already checked by the front
+	uint64_t end_us; // clock_us() by which sampling has to end for its deadline; UINT64_MAX: never
 };
 
 struct ipc_job {
@@ -94,6 +95,7 @@ struct ipc_stepped {
 	uint32_t samples_done; // completed samples of every pixel
 	uint32_t finished; // 1: all samples are done, or the target error is reached; time for the last READ
 	uint32_t reached; // 1: the target error is reached
+	uint32_t late; // 1: no more fits before end_us; time for the last READ
 	double fraction; // done share of the job's work
 	struct estimate estimate; // the latest
 	uint64_t device_us; // device time of this slice

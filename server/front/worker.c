@@ -99,10 +99,14 @@ void worker_forget(struct worker *worker, uint64_t scene)
 		worker_give(worker, &message, sizeof message, -1);
 }
 
-void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render)
+void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render,
+		  uint64_t end_us)
 {
-	struct ipc_begin message = {
-	    .head = {.op = IPC_BEGIN, .job = job}, .scene = scene, .environment = environment, .render = *render};
+	struct ipc_begin message = {.head = {.op = IPC_BEGIN, .job = job},
+				    .scene = scene,
+				    .environment = environment,
+				    .render = *render,
+				    .end_us = end_us};
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
 }

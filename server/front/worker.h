@@ -88,8 +88,9 @@ void worker_scene(struct worker *worker, uint64_t scene, int blob);
 // Forget it once no job uses it any more.
 void worker_forget(struct worker *worker, uint64_t scene);
 
-// Begin a job under a number that no job has; `begun` answers.
-void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render);
+// Begin a job under a number that no job has; `begun` answers. `end_us`: as of struct ipc_begin.
+void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render,
+		  uint64_t end_us);
 
 // Work on a job for about budget_us of device time; `stepped` answers.
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);

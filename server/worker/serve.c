@@ -158,6 +158,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	if (r != STATUS_OK)
 		return r;
 	job->plan.environment.scene = job->environment;
+	job->plan.end_us = m->render.deadline_ms > 0 ? m->end_us : 0;
 	job->technique = technique_find(job->plan.technique);
 	// This job may share what another job of the same scene holds. Then only an attempt tells whether it fits.
 	const struct resident_scene *base = job->scene->base ? job->scene->base : job->scene;
@@ -224,6 +225,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	answer.samples_done = result.samples_done;
 	answer.finished = result.finished;
 	answer.reached = result.reached;
+	answer.late = result.late;
 	answer.fraction = result.fraction;
 	answer.estimate = result.estimate;
 	answer.device_us = clock_us() - start;

@@ -10,7 +10,7 @@ FAR = 3600 * 1000
 
 def setUpModule():
     global daemon, connection
-    daemon = unittest.enterModuleContext(Daemon())
+    daemon = unittest.enterModuleContext(Daemon("--slice", "1"))
     daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
     connection = unittest.enterModuleContext(wire.Connection(daemon.socket))
 
@@ -28,6 +28,15 @@ class Deadline(unittest.TestCase):
             told = [r.body.samples_done for r in replies(technique=technique, samples=64, deadline_ms=FAR, options=options)
                     if r.kind == wire.PROGRESS]
             self.assertIn(1, told)
+
+    def test_one_that_cannot_be_kept_ends_after_its_first_sample(self):
+        for technique in (wire.pb.TECHNIQUE_PT, wire.pb.TECHNIQUE_DIRECT, wire.pb.TECHNIQUE_VCT):
+            replies(technique=technique, samples=4096, deadline_ms=FAR // 3600)  # what is cold takes longer than the request may wait
+            last = replies(technique=technique, samples=4096, deadline_ms=1)[-1]
+            if last.kind == wire.ERROR:
+                self.assertEqual(last.body.name, "deadline")  # it could not even be begun
+            else:
+                self.assertEqual((last.body.samples, last.body.reason), (1, "time"))
 
     def test_the_same_bits(self):
         for technique in ("pt", "direct"):

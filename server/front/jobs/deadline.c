@@ -1,40 +1,88 @@
 #include "server/front/jobs/deadline.h"
 
+#include <math.h>
+
 #include "server/base/clock.h"
 
-#define LEARN 0.5 // weight of the latest image
+#define LEARN 0.25 // weight of the latest image
+#define SPREAD_FIRST 0.25 // of the first image's time, until there is another
+#define SURPRISE 4.0 // spreads that an image may be late by: what is beyond is the machine's doing, and not learned
+#define FIRST_US 0.05 // a byte, until there was an image to learn from
 #define SHORTEST_US 1000u // of a slice
 
 void job_set_deadline(struct job *job)
 {
 	const uint64_t ms = job->render.deadline_ms;
 	job->deadline_us = ms > 0 ? job->asked_us + ms * 1000 : UINT64_MAX;
+	job->end_us = job->deadline_us;
 }
 
-static uint64_t encoding_us(const struct jobs *jobs, const struct job *job)
+static unsigned size_of(const struct job *job)
 {
-	return (uint64_t)(jobs->encode_us * (double)image_estimate(&job->render));
+	const unsigned size = 63u - (unsigned)__builtin_clzll(image_estimate(&job->render));
+	return size < HANDOVER_SIZES ? size : HANDOVER_SIZES - 1;
 }
 
-// Microseconds until tracing should end.
-static uint64_t left_us(const struct jobs *jobs, const struct job *job)
+// What was learned of such images: by their technique, format and the logarithm of their bytes.
+static const struct handover *learned(const struct jobs *jobs, const struct job *job)
 {
-	const uint64_t end = clock_us() + encoding_us(jobs, job);
-	return job->deadline_us > end ? job->deadline_us - end : 0;
+	return jobs->handovers[job->render.technique][job->render.format];
 }
 
-void jobs_learn_encoding(struct jobs *jobs, const struct job *job)
+// Microseconds from READ to the last byte, from the nearest size that is known: a larger picture takes longer in proportion,
+// a smaller one no longer.
+static double handover_us(const struct jobs *jobs, const struct job *job)
 {
-	const double took = (double)(clock_us() - job->read_us) / (double)image_estimate(&job->render);
-	jobs->encode_us += LEARN * (took - jobs->encode_us);
+	const struct handover *known = learned(jobs, job);
+	const unsigned size = size_of(job);
+	for (unsigned away = 0; away < HANDOVER_SIZES; away++) {
+		if (away <= size && known[size - away].us > 0)
+			return ldexp(known[size - away].us + known[size - away].spread, (int)away);
+		if (size + away < HANDOVER_SIZES && known[size + away].us > 0)
+			return known[size + away].us + known[size + away].spread;
+	}
+	return FIRST_US * (double)image_estimate(&job->render);
+}
+
+void job_set_end(const struct jobs *jobs, struct job *job)
+{
+	const uint64_t reserve = (uint64_t)handover_us(jobs, job);
+	if (job->deadline_us < UINT64_MAX)
+		job->end_us = job->deadline_us > reserve ? job->deadline_us - reserve : 0;
+}
+
+void jobs_learn_handover(struct jobs *jobs, const struct job *job)
+{
+	struct handover *h = &jobs->handovers[job->render.technique][job->render.format][size_of(job)];
+	const double made = (double)(job->encoded_us - job->read_us), sent = (double)(clock_us() - job->encoded_us);
+	// A client that reads slowly is no reason to trace less for others.
+	const double took = made + fmin(sent, made);
+	if (!(h->us > 0)) {
+		*h = (struct handover){.us = took, .spread = SPREAD_FIRST * took};
+		return;
+	}
+	const double late = fmin(took - h->us, SURPRISE * h->spread);
+	h->us += LEARN * late;
+	h->spread += LEARN * (fabs(late) - h->spread);
+}
+
+// Microseconds until sampling has to end, if a first sample is there: that comes whatever the deadline is, and short slices
+// would only make it come later.
+static uint64_t left_us(const struct job *job, uint64_t now)
+{
+	if (job->state != JOB_ACTIVE || job->samples_done == 0)
+		return UINT64_MAX;
+	return job->end_us > now ? job->end_us - now : 0;
 }
 
 uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 {
-	const uint64_t left = left_us(jobs, job);
-	// The first sample is taken whatever the deadline is. Short slices would only make it take longer.
-	if (job->samples_done == 0)
-		return jobs->slice_us;
+	const uint64_t now = clock_us();
+	uint64_t left = left_us(job, now);
+	for (unsigned i = 0; i < jobs->count; i++) {
+		const uint64_t other = left_us(jobs->job[i], now);
+		left = other < left ? other : left;
+	}
 	if (left >= jobs->slice_us)
 		return jobs->slice_us;
 	return left > SHORTEST_US ? (uint32_t)left : SHORTEST_US;
@@ -46,7 +94,7 @@ bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now)
 		return false;
 	if (job->state == JOB_WAITING)
 		return now >= job->deadline_us;
-	return job->state == JOB_ACTIVE && job->samples_done > 0 && jobs->stepping != job->id && left_us(jobs, job) == 0;
+	return jobs->stepping != job->id && left_us(job, now) < SHORTEST_US;
 }
 
 void job_fail_late(struct jobs *jobs, struct job *job)

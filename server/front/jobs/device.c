@@ -48,11 +48,13 @@ void jobs_begin_next(struct jobs *jobs)
 		return;
 	job->state = JOB_BEGINNING;
 	job->again_us = clock_us();
+	job_set_end(jobs, job);
 	if (!job->begun_us)
 		job->begun_us = job->again_us;
 	jobs->beginning = job->id;
 	jobs->begin_behind_step = jobs->stepping != 0;
-	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render);
+	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render,
+		     job->end_us);
 }
 
 void jobs_step_next(struct jobs *jobs)
@@ -153,7 +155,8 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		jobs_fail(jobs, job, &stepped->error);
 		return;
 	}
-	if (stepped->finished) {
+	job->late = stepped->late != 0;
+	if (stepped->finished || job->late) {
 		job_traced(jobs, job);
 		return;
 	}

@@ -77,7 +77,6 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	frame.final = final;
 	frame.index = job->index;
 	if (final) {
-		jobs_learn_encoding(jobs, job);
 		job->done = image->done;
 		job->encoded_us = clock_us();
 		job->state = JOB_SENDING;

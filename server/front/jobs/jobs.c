@@ -11,7 +11,7 @@
 
 void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms)
 {
-	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u, .encode_us = DEADLINE_ENCODE_US};
+	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u};
 }
 
 void jobs_finish(struct jobs *jobs)

@@ -11,6 +11,7 @@
 
 #include "candil.pb.h"
 #include "protocol/limits.h"
+#include "protocol/names.h"
 #include "server/front/jobs/room.h"
 #include "server/front/loop.h"
 #include "server/front/scenes.h"
@@ -25,6 +26,13 @@ struct rendered {
 	const candil_Render *render; // as it was rendered: never AUTO
 	const candil_Done *done;
 	bool alone; // no other job had the device meanwhile
+};
+
+#define HANDOVER_SIZES 34u // powers of two, of bytes
+
+// What it took lately from reading a job's last image to the last byte sent; zeroed: nothing is known.
+struct handover {
+	double us, spread; // microseconds: a mean, and how far from it
 };
 
 // One of them, in the service. Others may read the figures at its end and `room`.
@@ -42,7 +50,7 @@ struct jobs {
 	uint32_t held; // id of the job that had the device last; 0: none
 	struct room room; // taken by all images together
 	bool short_of_room; // an image waits for common room
-	double encode_us; // microseconds that reading and encoding took lately, for a byte of an image's estimate
+	struct handover handovers[TECHNIQUE_COUNT][_candil_Format_ARRAYSIZE][HANDOVER_SIZES]; // kept by deadline.c
 	struct loop_timer deadline; // the next deadline of a job that waits
 	uint64_t slices, done, failed, cancelled; // since the start
 	bool piloting; // a pilot waits for the device or has it: no STEP and no BEGIN is sent. Kept by the quotes

@@ -148,6 +148,7 @@ static void finish_frame(struct jobs *jobs, struct job *job)
 	struct sweep *sweep = job->sweep;
 	struct error err;
 	complete_account(job);
+	jobs_learn_handover(jobs, job);
 	tell_owner(jobs, job);
 	sweep_add(sweep, &job->done);
 	jobs->done++;
@@ -179,6 +180,7 @@ void job_finish(struct jobs *jobs, struct job *job)
 		return;
 	}
 	complete_account(job);
+	jobs_learn_handover(jobs, job);
 	tell_owner(jobs, job);
 	reply_message(job->session, MESSAGE_DONE, job->request, candil_Done_fields, &job->done);
 	jobs->done++;

@@ -48,7 +48,8 @@ struct job {
 	double fraction; // of the work, 0 to 1
 	struct estimate estimate; // of its error, at the last look
 	struct estimate predicted; // of its error, where nothing measures it
-	uint64_t deadline_us; // when its image should be there; UINT64_MAX: never
+	uint64_t deadline_us; // when the last byte of its image should be sent; UINT64_MAX: never
+	uint64_t end_us; // when sampling has to end for that
 	bool late; // it ends because of its deadline
 	bool reached; // it ends because its target error is reached
 	uint64_t read_us; // when its last image was asked for

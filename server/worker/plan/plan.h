@@ -18,6 +18,9 @@ struct resident_scene;
 // From this contrast of the surroundings on, light paths begin there. Measured: tests/bench/RESULTS.md.
 #define PLAN_SKY_CONTRAST 16.0
 
+// Share of the time until the end that a piece of work is sized to.
+#define PLAN_PIECE 0.6
+
 // Bytes for a technique's settings. Each technique asserts that its own fit.
 #define PLAN_SETTINGS_BYTES 256u
 
@@ -58,6 +61,7 @@ struct plan {
 	uint64_t seed;
 	double target_error; // end once the estimated relMSE is at most this; 0: never
 	bool deadline; // the front may end the job any time after its first sample, which is done and reported first
+	uint64_t end_us; // clock_us() by which sampling has to end; 0: no matter when
 	uint32_t depth; // the most scattering events of a path
 	uint32_t effects; // bits 1 << candil_Effect of those that are simulated
 	uint32_t aovs; // AOV_*
@@ -96,6 +100,20 @@ static inline bool plan_sky_casts(const struct plan *plan)
 static inline bool plan_has(const struct plan *plan, candil_Effect effect)
 {
 	return plan->effects >> effect & 1u;
+}
+
+// Whether what takes `us` microseconds ends in time if it begins at `now`, clock_us().
+static inline bool plan_fits(const struct plan *plan, uint64_t now, double us)
+{
+	return plan->end_us == 0 || (double)now + us <= (double)plan->end_us;
+}
+
+// How much of the `us` microseconds that a slice has left its next piece is to take: near the end a part of them, since no
+// forecast is exact and what it is wrong by is the less, the less is left.
+static inline double plan_piece_us(const struct plan *plan, uint64_t now, double us)
+{
+	const double left = plan->end_us > now ? (double)(plan->end_us - now) : 0;
+	return plan->end_us == 0 || PLAN_PIECE * left > us ? us : PLAN_PIECE * left;
 }
 
 #endif

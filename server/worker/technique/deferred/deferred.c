@@ -99,13 +99,20 @@ static double fraction(struct deferred *d)
 	return (d->sample + (d->band + (d->work + unit) / works) / d->band_count) / d->plan.samples;
 }
 
+// Whether there is no time for another piece before the end.
+static bool deferred_is_late(struct deferred *d)
+{
+	return d->sample > 0 && !finished(d) && !plan_fits(&d->plan, clock_us(), deferred_current(d)->unit_us);
+}
+
 enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	const uint64_t start = clock_us();
 	const uint32_t begun_at = d->sample;
 	uint64_t spent = 0;
-	while (!finished(d)) {
-		enum status s = run_piece(d, (double)(budget_us - spent), err);
+	while (!finished(d) && !deferred_is_late(d)) {
+		const double left_us = (double)(budget_us - spent);
+		enum status s = run_piece(d, d->sample > 0 ? plan_piece_us(&d->plan, start + spent, left_us) : left_us, err);
 		if (s != STATUS_OK)
 			return s;
 		if (d->plan.deadline && begun_at == 0 && d->sample == 1)
@@ -117,6 +124,7 @@ enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_re
 	}
 	result->samples_done = d->sample;
 	result->finished = finished(d);
+	result->late = deferred_is_late(d);
 	result->fraction = fraction(d);
 	return STATUS_OK;
 }

@@ -182,6 +182,9 @@ static enum status submit(struct technique_job *j, uint64_t count, struct error 
 static enum status look_at_target(struct technique_job *j, bool *reached, struct error *err)
 {
 	*reached = false;
+	// The last look is the picture's own.
+	if (!plan_fits(&j->plan, clock_us(), (double)j->look_us))
+		return STATUS_OK;
 	if (!(j->plan.target_error > 0) || j->tile > 0 || j->sample == 0 || pt_error_checkpoint(j->sample - 1) != j->sample)
 		return STATUS_OK;
 	enum status s = j->error_sample == j->sample ? STATUS_OK : pt_error_measure(j, err);
@@ -193,7 +196,8 @@ static enum status look_at_target(struct technique_job *j, bool *reached, struct
 // job's time. No bit of the picture depends on it.
 static enum status look_at_error(struct technique_job *j, struct error *err)
 {
-	const bool due = j->sample >= 2 && j->sample / 2 >= j->error_sample;
+	const bool due =
+	    j->sample >= 2 && j->sample / 2 >= j->error_sample && plan_fits(&j->plan, clock_us(), (double)j->look_us);
 	return due && LOOKS_SHARE * j->error_us <= j->trace_us ? pt_error_measure(j, err) : STATUS_OK;
 }
 
@@ -205,13 +209,22 @@ static double fraction_of(const struct technique_job *j, bool reached)
 	return reached ? 1 : fmin(fmax(samples, error), 1);
 }
 
+// Whether there is no time for another piece before the end. A piece is a tile at least, which one processor of several
+// takes by itself.
+static bool pt_is_late(const struct technique_job *j)
+{
+	return j->sample > 0 && !plan_fits(&j->plan, clock_us(), 2 * j->tile_us * j->batch);
+}
+
 static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	const uint64_t start = clock_us();
 	uint64_t spent = 0;
 	bool reached = false;
-	while (j->sample < j->plan.samples) {
-		uint64_t tiles = j->tile_us > 0 ? (uint64_t)((double)(budget_us - spent) / j->tile_us) : FIRST_TILES;
+	while (j->sample < j->plan.samples && !pt_is_late(j)) {
+		const double left_us = (double)(budget_us - spent);
+		const double piece_us = j->sample > 0 ? plan_piece_us(&j->plan, start + spent, left_us) : left_us;
+		uint64_t tiles = j->tile_us > 0 ? (uint64_t)(piece_us / j->tile_us) : FIRST_TILES;
 		enum status s = submit(j, tiles > 0 ? tiles : 1, err);
 		if (s == STATUS_OK)
 			s = look_at_target(j, &reached, err);
@@ -228,6 +241,7 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 	result->reached = reached;
 	result->finished = reached || j->sample == j->plan.samples;
 	const enum status s = look_at_error(j, err);
+	result->late = !result->finished && pt_is_late(j);
 	result->estimate = j->estimate;
 	result->fraction = fraction_of(j, reached);
 	return s;

@@ -156,6 +156,7 @@ enum status pt_error_measure(struct technique_job *j, struct error *err)
 	if (s == STATUS_OK)
 		s = estimate_of(j, tiles, &j->estimate, err);
 	free(tiles);
-	j->error_us += clock_us() - start;
+	j->look_us = clock_us() - start;
+	j->error_us += j->look_us;
 	return s;
 }

@@ -67,6 +67,7 @@ struct technique_job {
 	struct estimate estimate; // of the picture after error_sample samples
 	uint32_t error_sample;
 	uint64_t error_us; // spent on measuring it
+	uint64_t look_us; // the latest time
 	uint64_t upload_us, tree_us, compile_us, effects_us, trace_us, light_us, aov_us;
 };
 
