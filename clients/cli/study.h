@@ -245,7 +245,8 @@ double study_left(const struct study *study);
 
 // ---- study_say.c ----------------------------------------------------------------------------------------------------
 
-void study_say_plan(const struct study *study);
+// Print the plan, if some of it is left.
+void study_say_plan(struct study *study);
 void study_say_progress(struct study *study, const struct study_run *run);
 enum exit_code study_say_end(struct study *study);
 

@@ -13,6 +13,7 @@
 #define REPORT_S 4.0 // that the figures take, about
 #define REFERENCE_SAMPLES_MAX 65536u
 #define RUNG 4u // from one number of samples to the next
+#define RUNGS_MIN 2u // a line needs two points
 #define RUNGS_MAX 8u
 #define PROBE_SAMPLES 16u // of the run that tells the noise
 
@@ -101,7 +102,8 @@ static double rung_cost(const struct study *study, const struct study_point *poi
 	return seconds;
 }
 
-// Put a point of 1, 4, 16… samples, as many as fit into a number of seconds, in the place of one that fits itself.
+// Put points of 1, 4, 16… samples, as many as fit into a number of seconds, in the place of one that fits itself; where a
+// whole rung does not fit, half of it.
 static bool spread_samples(struct study *study, uint32_t at, double seconds)
 {
 	struct study_point point = study->plan.points[at];
@@ -111,11 +113,16 @@ static bool spread_samples(struct study *study, uint32_t at, double seconds)
 	plan->point_count--;
 	point.samples = 1;
 	for (uint32_t i = 0; i < RUNGS_MAX; i++, point.samples *= RUNG) {
-		spent += rung_cost(study, &point, point.samples);
-		if (i >= 2 && spent > seconds)
+		const bool whole = i < RUNGS_MIN || spent + rung_cost(study, &point, point.samples) <= seconds;
+		if (!whole)
+			point.samples /= 2;
+		if (!whole && spent + rung_cost(study, &point, point.samples) > seconds)
 			break;
+		spent += rung_cost(study, &point, point.samples);
 		if (!study_add_point(plan, &point))
 			return false;
+		if (!whole)
+			break;
 	}
 	return true;
 }

@@ -46,14 +46,14 @@ static uint32_t say_points(const struct study *study, uint32_t at)
 	return end;
 }
 
-void study_say_plan(const struct study *study)
+void study_say_plan(struct study *study)
 {
 	const struct study_plan *plan = &study->plan;
-	if (study->job.options.quiet || study->job.cli->json)
+	progress_clear(&study->job.progress);
+	if (study->job.options.quiet || study->job.cli->json || study_left(study) == 0)
 		return;
-	printf("plan       %" PRIu32 "x%" PRIu32 ", %" PRIu32 " view%s, %" PRIu32 " runs, of which %s\n", plan->width,
-	       plan->height, plan->view_count, cli_s(plan->view_count), study->run_count,
-	       study_left(study) > 0 ? "are left:" : "none is left");
+	printf("plan       %" PRIu32 "x%" PRIu32 ", %" PRIu32 " view%s, %" PRIu32 " runs\n", plan->width, plan->height,
+	       plan->view_count, cli_s(plan->view_count), study->run_count);
 	printf("  %-10s %-34s %-24s %4s  %10s\n", "technique", "settings", "samples", "runs", "about");
 	for (uint32_t v = 0; plan->reference && v < plan->view_count; v++) {
 		char target[64], most[32];
