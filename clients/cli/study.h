@@ -110,7 +110,7 @@ struct study_texts {
 	uint32_t camera_count;
 	const char *techniques, *budget, *plan, *seeds;
 	bool quick, sized, too_many;
-	char effects[224]; // of all points that have none of their own; "": auto
+	char effects[192]; // of all points that have none of their own; "": auto
 	char shared[2048]; // render's options that count for all runs, quoted for a shell, each behind a space
 	bool shared_full;
 };
