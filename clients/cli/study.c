@@ -58,6 +58,12 @@ static void add_notes(struct study *study)
 			   " seeds in place of 8, few settings, no "
 			   "ablation of effects; without --quick there is all of it",
 			   p->width, p->height, p->seeds);
+	if (p->left_out > 0)
+		study_note(study,
+			   "%" PRIu32
+			   " settings of techniques without noise are left out: they do not fit into %.0f s, which "
+			   "--budget raises",
+			   p->left_out, p->budget_s);
 	if (!p->reference)
 		study_note(study, "the plan has no reference: times are known, errors are not");
 	if (p->planned_s > 1.1 * p->budget_s)

@@ -92,6 +92,7 @@ struct study_plan {
 	struct study_point *points;
 	uint32_t point_count;
 	double planned_s; // what the plan was thought to take, all told; 0: it is not fitted
+	uint32_t left_out; // settings of techniques without noise that did not fit into the budget
 	char key[17]; // what it was made for; "": it is a file of somebody else's
 };
 
@@ -136,7 +137,8 @@ struct study {
 	bool has_last;
 	uint32_t made; // runs of this session, those that are not written among them
 	double said; // when progress was told last
-	double cold_s[TECHNIQUE_COUNT]; // what the first run of a pipeline took longer, the last of the technique
+	double cold_s[TECHNIQUE_COUNT]; // that programs took to compile in the last run that was cold, by technique
+	double ready_s[TECHNIQUE_COUNT]; // that this run took besides, what the scene keeps for the others among it
 	bool report_made;
 	char report_why[256]; // it was not
 };
@@ -147,6 +149,8 @@ struct study {
 double study_clock(void);
 bool study_has_noise(unsigned technique);
 const char *study_kind_name(enum study_kind kind);
+// Keep what a cold run took, all told and compiling.
+void study_learn_cold(struct study *study, unsigned technique, double elapsed_us, double cold_us);
 // Keep a sentence for study.json and the summary.
 void study_note(struct study *study, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // A hash of a text and its zero, on top of another; FNV-1a.
@@ -236,9 +240,9 @@ struct study_line {
 	bool known; // something was measured
 };
 struct study_line study_line_of(const struct study *study, unsigned technique, uint32_t view);
-// Seconds that a warm run of the point will take, that its cold one takes longer, and that a view's reference will take.
+// Seconds that a warm run of the point will take, its cold one, and a view's reference.
 double study_predict(const struct study *study, uint32_t point, uint32_t view);
-double study_predict_cold(const struct study *study, const struct study_point *point);
+double study_predict_cold(const struct study *study, uint32_t point, uint32_t view);
 double study_predict_reference(const struct study *study, uint32_t view);
 // Seconds that the runs take which are not done.
 double study_left(const struct study *study);

@@ -1,5 +1,6 @@
 // What every part of a study leans on.
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 #include <time.h>
@@ -11,6 +12,12 @@ double study_clock(void)
 	struct timespec now;
 	clock_gettime(CLOCK_MONOTONIC, &now);
 	return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+void study_learn_cold(struct study *study, unsigned technique, double elapsed_us, double cold_us)
+{
+	study->cold_s[technique] = cold_us * 1e-6;
+	study->ready_s[technique] = fmax(0, elapsed_us - cold_us) * 1e-6;
 }
 
 void study_note(struct study *study, const char *format, ...)

@@ -10,6 +10,7 @@
 // What of the budget is for what, after the techniques without noise.
 #define REFERENCE_SHARE 0.5
 #define ABLATION_SHARE 0.15
+#define EXACT_SHARE 0.5 // of the budget, of those
 #define REPORT_S 4.0 // that the figures take, about
 #define REFERENCE_SAMPLES_MAX 65536u
 #define RUNG 4u // from one number of samples to the next
@@ -197,10 +198,24 @@ static double exact_cost(const struct study *study)
 	for (uint32_t i = 0; i < study->plan.point_count; i++) {
 		const struct study_point *p = &study->plan.points[i];
 		for (uint32_t v = 0; !study_has_noise(p->technique) && v < study->plan.view_count; v++)
-			seconds += study_predict(study, i, v) * (1 + study_seeds_of(&study->plan, p)) +
-				   study_predict_cold(study, p);
+			seconds +=
+			    study_predict(study, i, v) * study_seeds_of(&study->plan, p) + study_predict_cold(study, i, v);
 	}
 	return seconds;
+}
+
+// Take points without noise and of a setting out, the last first, until the others take a share of the seconds that are
+// left.
+static void drop_settings(struct study *study, double seconds)
+{
+	struct study_plan *plan = &study->plan;
+	for (uint32_t i = plan->point_count; i-- > 0 && exact_cost(study) > EXACT_SHARE * seconds;) {
+		if (study_has_noise(plan->points[i].technique) || plan->points[i].setting_count == 0)
+			continue;
+		memmove(&plan->points[i], &plan->points[i + 1], (plan->point_count - i - 1) * sizeof(*plan->points));
+		plan->point_count--;
+		plan->left_out++;
+	}
 }
 
 // Take out what was measured alone and is no point of the plan.
@@ -218,7 +233,10 @@ static void drop_probes(struct study *study)
 static bool settle(struct study *study)
 {
 	struct study_plan *plan = &study->plan;
-	double left = plan->budget_s - REPORT_S - exact_cost(study) - (study_clock() - study->started);
+	double left = plan->budget_s - REPORT_S - (study_clock() - study->started);
+	if (!study->texts.plan) // a plan file says itself what is wanted
+		drop_settings(study, left);
+	left -= exact_cost(study);
 	unsigned fitted = 0;
 	for (uint32_t i = 0; i < plan->point_count; i++)
 		fitted += plan->points[i].samples == STUDY_SAMPLES_FIT;

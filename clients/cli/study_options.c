@@ -155,6 +155,7 @@ bool study_options(struct study *study, struct cli *cli, const struct command *s
 		p->height = study->job.options.request.height;
 	}
 	p->planned_s = 0;
+	p->left_out = 0;
 	if (!t->plan && !study_default_points(study)) {
 		cli_usage(self, "there is no memory for the points");
 		return false;

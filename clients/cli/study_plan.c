@@ -348,8 +348,9 @@ static bool take_points(struct reader *r, json_t *points)
 static bool take_all(struct reader *r, json_t *file)
 {
 	// "experiment" is for the programs that run a plan: which scenes, and the figures of others to put beside.
-	static const char *const keys[] = {"title",     "size",      "views",   "seeds", "repeats",    "budget", "points",
-					   "ablations", "reference", "planned", "key",   "experiment", NULL};
+	static const char *const keys[] = {"title",    "size",   "views",      "seeds",     "repeats",
+					   "budget",   "points", "ablations",  "reference", "planned",
+					   "left_out", "key",    "experiment", NULL};
 	struct study_plan *p = r->plan;
 	snprintf(r->place, sizeof(r->place), "top");
 	if (!check_keys(r, file, keys) || !take_text(r, file, "title", p->title, sizeof(p->title)) ||
@@ -357,6 +358,7 @@ static bool take_all(struct reader *r, json_t *file)
 	    !take_whole(r, file, "seeds", 1, STUDY_SEEDS_MAX, &p->seeds) ||
 	    !take_whole(r, file, "repeats", 1, STUDY_SEEDS_MAX, &p->repeats) ||
 	    !take_real(r, file, "budget", STUDY_BUDGET_MAX, &p->budget_s) ||
+	    !take_whole(r, file, "left_out", 0, STUDY_POINTS_MAX, &p->left_out) ||
 	    !take_real(r, file, "planned", 1e12, &p->planned_s) || !take_bool(r, file, "ablations", &p->ablations))
 		return false;
 	return take_size(r, json_object_get(file, "size")) && take_views(r, json_object_get(file, "views")) &&
@@ -442,6 +444,8 @@ json_t *study_plan_json(const struct study_plan *plan)
 		      "size", cli_json_u64(plan->width), cli_json_u64(plan->height), "views", views, "seeds",
 		      cli_json_u64(plan->seeds), "repeats", cli_json_u64(plan->repeats), "budget", plan->budget_s,
 		      "reference", plan->reference ? reference_json(plan) : json_false(), "points", points);
+	if (o && plan->left_out > 0)
+		json_object_set_new(o, "left_out", cli_json_u64(plan->left_out));
 	if (o && plan->planned_s > 0)
 		json_object_set_new(o, "planned", json_real(plan->planned_s));
 	return o;

@@ -203,8 +203,9 @@ static enum exit_code make_once(struct study *study, struct study_run *run, bool
 		code = write_failure(study, run, &error);
 	} else if (code == EXIT_DONE) {
 		const bool cold = taken.done.cold_us > 0;
-		if (cold)
-			study->cold_s[study->job.options.request.technique] = (double)taken.done.cold_us * 1e-6;
+		if (cold || run->kind == STUDY_COLD)
+			study_learn_cold(study, (unsigned)study->job.options.request.technique,
+					 (double)taken.done.elapsed_us, (double)taken.done.cold_us);
 		set_last(study, run);
 		*again = run->kind != STUDY_REFERENCE && run->kind != STUDY_COLD && (cold || !primed);
 		if (!*again) {

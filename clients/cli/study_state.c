@@ -83,6 +83,9 @@ void study_find_run(struct study *study, struct study_run *run)
 	snprintf(name, sizeof(name), "images/%s.exr", run->id);
 	run->done = json_is_integer(us) && study_path(study, name, path, sizeof(path)) &&
 		    verify_image(path, false, study->plan.width, study->plan.height, &metadata);
+	if (run->done && run->kind == STUDY_COLD)
+		study_learn_cold(study, study->plan.points[run->point].technique, json_number_value(us),
+				 json_number_value(json_object_get(report, "cold_us")));
 	if (!run->done || run->kind == STUDY_REFERENCE || run->kind == STUDY_COLD)
 		return;
 	struct study_times *times = &study->plan.points[run->point].times[run->view];

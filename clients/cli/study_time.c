@@ -64,17 +64,18 @@ double study_predict_reference(const struct study *study, uint32_t view)
 	return line.known ? line.a + line.b * v->samples / 1.5 : UNKNOWN_S;
 }
 
-double study_predict_cold(const struct study *study, const struct study_point *point)
+double study_predict_cold(const struct study *study, uint32_t point, uint32_t view)
 {
-	return VARIANT_SHARE * study->cold_s[point->technique];
+	const unsigned t = study->plan.points[point].technique;
+	return fmax(study_predict(study, point, view), study->ready_s[t]) + VARIANT_SHARE * study->cold_s[t];
 }
 
 static double predict_run(const struct study *study, const struct study_run *run)
 {
 	if (run->kind == STUDY_REFERENCE)
 		return study_predict_reference(study, run->view);
-	const double warm = study_predict(study, run->point, run->view);
-	return run->kind == STUDY_COLD ? warm + study_predict_cold(study, &study->plan.points[run->point]) : warm;
+	return run->kind == STUDY_COLD ? study_predict_cold(study, run->point, run->view)
+				       : study_predict(study, run->point, run->view);
 }
 
 double study_left(const struct study *study)

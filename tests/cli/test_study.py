@@ -3,6 +3,7 @@ strangers."""
 import fcntl
 import json
 import os
+import re
 import resource
 import shlex
 import signal
@@ -12,7 +13,7 @@ import time
 import unittest
 
 import images
-from common import CANDIL, MTL, OBJ, Daemon, run, skip_without_device, write_scene
+from common import CANDIL, MTL, OBJ, SOURCE, Daemon, run, skip_without_device, write_scene
 
 PLAN = {
     "title": "a tiny study",
@@ -82,6 +83,9 @@ class Study(unittest.TestCase):
         self.assertLessEqual({"folder", "report", "complete", "missing", "skipped", "runs", "made", "seconds", "warnings"},
                              set(answer))
         self.assertEqual((answer["complete"], answer["missing"], answer["runs"]), (True, [], RUNS))
+        self.assertEqual(answer["report"], os.path.realpath(self.path("report.html")))
+        for name in ("report.html", "results.json", "results.csv"):
+            self.assertGreater(os.path.getsize(self.path(name)), 100, name)
         state = self.state()
         self.assertTrue(state["complete"])
         self.assertEqual((state["version"], state["size"], state["seeds"], state["title"]), (1, [32, 24], 2, PLAN["title"]))
@@ -273,7 +277,8 @@ class Study(unittest.TestCase):
                 (dict(PLAN, views=[{"camera": "1,2,3"}]), "ten numbers"), (dict(PLAN, views=[{"camera": ""}, 1]), "views[1]"),
                 (dict(PLAN, reference={"relmse": 0}), "relmse"), (dict(PLAN, reference={"seed": 1}), "1001"),
                 (dict(PLAN, reference={"settings": []}), "object"), (dict(PLAN, reference={"settings": {"a.b": [1]}}), "word"),
-                (dict(PLAN, reference=3), "object"), (dict(PLAN, title="a\u0000b"), "JSON"), (dict(PLAN, title="t" * 128), "title"), (dict(PLAN, ablations=1), "true")):
+                (dict(PLAN, reference=3), "object"), (dict(PLAN, title="a\u0000b"), "JSON"),
+                (dict(PLAN, title="t" * 128), "title"), (dict(PLAN, ablations=1), "true")):
             answer = self.study(status=2, plan=plan)
             self.assertIn(word, answer["error"]["message"], plan if len(str(plan)) < 500 else word)
         self.assertFalse(os.path.exists(self.out))
@@ -301,25 +306,37 @@ class Study(unittest.TestCase):
         self.assertTrue(self.study()["complete"])
 
     def test_every_setting_of_a_full_study_is_one_that_there_is(self):
-        result = run(CANDIL, "--connect", self.daemon.socket, "study", self.scene, "-o", self.out, "--size", "16x16",
-                     "--budget", "1", "--seeds", "1", "--json")
-        self.assertEqual(result.returncode, 0, result)
-        lines = self.lines()
-        varied = self.state()["settings_varied"]
-        self.assertLessEqual({"samples", "vct.resolution", "vct.bounces", "vct.cones"}, set(varied["vct"]))
+        with open(os.path.join(SOURCE, "protocol", "names.h"), encoding="utf-8") as file:
+            knobs = re.findall(r'X\("([a-z_]+)\.([a-z_]+)", "([^"]*)", "([^"]*)"\)', file.read())
+        self.assertGreater(len(knobs), 5)
+        small = {"vct": {"vct.resolution": 16}}
+        points = [{"technique": technique, "settings": dict(small.get(technique, {}), **{f"{technique}.{name}": value})}
+                  for technique, name, values, quick in knobs for value in values.split() + quick.split()]
+        answer = self.study("--size", "8x8", plan={"points": points, "repeats": 1, "reference": False})
+        self.assertEqual((answer["missing"], answer["complete"]), ([], True))
+
+    def test_a_study_of_its_own_accord(self):
+        def candil(*more):
+            result = run(CANDIL, "--connect", self.daemon.socket, "study", self.scene, "-o", self.out, "--size", "16x16",
+                         "--budget", "1", "--seeds", "1", "--json", *more)
+            self.assertEqual(result.returncode, 0, result)
+            return self.lines()
+        lines = candil()
         without = {(line["technique"], line["effects"]) for line in lines if line["kind"] == "ablation"}
         self.assertLessEqual({("pt", "auto,-bounces"), ("pt", "auto,-emitters")}, without)
-        samples = {line["settings"]["samples"] for line in lines if line["kind"] == "point" and line["technique"] == "pt"}
-        self.assertLessEqual({1, 4}, samples)
-        # The plan that it made is a plan file, too.
+        points = [line for line in lines if line["kind"] == "point"]
+        self.assertEqual({line["technique"] for line in points}, {"pt", "vct", "direct"})
+        self.assertLessEqual({1, 4}, {line["settings"]["samples"] for line in points if line["technique"] == "pt"})
+        # What does not fit into the budget is left out, and said.
         plan = json.loads(read(self.path("plan.json")))
         self.assertGreater(plan["planned"], 0)
-        first = {line["id"] for line in lines}
+        self.assertGreater(plan["left_out"], 0)
+        self.assertTrue(any("left out" in note for note in self.state()["notes"]))
+        # The plan that it made is a plan file, too.
         self.assertEqual(self.study(plan=plan)["complete"], True)
-        self.assertEqual(first, {line["id"] for line in self.lines()})
-        self.assertEqual(run(CANDIL, "--connect", self.daemon.socket, "study", self.scene, "-o", self.out, "--size", "16x16",
-                             "--budget", "1", "--seeds", "1", "--techniques", "pt", "--effects", "auto,-bounces").returncode, 0)
-        self.assertEqual({line["effects"] for line in self.lines()}, {"auto,-bounces", "auto,-bounces,-emitters"})
+        self.assertEqual({line["id"] for line in lines}, {line["id"] for line in self.lines()})
+        lines = candil("--techniques", "pt", "--effects", "auto,-bounces")
+        self.assertEqual({line["effects"] for line in lines}, {"auto,-bounces", "auto,-bounces,-emitters"})
 
 
 if __name__ == "__main__":
