@@ -340,6 +340,8 @@ enum exit_code study_write_state(struct study *study)
 	const struct candil_scene_info *info = &study->job.target.info;
 	json_t *views = json_array(), *techniques = json_array(), *notes = json_array(),
 	       *missing = study_missing_json(study);
+	const char *scene_name = strrchr(study->job.options.scene, '/');
+	scene_name = scene_name && scene_name[1] ? scene_name + 1 : study->job.options.scene;
 	for (uint32_t i = 0; i < plan->view_count; i++) {
 		const struct study_view *v = &plan->views[i];
 		json_array_append_new(views, json_pack("{s:o,s:o}", "name", cli_json_text(v->name), "camera",
@@ -361,9 +363,9 @@ enum exit_code study_write_state(struct study *study)
 	    "scene", scene, "command", cli_json_text(study->command), "candil", CANDIL_VERSION_STRING, "device",
 	    cli_json_text(study->device), "machine", machine_json(), "started", study->started_at, "ended",
 	    study->ended_at[0] ? json_string(study->ended_at) : json_null(), "size", cli_json_u64(plan->width),
-	    cli_json_u64(plan->height), "views", views, "techniques", techniques, "title", cli_json_text(plan->title),
-	    "settings_varied", varied_json(study), "budget_s", plan->budget_s, "seeds", cli_json_u64(plan->seeds), "quick",
-	    study->texts.quick, "complete", complete, "missing", missing, "skipped", study_skipped_json(study), "notes",
-	    notes, "order_seed", cli_json_u64(STUDY_REFERENCE_SEED));
+	    cli_json_u64(plan->height), "views", views, "techniques", techniques, "title",
+	    cli_json_text(plan->title[0] ? plan->title : scene_name), "settings_varied", varied_json(study), "budget_s",
+	    plan->budget_s, "seeds", cli_json_u64(plan->seeds), "quick", study->texts.quick, "complete", complete, "missing",
+	    missing, "skipped", study_skipped_json(study), "notes", notes, "order_seed", cli_json_u64(STUDY_REFERENCE_SEED));
 	return write_object(study, "study.json", o);
 }
