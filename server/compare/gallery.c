@@ -13,6 +13,7 @@ struct gallery {
 	char *const *files;
 	int count;
 	struct shot *shots;
+	double exposure_ev;
 	struct error *err;
 	enum status status;
 };
@@ -27,13 +28,25 @@ static double exposure_of(const struct picture *p)
 	return sum > 0 ? fmin(fmax(log2(0.2 * (double)values / sum), -LIMIT_EXPOSURE_EV), LIMIT_EXPOSURE_EV) : 0;
 }
 
+// A file's name without its folders, unless another of the page has the same.
+static const char *name_of(const struct gallery *g, int i)
+{
+	const char *slash = strrchr(g->files[i], '/'), *name = slash ? slash + 1 : g->files[i];
+	for (int k = 0; k < g->count; k++) {
+		const char *other = strrchr(g->files[k], '/');
+		if (k != i && strcmp(other ? other + 1 : g->files[k], name) == 0)
+			return g->files[i];
+	}
+	return name;
+}
+
 static void write_title(struct html *html, const void *context)
 {
 	const struct gallery *g = context;
 	for (int i = 0; i < g->count; i++)
 		if (i != REFERENCE)
-			html_put(html, "%s, ", g->files[i]);
-	html_put(html, "beside %s", g->files[REFERENCE]);
+			html_put(html, "%s%s", i == 0 ? "" : ", ", name_of(g, i));
+	html_put(html, " beside %s", name_of(g, REFERENCE));
 }
 
 static void write_style(struct html *html, const void *context)
@@ -73,15 +86,19 @@ static void write_shots(struct html *html, const void *context)
 		const struct shot *s = &g->shots[i];
 		snprintf(caption, sizeof caption, "relMSE %.3g, FLIP %.3g", s->comparison.metrics.relmse,
 			 s->comparison.flip.mean);
-		shot_figure(html, (unsigned)i, s->width, s->height, i != REFERENCE, g->files[i],
+		shot_figure(html, (unsigned)i, s->width, s->height, i != REFERENCE, name_of(g, i),
 			    i == REFERENCE ? "the reference" : caption);
 	}
 }
 
 static void write_legend(struct html *html, const void *context)
 {
-	(void)context;
+	const struct gallery *g = context;
 	shot_legend(html);
+	html_put(html,
+		 "<p class=\"legend\">Radiance is shown at %+.1f EV, which makes the reference's mean a middle grey, and "
+		 "clipped.</p>\n",
+		 g->exposure_ev);
 }
 
 static void write_script(struct html *html, const void *context)
@@ -117,7 +134,7 @@ static enum status make_shots(struct gallery *g, double mask_above, struct error
 {
 	struct picture reference = {0};
 	enum status s = picture_read(g->files[REFERENCE], &reference, err);
-	const double exposure = s == STATUS_OK ? exposure_of(&reference) : 0;
+	g->exposure_ev = s == STATUS_OK ? exposure_of(&reference) : 0;
 	for (int i = 0; i < g->count && s == STATUS_OK; i++) {
 		struct picture a = {0}, r = {0};
 		s = picture_read(g->files[i], &a, err);
@@ -127,7 +144,7 @@ static enum status make_shots(struct gallery *g, double mask_above, struct error
 		if (s == STATUS_OK && i != REFERENCE)
 			s = metrics_fit(&a, &r, err);
 		if (s == STATUS_OK)
-			s = shot_make(&a, i == REFERENCE ? NULL : &r, exposure, mask_above, NULL, &g->shots[i], err);
+			s = shot_make(&a, i == REFERENCE ? NULL : &r, g->exposure_ev, mask_above, NULL, &g->shots[i], err);
 		if (s == STATUS_OK)
 			shrink(&g->shots[i]);
 		picture_finish(&a);

@@ -43,7 +43,9 @@ static void write_shot(struct html *html, const struct page *page, uint32_t view
 	if (p)
 		snprintf(caption, sizeof caption, "%s, relMSE %s, FLIP %s", words_seconds(p->seconds, seconds),
 			 words_error(p->relmse, error), words_error(p->flip, flip));
-	if (asprintf(&title, "%s, %s", p ? p->runs[0].technique : "reference", settings ? settings : "many samples") < 0)
+	const double samples = page->figures->views[view].run ? page->figures->views[view].run->samples : (double)NAN;
+	if ((p ? asprintf(&title, "%s, %s", p->runs[0].technique, settings ? settings : "?")
+	       : asprintf(&title, isfinite(samples) ? "reference, samples %.0f" : "reference", samples)) < 0)
 		title = NULL;
 	if (number >= 0 && title)
 		shot_figure(html, (unsigned)number, page->pictures->width, page->pictures->height, p != NULL, title,
@@ -60,18 +62,20 @@ static void write_absent(struct html *html, const struct judgement *j, const str
 	for (size_t t = 0; t < j->technique_count; t++)
 		if (!row->points[t])
 			absent[count++] = j->techniques[t].name;
+	if (count == 0)
+		return;
+	html_raw(html, "<p class=\"soft\">");
 	for (size_t i = 0; i < count; i++)
-		html_put(html, "%s%s", i == 0 ? "<p class=\"soft\">" : i + 1 < count ? ", " : " and ", absent[i]);
-	if (count > 0)
-		html_put(html, " %s%s.</p>\n", count == 1 ? "has no picture" : "have no pictures",
-			 row->is_time ? " in this time" : " so accurate");
+		html_put(html, "%s%s", i == 0 ? "" : i + 1 < count ? ", " : " and ", absent[i]);
+	html_put(html, " %s%s.</p>\n", count == 1 ? "has no picture" : "have no pictures",
+		 row->is_time ? " in this time" : " so accurate");
 }
 
 static void write_row(struct html *html, const struct page *page, uint32_t view, const struct judge_row *row)
 {
 	const struct judgement *j = page->judgement;
 	char target[WORDS_NUMBER], name[32];
-	html_raw(html, "<h3>");
+	html_raw(html, "<section class=\"row\"><h3>");
 	if (j->view_count > 1)
 		html_put(html, "%s: ", study_view_name(page->figures->study, view, name));
 	html_put(html,
@@ -83,7 +87,7 @@ static void write_row(struct html *html, const struct page *page, uint32_t view,
 		if (row->points[t])
 			write_shot(html, page, view, row->points[t]);
 	write_shot(html, page, view, NULL);
-	html_raw(html, "</div>\n");
+	html_raw(html, "</div></section>\n");
 }
 
 static void write_rows(struct html *html, const struct page *page, bool is_time)

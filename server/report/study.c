@@ -137,9 +137,9 @@ static enum status check_study(struct study *study, struct error *err)
 				 LIMIT_STUDY_VIEWS);
 	study->views = (uint32_t)json_array_size(views);
 	study->title = text_of(study->json, "title");
-	if (!study->title)
+	if (!study->title || !study->title[0])
 		study->title = text_of(json_object_get(study->json, "scene"), "file");
-	if (!study->title)
+	if (!study->title || !study->title[0])
 		study->title = "a study";
 	const json_t *missing = json_object_get(study->json, "missing"), *entry;
 	size_t i;

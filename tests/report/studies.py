@@ -25,7 +25,7 @@ class Study:
         self.lines = []
         self.pictures = {}
         self.json = {
-            "version": 1, "title": "made up", "scene": {"file": "made.gltf", "hash": "00ff", "triangles": 12}, "command": "candil study made.gltf -o out",
+            "version": 1, "title": "", "scene": {"file": "made.gltf", "hash": "00ff", "triangles": 12}, "command": "candil study made.gltf -o out",
             "candil": "0.2.0", "device": "none", "machine": {"cpu": "one", "cores": 2}, "started": "2026-01-01T00:00:00Z", "ended": "2026-01-01T00:01:00Z",
             "size": [self.width, self.height], "views": [{"name": f"view {i + 1}", "camera": None} for i in range(views)],
             "techniques": [NOISY, BIASED], "settings_varied": {}, "budget_s": 60, "seeds": 8, "complete": True, "missing": [], "skipped": [], "notes": [],

@@ -76,6 +76,7 @@ class Report(unittest.TestCase):
         self.assertIn("default-src 'none'", policy)
 
     def test_every_figure_is_in_a_table(self):
+        # Without a title the page has the scene's file for one.
         study = Study(self.folder).usual()
         page, text = self.page(study)
         results = json.loads((self.folder / "results.json").read_text())
@@ -88,6 +89,7 @@ class Report(unittest.TestCase):
                 self.assertIn(p["command"], words)
         for word in results["words"]:
             self.assertIn(" ".join(word.split()), words)
+        self.assertIn("What accuracy costs in time: made.gltf", words)
         for key in ("command", "device"):
             self.assertIn(study.json[key], words)
         self.assertEqual(page.data()["techniques"][0]["points"][0]["settings"], results["techniques"][0]["points"][0]["settings"])
