@@ -16,6 +16,7 @@ static void decode(const struct reader *r)
 		candil_Describe describe;
 		candil_Render render;
 		candil_Sweep sweep;
+		candil_Quote quote;
 		candil_Cancel cancel;
 		candil_Ping ping;
 		candil_ListScenes list;
@@ -42,6 +43,9 @@ static void decode(const struct reader *r)
 		break;
 	case MESSAGE_SWEEP:
 		request_sweep(b, n, &m.sweep, &err);
+		break;
+	case MESSAGE_QUOTE:
+		request_quote(b, n, &m.quote, &err);
 		break;
 	case MESSAGE_CANCEL:
 		request_decode(b, n, candil_Cancel_fields, &m.cancel, &err);

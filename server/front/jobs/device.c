@@ -1,6 +1,7 @@
 #include "server/front/jobs/device.h"
 
 #include "protocol/header.h"
+#include "protocol/names.h"
 #include "server/base/clock.h"
 #include "server/front/jobs/deadline.h"
 #include "server/front/jobs/images.h"
@@ -48,6 +49,9 @@ void jobs_begin_next(struct jobs *jobs)
 		return;
 	job->state = JOB_BEGINNING;
 	job->again_us = clock_us();
+	const struct rendered frame = {.scene = job->scene, .environment = job->environment, .render = &job->render};
+	if (jobs->predict && !(technique_traits(job->render.technique) & TECHNIQUE_NOISE))
+		job->predicted = jobs->predict(jobs->owner, &frame);
 	job_set_end(jobs, job);
 	if (!job->begun_us)
 		job->begun_us = job->again_us;

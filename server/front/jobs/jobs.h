@@ -20,11 +20,11 @@
 struct session;
 struct job;
 
-// A frame that a job has rendered, for the length of a call.
+// A frame that a job is about to render, or has rendered, for the length of a call.
 struct rendered {
 	const struct scene *scene, *environment; // environment NULL: none
-	const candil_Render *render; // as it was rendered: never AUTO
-	const candil_Done *done;
+	const candil_Render *render; // as it is rendered
+	const candil_Done *done; // NULL: not yet
 	bool alone; // no other job had the device meanwhile
 };
 
@@ -55,7 +55,10 @@ struct jobs {
 	uint64_t slices, done, failed, cancelled; // since the start
 	bool piloting; // a pilot waits for the device or has it: no STEP and no BEGIN is sent. Kept by the quotes
 	bool pilot_out; // the worker has one. Likewise
-	void (*rendered)(void *owner, const struct rendered *frame); // a frame is sent; NULL: nobody asks. Set by the owner
+	// A frame is sent. And what its error is likely to be, if its technique cannot tell. NULL: nobody knows. Set by
+	// `owner`.
+	void (*rendered)(void *owner, const struct rendered *frame);
+	struct estimate (*predict)(void *owner, const struct rendered *frame);
 	void *owner;
 };
 

@@ -108,7 +108,9 @@ static bool fits(const struct quote_ask *ask, const struct quote_way *way)
 	const candil_Render *r = ask->render;
 	if (r->deadline_ms > 0 && time_of(ask, way) > r->deadline_ms * 1000.0)
 		return false;
-	return !(r->target_error > 0) || way->said.error.relmse <= r->target_error;
+	// Of what cannot be measured the upper end counts: nothing would mend it.
+	const double error = has_noise(way->technique) ? way->said.error.relmse : way->said.error.high;
+	return !(r->target_error > 0) || error <= r->target_error;
 }
 
 // Is `a` nearer to what is asked than `b`?

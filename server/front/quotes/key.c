@@ -18,8 +18,9 @@ static bool add_bytes(pb_ostream_t *stream, const pb_byte_t *bytes, size_t count
 	return XXH64_update(stream->state, bytes, count) == XXH_OK;
 }
 
-// All of a request that shows in the picture but its technique, its options, its size and its samples.
-static uint64_t hash_view(const candil_Render *render)
+// All of a request that shows in the picture but its technique, its options, its size and its samples, with its camera or
+// without.
+static uint64_t hash_view(const candil_Render *render, bool camera)
 {
 	candil_Render r = *render;
 	XXH64_state_t state;
@@ -34,6 +35,10 @@ static uint64_t hash_view(const candil_Render *render)
 	r.format = candil_Format_FORMAT_EXR_HALF;
 	r.view = candil_View_VIEW_NONE;
 	r.progressive = false;
+	if (!camera) {
+		r.has_camera = false;
+		r.camera = (candil_Camera)candil_Camera_init_zero;
+	}
 	// A message that was decoded can be encoded.
 	pb_encode(&stream, candil_Render_fields, &r);
 	return XXH64_digest(&state);
@@ -74,5 +79,10 @@ struct quote_key quote_key_of(const candil_Render *render, candil_Technique tech
 	return (struct quote_key){.where = hash_texts(device, ipc_build()),
 				  .scene = hash_texts(scene, environment),
 				  .look = hash_look(render, technique),
-				  .view = hash_view(render)};
+				  .view = hash_view(render, true)};
+}
+
+uint64_t quote_warmth_of(const candil_Render *render, const struct quote_key *key, uint64_t scene)
+{
+	return XXH64(&scene, sizeof scene, key->look ^ hash_view(render, false));
 }

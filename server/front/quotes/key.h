@@ -10,4 +10,8 @@
 struct quote_key quote_key_of(const candil_Render *render, candil_Technique technique, const char *scene,
 			      const char *environment, const char *device);
 
+// What programs, and what is made of a scene, depend on: requests of the same are warm once one of them was rendered.
+// `scene` is the front's number of it, `key` the request's.
+uint64_t quote_warmth_of(const candil_Render *render, const struct quote_key *key, uint64_t scene);
+
 #endif

@@ -317,6 +317,17 @@ uint32_t quote_count_scene(const struct quote_model *m, const struct quote_key *
 	return count;
 }
 
+uint32_t quote_count_look(const struct quote_model *m, const struct quote_key *key, enum quote_part part)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < m->count; i++) {
+		const struct quote_key *k = &m->records[i].key;
+		count +=
+		    k->where == key->where && k->scene == key->scene && k->look == key->look && knows(&m->records[i], part);
+	}
+	return count;
+}
+
 uint32_t quote_count_view(const struct quote_model *m, const struct quote_key *key, enum quote_part part)
 {
 	uint32_t count = 0;

@@ -111,8 +111,9 @@ void quote_set_part(struct quote_record *record, enum quote_part part, double va
 // the frame without what is cold; query NULL: a pilot. us 0: not known.
 void quote_learn(struct quote_model *model, const struct quote_record *record, const struct quote_query *query, double us);
 
-// How many records of the scene there are, and how many frames or pilots of that view and look.
+// How many records of the scene there are, and how many that know a part of that look, and of that view and look.
 uint32_t quote_count_scene(const struct quote_model *model, const struct quote_key *key);
+uint32_t quote_count_look(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
 uint32_t quote_count_view(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
 
 // Whether a record may be taken from a file.

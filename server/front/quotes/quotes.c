@@ -1,19 +1,15 @@
 #include "server/front/quotes/quotes.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "protocol/header.h"
 #include "protocol/names.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/base/stage.h"
 #include "server/front/quotes/choose.h"
-#include "server/front/quotes/key.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
 
@@ -21,7 +17,6 @@
 #define PILOT_US 150000u // of a pilot that nobody has asked for: with its first, tiny picture below 300 ms
 #define PILOT_LEAST_US 20000u
 #define DEADLINE_SHARE 10u // of a deadline, that a pilot may take; the answer waits for it twice as long
-#define COLD_US 20000.0 // of compiling, from which on a frame's other times are not believed
 
 struct quote {
 	struct quote *next;
@@ -42,143 +37,9 @@ struct quote {
 	struct quotes *owner;
 };
 
-// ---- what is known ---------------------------------------------------------------------------------------------------
-
-static struct quote_key key_of(const struct quotes *quotes, const struct scene *scene, const struct scene *environment,
-			       const candil_Render *render, candil_Technique technique)
+static struct rendered frame_of(const struct quote *quote)
 {
-	return quote_key_of(render, technique, scene->info.hash, environment ? environment->info.hash : NULL,
-			    quotes->worker->device);
-}
-
-// What tells whether a technique is compiled and its scene built, for this request.
-static uint64_t warmth_of(const struct scene *scene, const struct quote_key *key)
-{
-	return key->look ^ key->scene ^ scene->id * 0x9E3779B97F4A7C15ull;
-}
-
-static bool is_warm(const struct quotes *quotes, uint64_t warmth)
-{
-	for (uint32_t i = 0; i < QUOTE_WARM && i < quotes->warm_count; i++)
-		if (quotes->warm[i] == warmth)
-			return true;
-	return false;
-}
-
-static void set_warm(struct quotes *quotes, uint64_t warmth)
-{
-	if (!is_warm(quotes, warmth))
-		quotes->warm[quotes->warm_count++ % QUOTE_WARM] = warmth;
-}
-
-static struct quote_query query_of(const struct quotes *quotes, const struct scene *scene, const struct scene *environment,
-				   const candil_Render *render, candil_Technique technique, uint32_t samples)
-{
-	const struct quote_key key = key_of(quotes, scene, environment, render, technique);
-	const bool warm = is_warm(quotes, warmth_of(scene, &key));
-	return (struct quote_query){.key = key,
-				    .technique = technique,
-				    .software = quotes->worker->software,
-				    .pixels = (double)render->width * render->height,
-				    .samples = samples,
-				    .bytes = (double)jobs_image_bytes(render),
-				    .setup = !warm,
-				    .cold = !warm};
-}
-
-// ---- learning --------------------------------------------------------------------------------------------------------
-
-static uint64_t wall_us(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_REALTIME, &t);
-	return (uint64_t)t.tv_sec * 1000000u + (uint64_t)t.tv_nsec / 1000u;
-}
-
-static void set_error(struct quote_record *r, const struct estimate *e, double times)
-{
-	if (!(e->relmse > 0) || !(e->low >= 0))
-		return;
-	// An interval without a finite or a positive end is a wide one.
-	const double low = fmax(e->low, e->relmse / 10), high = e->high > 0 ? e->high : e->relmse * 10;
-	quote_set_part(r, QUOTE_ERROR, e->relmse * times);
-	r->spread = (float)fmin(fmax(log(fmax(high / low, 1)) / (2 * 1.645), 0.02), 5);
-}
-
-// Sums over a frame's stages, by their kind.
-struct account {
-	double us[STAGE_ENCODE + 1];
-	double all;
-};
-
-static struct account add_up(const candil_Done *done)
-{
-	struct account a = {0};
-	for (pb_size_t i = 0; i < done->stages_count; i++) {
-		a.us[stage_kind(done->stages[i].name)] += (double)done->stages[i].us;
-		a.all += (double)done->stages[i].us;
-	}
-	return a;
-}
-
-static void learn_frame(void *owner, const struct rendered *f)
-{
-	struct quotes *quotes = owner;
-	const candil_Technique technique = f->render->technique ? f->render->technique : TECHNIQUE_OF_AUTO;
-	const candil_Done *done = f->done;
-	if (done->samples == 0 || done->retries > 0)
-		return;
-	const struct quote_query q = query_of(quotes, f->scene, f->environment, f->render, technique, done->samples);
-	const struct account a = add_up(done);
-	struct quote_record r = {.key = q.key,
-				 .stamp = wall_us(),
-				 .technique = technique,
-				 .pixels = (uint32_t)q.pixels,
-				 .samples = done->samples};
-	const bool cold = a.us[STAGE_COLD] > COLD_US;
-	const double fixed = a.us[STAGE_FIXED] + fmax((double)done->elapsed_us - a.all, 0);
-	if (q.setup)
-		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
-	if (cold) {
-		quote_set_part(&r, QUOTE_COLD, a.us[STAGE_COLD]);
-	} else {
-		quote_set_part(&r, QUOTE_PIXEL, a.us[STAGE_PIXEL] / q.pixels);
-		quote_set_part(&r, QUOTE_SAMPLE, a.us[STAGE_SAMPLE] / (q.pixels * done->samples));
-		if (f->alone)
-			quote_set_part(&r, QUOTE_FIXED, fixed);
-	}
-	quote_set_part(&r, QUOTE_ENCODE, a.us[STAGE_ENCODE] / q.bytes);
-	const struct estimate e = {
-	    .relmse = done->estimated_relmse, .low = done->relmse_low, .high = done->relmse_high, .kind = done->error_kind};
-	if (e.kind == candil_ErrorKind_ERROR_KIND_MEASURED && technique_traits(technique) & TECHNIQUE_NOISE)
-		set_error(&r, &e, done->samples);
-	set_warm(quotes, warmth_of(f->scene, &q.key));
-	quote_learn(quotes->model, &r, &q, cold || !f->alone ? 0 : (double)done->elapsed_us - a.us[STAGE_QUEUE]);
-	quote_store_mark(&quotes->store);
-}
-
-static void learn_pilot(struct quotes *quotes, const struct quote *quote, candil_Technique technique,
-			const struct pilot_result *p)
-{
-	const struct quote_query q =
-	    query_of(quotes, quote->scene, quote->environment, &quote->render, technique, p->samples);
-	struct quote_record r = {.key = q.key,
-				 .stamp = wall_us(),
-				 .technique = technique,
-				 .pilot = 1,
-				 .pixels = p->pixels,
-				 .samples = p->samples};
-	if (q.setup)
-		quote_set_part(&r, QUOTE_SETUP, p->setup_us);
-	if (p->cold_us > COLD_US)
-		quote_set_part(&r, QUOTE_COLD, p->cold_us);
-	quote_set_part(&r, QUOTE_FIXED, p->fixed_us);
-	quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
-	quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples));
-	set_error(&r, &p->error, technique_traits(technique) & TECHNIQUE_NOISE ? p->samples : 1);
-	set_warm(quotes, warmth_of(quote->scene, &q.key));
-	quote_learn(quotes->model, &r, NULL, 0);
-	quote_store_mark(&quotes->store);
+	return (struct rendered){.scene = quote->scene, .environment = quote->environment, .render = &quote->render};
 }
 
 // ---- the answer ------------------------------------------------------------------------------------------------------
@@ -195,9 +56,10 @@ static void predict_way(void *user, struct quote_way *way)
 	a->render = a->quote->render;
 	for (unsigned i = 0; i < way->option_count && a->render.options_count < LIMIT_OPTIONS; i++)
 		a->render.options[a->render.options_count++] = way->options[i];
-	const struct quote_query q =
-	    query_of(a->quotes, a->quote->scene, a->quote->environment, &a->render, way->technique, way->samples);
-	way->said = quote_predict(a->quotes->model, &q);
+	struct rendered f = frame_of(a->quote);
+	f.render = &a->render;
+	const struct quote_query q = quote_known_query(&a->quotes->known, &f, way->technique, way->samples);
+	way->said = quote_predict(a->quotes->known.model, &q);
 }
 
 static void __attribute__((format(printf, 2, 3))) add_note(candil_QuoteReply *reply, const char *format, ...)
@@ -215,7 +77,7 @@ static void add_notes(const struct quotes *quotes, const struct quote *quote, co
 {
 	if (said->records == 0)
 		add_note(reply, "nothing is known of this scene yet: this is a guess from %s",
-			 quotes->model->count > 0 ? "other scenes" : "nothing but the size");
+			 quotes->known.model->count > 0 ? "other scenes" : "nothing but the size");
 	else if (quote->budget_us > 0 && !quote->piloted)
 		add_note(reply, "the pilot is not back yet, so the interval is wide: ask again in a while");
 	if (reply->cold_ms > 0)
@@ -327,18 +189,19 @@ static void plan_pilot(const struct quotes *quotes, struct quote *quote)
 {
 	bool noisy_unknown = false, clear_unknown = false;
 	uint32_t noisy = 0, clear = 0;
+	const struct rendered f = frame_of(quote);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
 		const candil_Technique technique = (candil_Technique)t;
 		// The bias of a technique is seen beside the reference, whose options are its own.
 		const bool can = quote_can(&quote->render, technique);
 		if (!can)
 			continue;
-		const struct quote_key key = key_of(quotes, quote->scene, quote->environment, &quote->render, technique);
-		const bool unknown = quote_count_view(quotes->model, &key, QUOTE_ERROR) == 0;
+		const struct quote_key key = quote_known_key(&quotes->known, &f, technique);
+		const bool unknown = quote_count_view(quotes->known.model, &key, QUOTE_ERROR) == 0;
 		if (technique_traits(t) & TECHNIQUE_NOISE) {
 			noisy |= 1u << t;
 			noisy_unknown |= unknown;
-		} else if (quote->pilot_ms > 0 || is_warm(quotes, warmth_of(quote->scene, &key))) {
+		} else if (quote->pilot_ms > 0 || quote_known_warm(&quotes->known, &f, &key)) {
 			clear |= 1u << t;
 			clear_unknown |= unknown;
 		}
@@ -362,9 +225,10 @@ static bool is_loaded(const struct quote *quote)
 // Does the worker have to be asked whether it can render this at all?
 static bool is_doubtful(const struct quotes *quotes, const struct quote *quote)
 {
-	const struct quote_key key = key_of(quotes, quote->scene, quote->environment, &quote->render,
-					    quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO);
-	return !quote->job && quote_count_view(quotes->model, &key, QUOTE_SAMPLE) == 0;
+	const struct rendered f = frame_of(quote);
+	const struct quote_key key =
+	    quote_known_key(&quotes->known, &f, quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO);
+	return !quote->job && quote_count_view(quotes->known.model, &key, QUOTE_SAMPLE) == 0;
 }
 
 // The scene is there. True: the answer is given.
@@ -444,10 +308,11 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 	if (!quote)
 		return;
 	quote->piloted = true;
+	const struct rendered f = frame_of(quote);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++)
 		if (piloted->results[t].pixels > 0 && piloted->results[t].samples > 0 &&
 		    technique_traits(t) & TECHNIQUE_RENDERS)
-			learn_pilot(quotes, quote, (candil_Technique)t, &piloted->results[t]);
+			quote_known_pilot(&quotes->known, &f, (candil_Technique)t, &piloted->results[t]);
 	if (!quote->session)
 		quote_destroy(quotes, quote);
 	else if (piloted->error.code == STATUS_OK || quote->job)
@@ -460,7 +325,7 @@ void quotes_worker_lost(struct quotes *quotes)
 {
 	struct quote *quote = find_by_id(quotes, quotes->out);
 	pilot_back(quotes);
-	quotes->warm_count = 0;
+	quotes->known.warm_count = 0;
 	if (!quote)
 		return;
 	// It is not tried again: it may be what the worker died of.
@@ -583,35 +448,21 @@ void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const s
 
 void quotes_fail_all(struct quotes *quotes, const struct error *err)
 {
-	for (struct quote *q = quotes->first, *next; q; q = next) {
-		next = q->next;
-		if (q->session)
-			quote_fail(quotes, q, err);
-	}
-	// Those whose pilot is out hold their scenes until it is back, which nobody waits for any more.
+	quotes->out = 0; // nobody learns of a pilot any more
 	while (quotes->first)
-		quote_destroy(quotes, quotes->first);
+		quote_fail(quotes, quotes->first, err);
 }
 
 enum status quotes_init(struct quotes *quotes, struct jobs *jobs, struct worker *worker, const char *state,
 			struct error *err)
 {
-	*quotes = (struct quotes){.jobs = jobs, .worker = worker, .model = calloc(1, sizeof *quotes->model)};
-	if (!quotes->model)
-		return error_set(err, STATUS_MEMORY, "no memory for what is known of times and errors");
-	quote_store_open(&quotes->store, state, worker->loop, quotes->model);
-	jobs->rendered = learn_frame;
-	jobs->owner = quotes;
-	return STATUS_OK;
+	*quotes = (struct quotes){.jobs = jobs, .worker = worker};
+	return quote_known_init(&quotes->known, jobs, worker, state, err);
 }
 
 void quotes_finish(struct quotes *quotes)
 {
-	if (!quotes->model)
-		return;
 	while (quotes->first)
 		quote_destroy(quotes, quotes->first);
-	quote_store_close(&quotes->store);
-	free(quotes->model);
-	quotes->model = NULL;
+	quote_known_finish(&quotes->known);
 }

@@ -9,11 +9,7 @@
 #ifndef CANDIL_FRONT_QUOTES_QUOTES_H
 #define CANDIL_FRONT_QUOTES_QUOTES_H
 
-#include "server/front/jobs/jobs.h"
-#include "server/front/quotes/model.h"
-#include "server/front/quotes/store.h"
-
-#define QUOTE_WARM 256u // looks at scenes that are remembered to be compiled, the latest
+#include "server/front/quotes/known.h"
 
 struct quote; // one that is under way
 
@@ -21,15 +17,12 @@ struct quote; // one that is under way
 struct quotes {
 	struct jobs *jobs;
 	struct worker *worker;
-	struct quote_model *model; // owned
-	struct quote_store store;
+	struct quote_known known;
 	struct quote *first; // owned; in the order of arrival
 	unsigned count;
 	uint32_t last_id;
 	uint32_t out; // id of the quote whose pilot the worker has; 0: none
 	uint64_t slices; // jobs' when the last pilot came back
-	uint64_t warm[QUOTE_WARM]; // what the worker has compiled and built
-	uint32_t warm_count; // ever
 };
 
 // No quote yet; what the file of `state` (a folder; "": none is kept) knows is read. `jobs` and `worker` must outlive it,
@@ -57,8 +50,8 @@ bool quotes_find(const struct quotes *quotes, const struct session *session, uin
 // End a session's quote, which there is, with an error.
 void quotes_cancel(struct quotes *quotes, const struct session *session, uint32_t request, const struct error *err);
 
-// A session is gone: nobody is told of its quotes. A scene could not be loaded: those of its quotes that are told end with
-// `err`. Everything ends: all do.
+// A session is gone: nobody is told of its quotes. A scene could not be loaded: its quotes end with `err`. Everything ends:
+// all do, and none holds a scene any more.
 void quotes_drop_session(struct quotes *quotes, const struct session *session);
 void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const struct error *err);
 void quotes_fail_all(struct quotes *quotes, const struct error *err);

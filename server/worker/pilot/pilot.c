@@ -14,14 +14,18 @@
 #include "server/worker/technique/technique.h"
 
 #define PILOT_SEED 0x70696c6f74ull // no request's by chance
-#define PILOT_SAMPLES 16u
+#define PILOT_SAMPLES 8u // of each of two halves
 #define PILOT_SMOOTH 4u // samples of a technique without noise, so that edges are no part of its bias
 #define PILOT_TINY 256u // pixels of the first picture
 #define PILOT_LEAST 256u // of the second
 #define PILOT_MOST 65536u
+#define PILOT_SAMPLES_LEAST 4u
 #define PILOT_SAMPLES_MOST 256u
+#define PILOT_OVERRUN 4.0 // budgets that the second picture may take
 #define PILOT_SLICE_US 20000u
-#define PILOT_PATIENCE 8u // budgets that the work of one technique may take before it is given up
+#define BIAS_REACH 3u // pixels
+#define BIAS_BRIGHT 4.0
+#define PILOT_PATIENCE_US 10000000u // of one picture, past which it is given up: of compiling, and of voxels
 
 // One picture of a pilot.
 struct drawing {
@@ -57,7 +61,7 @@ static void make_small(const struct pilot *pilot, candil_Technique technique, do
 		       candil_Render *render)
 {
 	*render = *pilot->render;
-	const double scale = sqrt(pixels / ((double)render->width * render->height));
+	const double scale = fmin(sqrt(pixels / ((double)render->width * render->height)), 1);
 	render->width = (uint32_t)fmax(round(render->width * scale), 1);
 	render->height = (uint32_t)fmax(round(render->height * scale), 1);
 	render->technique = technique;
@@ -70,6 +74,14 @@ static void make_small(const struct pilot *pilot, candil_Technique technique, do
 	render->deadline_ms = 0;
 }
 
+static enum status plan_of(const struct pilot *pilot, const candil_Render *render, struct plan *plan, struct error *err)
+{
+	const struct blob_header *environment = pilot->environment ? pilot->environment->blob : NULL;
+	const enum status s = plan_make(render, &pilot->scene->view, environment, plan, err);
+	plan->environment.scene = pilot->environment;
+	return s;
+}
+
 // Draw the request. STATUS_LIMIT: it was given up.
 static enum status draw(const struct pilot *pilot, const candil_Render *render, struct drawing *out, struct error *err)
 {
@@ -77,21 +89,18 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 	struct technique_job *job = NULL;
 	struct step_result result = STEP_RESULT_NOTHING;
 	*out = (struct drawing){0};
-	enum status s =
-	    plan_make(render, &pilot->scene->view, pilot->environment ? pilot->environment->blob : NULL, &plan, err);
+	enum status s = plan_of(pilot, render, &plan, err);
 	if (s != STATUS_OK)
 		return s;
-	plan.environment.scene = pilot->environment;
 	const struct technique *t = technique_find(plan.technique);
 	if (t->bytes(pilot->devices, pilot->scene, &plan) > pilot->memory)
 		return error_set(err, STATUS_MEMORY, "a pilot does not fit");
 	const uint64_t start = clock_us();
 	s = t->begin(pilot->devices, pilot->scene, &plan, &job, err);
-	const uint64_t begun = clock_us();
 	while (s == STATUS_OK && !result.finished) {
 		result = STEP_RESULT_NOTHING;
 		s = t->step(job, PILOT_SLICE_US, &result, err);
-		if (s == STATUS_OK && !result.finished && clock_us() - begun > (uint64_t)PILOT_PATIENCE * pilot->budget_us)
+		if (s == STATUS_OK && !result.finished && clock_us() - start > PILOT_PATIENCE_US)
 			s = error_set(err, STATUS_LIMIT, "a pilot takes too long");
 	}
 	if (s == STATUS_OK)
@@ -102,77 +111,183 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 	return s;
 }
 
-struct estimate pilot_bias(const float *picture, const float *reference, uint64_t count, const struct estimate *noise)
+// Of the pixels within BIAS_REACH of one, itself left out, the mean of a reference's channel, without the brightest: it may
+// be a firefly.
+static double mean_around(const struct pilot_reference *r, uint32_t x, uint32_t y, uint32_t c)
 {
-	double sum = 0, squares = 0;
-	const uint64_t pixels = count / 3;
-	for (uint64_t p = 0; p < pixels; p++) {
-		double term = 0;
-		for (int c = 0; c < 3; c++) {
-			const double r = (double)reference[3 * p + (uint64_t)c],
-				     d = (double)picture[3 * p + (uint64_t)c] - r;
-			term += d * d / (r * r + 0.01) / 3;
+	double sum = 0, brightest = 0;
+	unsigned count = 0;
+	const uint32_t left = x > BIAS_REACH ? x - BIAS_REACH : 0, top = y > BIAS_REACH ? y - BIAS_REACH : 0;
+	for (uint32_t v = top; v <= y + BIAS_REACH && v < r->height; v++)
+		for (uint32_t u = left; u <= x + BIAS_REACH && u < r->width; u++) {
+			const uint64_t at = 3 * ((uint64_t)v * r->width + u) + c;
+			const double value = 0.5 * ((double)r->half[0][at] + (double)r->half[1][at]);
+			if (u == x && v == y)
+				continue;
+			sum += value;
+			count++;
+			brightest = fmax(brightest, value);
 		}
-		sum += term;
-		squares += term * term;
-	}
-	if (pixels == 0 || !isfinite(squares) || noise->relmse < 0)
-		return ESTIMATE_UNKNOWN;
-	const double mean = sum / (double)pixels;
-	const double spread = 1.645 * sqrt(fmax(squares / (double)pixels - mean * mean, 0) / (double)pixels);
-	const double most = noise->high >= 0 ? noise->high : 3 * noise->relmse;
-	return (struct estimate){.kind = candil_ErrorKind_ERROR_KIND_PREDICTED,
-				 .relmse = fmax(mean - noise->relmse, 0),
-				 .low = fmax(mean - spread - most, 0),
-				 .high = mean + spread - fmin(noise->low, noise->relmse)};
+	return count > 1 ? (sum - brightest) / (count - 1) : 0;
 }
 
-// Look by one technique. `reference`: the picture of one with noise, and its error; frame NULL: there is none. *kept is the
-// timed picture, the caller's.
-static enum status look(const struct pilot *pilot, const struct technique *t, const struct drawing *reference,
-			struct pilot_result *result, struct drawing *kept, struct error *err)
+// One pixel's term. Of halves that disagree neither is believed to be far brighter than what is around: one firefly would
+// outweigh all other pixels.
+static double bias_term(const float *picture, const struct pilot_reference *r, uint32_t x, uint32_t y)
+{
+	double term = 0;
+	for (uint32_t c = 0; c < 3; c++) {
+		const uint64_t at = 3 * ((uint64_t)y * r->width + x) + c;
+		const double around = mean_around(r, x, y, c);
+		double a = (double)r->half[0][at], b = (double)r->half[1][at], rho = (a + b + 2 * around) / 4;
+		// Two that are black agree, too, but by chance, if there is light around.
+		if (fabs(a - b) > 0.25 * (a + b) || a + b <= 0) {
+			rho = around;
+			a = fmin(a, BIAS_BRIGHT * rho);
+			b = fmin(b, BIAS_BRIGHT * rho);
+		}
+		const double p = (double)picture[at];
+		term += (p - a) * (p - b) / (rho * rho + 0.01) / 3;
+	}
+	return term;
+}
+
+struct estimate pilot_bias(const float *picture, const struct pilot_reference *r)
+{
+	double sum = 0, squares = 0;
+	const double pixels = (double)r->width * r->height;
+	for (uint32_t y = 0; y < r->height; y++)
+		for (uint32_t x = 0; x < r->width; x++) {
+			const double term = bias_term(picture, r, x, y);
+			sum += term;
+			squares += term * term;
+		}
+	if (!isfinite(squares))
+		return ESTIMATE_UNKNOWN;
+	const double mean = sum / pixels, spread = 1.645 * sqrt(fmax(squares / pixels - mean * mean, 0) / pixels);
+	const double high = mean + spread;
+	if (!(high > 0))
+		return ESTIMATE_UNKNOWN;
+	// A mean that its noise hides tells no more than an upper end.
+	const double likely = fmax(mean, high / 4);
+	return (struct estimate){.kind = candil_ErrorKind_ERROR_KIND_PREDICTED,
+				 .relmse = likely,
+				 .low = fmax(mean - spread, likely / 10),
+				 .high = high};
+}
+
+// ---- a look ----------------------------------------------------------------------------------------------------------
+
+// What the second picture of a technique is to be: as large and with as many samples as fit, by the rate of the first. Of a
+// technique with noise it is drawn in two halves; another's is as large as the reference.
+static void plan_second(const struct pilot *pilot, bool noisy, double rate, const struct drawing *reference, double *pixels,
+			uint32_t *samples)
+{
+	const double asked = (double)pilot->render->width * pilot->render->height;
+	const double most = fmax(fmin(PILOT_MOST, asked / 4), fmin(PILOT_LEAST, asked));
+	*pixels = fmin(fmax(pilot->budget_us / (rate * 2 * PILOT_SAMPLES), PILOT_LEAST), most);
+	*samples = (uint32_t)fmin(fmax(pilot->budget_us / (rate * 2 * *pixels), PILOT_SAMPLES_LEAST), PILOT_SAMPLES_MOST);
+	if (noisy)
+		return;
+	*samples = PILOT_SMOOTH;
+	if (reference->frame)
+		*pixels = (double)reference->frame->width * reference->frame->height;
+}
+
+static struct estimate mean_of(const struct estimate *a, const struct estimate *b)
+{
+	if (a->relmse < 0 || b->relmse < 0 || a->high < 0 || b->high < 0)
+		return a->relmse < b->relmse ? *a : *b;
+	return (struct estimate){.kind = a->kind,
+				 .relmse = (a->relmse + b->relmse) / 2,
+				 .low = (a->low + b->low) / 2,
+				 .high = (a->high + b->high) / 2};
+}
+
+static struct pilot_result result_of(const struct drawing *d)
+{
+	return (struct pilot_result){.pixels = d->frame->width * d->frame->height,
+				     .samples = d->frame->samples,
+				     .fixed_us = d->fixed_us,
+				     .pixel_us = d->pixel_us,
+				     .sample_us = d->sample_us,
+				     .error = d->frame->estimate};
+}
+
+// The second picture of a technique with noise, as two of half its samples: each is timed, and both are a reference.
+static enum status look_twice(const struct pilot *pilot, candil_Render *render, struct drawing halves[2],
+			      struct pilot_result *result, struct error *err)
+{
+	enum status s = draw(pilot, render, &halves[0], err);
+	if (s != STATUS_OK)
+		return s;
+	render->first_sample = render->samples;
+	s = draw(pilot, render, &halves[1], err);
+	if (s != STATUS_OK)
+		return s;
+	*result = result_of(&halves[0]);
+	result->fixed_us = (halves[0].fixed_us + halves[1].fixed_us) / 2;
+	result->pixel_us = (halves[0].pixel_us + halves[1].pixel_us) / 2;
+	result->sample_us = (halves[0].sample_us + halves[1].sample_us) / 2;
+	result->error = mean_of(&halves[0].frame->estimate, &halves[1].frame->estimate);
+	return STATUS_OK;
+}
+
+static enum status look_once(const struct pilot *pilot, const candil_Render *render, const struct drawing reference[2],
+			     struct pilot_result *result, struct error *err)
+{
+	struct drawing d;
+	const enum status s = draw(pilot, render, &d, err);
+	if (s != STATUS_OK)
+		return s;
+	*result = result_of(&d);
+	result->error = ESTIMATE_UNKNOWN;
+	const struct frame *a = reference[0].frame, *b = reference[1].frame;
+	// What is wrong with a diagram is no error.
+	if (a && b && !d.frame->diagram && a->width == d.frame->width && a->height == d.frame->height) {
+		const struct pilot_reference r = {a->width, a->height, {a->radiance, b->radiance}};
+		result->error = pilot_bias(d.frame->radiance, &r);
+	}
+	frame_destroy(d.frame);
+	return STATUS_OK;
+}
+
+// Look by one technique. `reference`: two pictures of one with noise, which is the first that looks; frames NULL: none yet.
+static enum status look(const struct pilot *pilot, const struct technique *t, struct drawing reference[2],
+			struct pilot_result *result, struct error *err)
 {
 	const bool noisy = technique_traits(t->number) & TECHNIQUE_NOISE;
-	const double asked = (double)pilot->render->width * pilot->render->height;
+	struct drawing first, halves[2] = {{0}};
 	candil_Render render;
-	struct drawing first;
-	make_small(pilot, t->number, fmin(PILOT_TINY, asked), noisy ? 2 : 1, &render);
+	double pixels;
+	uint32_t samples;
+	make_small(pilot, t->number, PILOT_TINY, noisy ? 2 : 1, &render);
 	enum status s = draw(pilot, &render, &first, err);
 	if (s != STATUS_OK)
 		return s;
+	// The first picture's rate is too slow rather than too fast, and may have compiled.
 	const double tried = (double)render.width * render.height * render.samples;
-	frame_destroy(first.frame);
-	// The first picture's rate is too slow rather than too fast, and may have compiled. Of a technique without noise the
-	// second picture is that of the reference.
 	const double rate = fmax(first.sample_us / tried, 1e-4);
-	uint32_t samples = PILOT_SMOOTH;
-	double pixels = reference->frame ? (double)reference->frame->width * reference->frame->height : PILOT_LEAST * 16;
-	if (noisy) {
-		const double most = fmax(fmin(PILOT_MOST, asked / 4), fmin(PILOT_LEAST, asked));
-		pixels = fmin(fmax(pilot->budget_us / (rate * PILOT_SAMPLES), PILOT_LEAST), most);
-		samples = (uint32_t)fmin(fmax(pilot->budget_us / (rate * pixels), 4), PILOT_SAMPLES_MOST) & ~1u;
-	}
+	plan_second(pilot, noisy, rate, &reference[0], &pixels, &samples);
+	*result = result_of(&first);
+	result->cold_us = first.cold_us;
+	result->setup_us = first.setup_us;
+	frame_destroy(first.frame);
+	if (noisy && rate * 2 * pixels * samples > PILOT_OVERRUN * pilot->budget_us)
+		return STATUS_OK; // so slow that the first has to do
 	make_small(pilot, t->number, pixels, samples, &render);
-	s = draw(pilot, &render, kept, err);
-	if (s != STATUS_OK)
-		return s;
-	const double work = (double)render.width * render.height * kept->frame->samples;
-	*result = (struct pilot_result){.pixels = render.width * render.height,
-					.samples = kept->frame->samples,
-					.cold_us = first.cold_us + fmax(first.sample_us - kept->sample_us * tried / work, 0),
-					.setup_us = first.setup_us,
-					.fixed_us = kept->fixed_us,
-					.pixel_us = kept->pixel_us,
-					.sample_us = kept->sample_us,
-					.error = kept->frame->estimate};
-	if (noisy)
-		return STATUS_OK;
-	result->error = ESTIMATE_UNKNOWN;
-	if (reference->frame && reference->frame->width == kept->frame->width &&
-	    reference->frame->height == kept->frame->height)
-		result->error = pilot_bias(kept->frame->radiance, reference->frame->radiance, 3ull * result->pixels,
-					   &reference->frame->estimate);
-	return STATUS_OK;
+	s = noisy ? look_twice(pilot, &render, halves, result, err) : look_once(pilot, &render, reference, result, err);
+	if (s == STATUS_OK) {
+		const double work = (double)result->pixels * result->samples;
+		result->cold_us = first.cold_us + fmax(first.sample_us - result->sample_us * tried / work, 0);
+		result->setup_us = first.setup_us;
+	}
+	for (int i = 0; i < 2; i++)
+		if (s == STATUS_OK && noisy && !reference[i].frame)
+			reference[i] = halves[i];
+		else
+			frame_destroy(halves[i].frame);
+	return s;
 }
 
 static bool wanted(const struct pilot *pilot, const struct technique *t, bool noisy)
@@ -180,24 +295,33 @@ static bool wanted(const struct pilot *pilot, const struct technique *t, bool no
 	return pilot->techniques >> t->number & 1u && ((technique_traits(t->number) & TECHNIQUE_NOISE) != 0) == noisy;
 }
 
+// Whether the request can be planned at all: by its own technique, else by that of its options.
+static enum status look_over(const struct pilot *pilot, struct error *err)
+{
+	struct plan plan;
+	candil_Render render = *pilot->render;
+	const char *option = render.options[0].name;
+	if (render.technique == candil_Technique_TECHNIQUE_AUTO && render.options_count > 0) {
+		const int number = technique_number(option, strcspn(option, "."));
+		render.technique = number > 0 ? (candil_Technique)number : render.technique;
+	}
+	return plan_of(pilot, &render, &plan, err);
+}
+
 enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], struct error *err)
 {
-	struct drawing reference = {0};
-	enum status s = STATUS_OK;
+	struct drawing reference[2] = {{0}};
 	memset(results, 0, TECHNIQUE_COUNT * sizeof *results);
+	enum status s = look_over(pilot, err);
+	if (s != STATUS_OK)
+		return s;
 	// Those with noise first: theirs is the reference.
 	for (uint32_t i = 0; i < 2 * technique_count() && s != STATUS_DEVICE; i++) {
-		const bool noisy = i < technique_count();
 		const struct technique *t = technique_at(i % technique_count());
-		struct drawing kept = {0};
-		if (!wanted(pilot, t, noisy))
-			continue;
-		s = look(pilot, t, &reference, &results[t->number], &kept, err);
-		if (s == STATUS_OK && noisy && !reference.frame)
-			reference = kept;
-		else
-			frame_destroy(kept.frame);
+		if (wanted(pilot, t, i < technique_count()))
+			s = look(pilot, t, reference, &results[t->number], err);
 	}
-	frame_destroy(reference.frame);
+	frame_destroy(reference[0].frame);
+	frame_destroy(reference[1].frame);
 	return s == STATUS_DEVICE ? s : STATUS_OK;
 }

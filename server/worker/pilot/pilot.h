@@ -26,13 +26,21 @@ struct pilot {
 };
 
 // Look by each technique. One that cannot render the request, or not within the memory or some time, leaves its result
-// zeroed. The bias of techniques without noise is known only if one with noise is looked at, too. Fails only if nothing can:
-// STATUS_DEVICE.
+// zeroed. The bias of techniques without noise is known only if one with noise is looked at, too. Fails as plan_make does if
+// the request is wrong, and with STATUS_DEVICE.
 enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], struct error *err);
 
-// The relMSE of `picture` beside a reference that itself is wrong by about `noise`: mean((x − r)² / (r² + 0.01)) over all
-// `count` floats, less that noise, never below 0. The ends are those of `noise`, and the deviation of the mean over pixels,
-// each of three floats, which are taken as independent.
-struct estimate pilot_bias(const float *picture, const float *reference, uint64_t count, const struct estimate *noise);
+// Two independent pictures by a technique with noise, of as many samples each.
+struct pilot_reference {
+	uint32_t width, height; // pixels
+	const float *half[2]; // 3 floats a pixel, row by row
+};
+
+// The relMSE of `picture`, without noise and of the same size, beside what the reference tends to. With a and b the halves
+// (x − a)(x − b) has the mean (x − r)², whatever their noise. It is divided by ρ² + 0.01, where ρ is the mean of the
+// halves and of the pixels around if the halves agree, else that of the pixels around alone: a pixel that is dark by chance
+// would count a hundredfold. The ends are the deviation of the mean over pixels, taken as independent. Unknown where the
+// noise hides even its sign.
+struct estimate pilot_bias(const float *picture, const struct pilot_reference *reference);
 
 #endif

@@ -1,0 +1,179 @@
+#include "server/front/quotes/known.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "protocol/names.h"
+#include "server/base/log.h"
+#include "server/base/stage.h"
+#include "server/front/quotes/key.h"
+
+#define COLD_US 20000.0 // of compiling, from which on a frame's other times are not believed
+
+struct quote_key quote_known_key(const struct quote_known *known, const struct rendered *f, candil_Technique technique)
+{
+	return quote_key_of(f->render, technique, f->scene->info.hash, f->environment ? f->environment->info.hash : NULL,
+			    known->worker->device);
+}
+
+bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
+{
+	const uint64_t warmth = quote_warmth_of(f->render, key, f->scene->id);
+	for (uint32_t i = 0; i < QUOTE_WARM && i < known->warm_count; i++)
+		if (known->warm[i] == warmth)
+			return true;
+	return false;
+}
+
+static void set_warm(struct quote_known *known, const struct rendered *f, const struct quote_key *key)
+{
+	if (!quote_known_warm(known, f, key))
+		known->warm[known->warm_count++ % QUOTE_WARM] = quote_warmth_of(f->render, key, f->scene->id);
+}
+
+struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
+				     uint32_t samples)
+{
+	const struct quote_key key = quote_known_key(known, f, technique);
+	const bool warm = quote_known_warm(known, f, &key);
+	return (struct quote_query){.key = key,
+				    .technique = technique,
+				    .software = known->worker->software,
+				    .pixels = (double)f->render->width * f->render->height,
+				    .samples = samples,
+				    .bytes = (double)jobs_image_bytes(f->render),
+				    .setup = !warm,
+				    .cold = !warm};
+}
+
+static uint64_t wall_us(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_REALTIME, &t);
+	return (uint64_t)t.tv_sec * 1000000u + (uint64_t)t.tv_nsec / 1000u;
+}
+
+static void set_error(struct quote_record *r, const struct estimate *e, double times)
+{
+	if (!(e->relmse > 0) || !(e->low >= 0))
+		return;
+	// An interval without a finite or a positive end is a wide one.
+	const double low = fmax(e->low, e->relmse / 10), high = e->high > 0 ? e->high : e->relmse * 10;
+	quote_set_part(r, QUOTE_ERROR, e->relmse * times);
+	r->spread = (float)fmin(fmax(log(fmax(high / low, 1)) / (2 * 1.645), 0.02), 5);
+}
+
+// Sums over a frame's stages, by their kind.
+struct account {
+	double us[STAGE_ENCODE + 1];
+	double all;
+};
+
+static struct account add_up(const candil_Done *done)
+{
+	struct account a = {0};
+	for (pb_size_t i = 0; i < done->stages_count; i++) {
+		a.us[stage_kind(done->stages[i].name)] += (double)done->stages[i].us;
+		a.all += (double)done->stages[i].us;
+	}
+	return a;
+}
+
+static void learn_frame(void *owner, const struct rendered *f)
+{
+	struct quote_known *known = owner;
+	const candil_Technique technique = f->render->technique ? f->render->technique : TECHNIQUE_OF_AUTO;
+	const candil_Done *done = f->done;
+	if (done->samples == 0 || done->retries > 0)
+		return;
+	const struct quote_query q = quote_known_query(known, f, technique, done->samples);
+	const struct account a = add_up(done);
+	struct quote_record r = {.key = q.key,
+				 .stamp = wall_us(),
+				 .technique = technique,
+				 .pixels = (uint32_t)q.pixels,
+				 .samples = done->samples};
+	const bool cold = a.us[STAGE_COLD] > COLD_US;
+	const double fixed = a.us[STAGE_FIXED] + fmax((double)done->elapsed_us - a.all, 0);
+	if (q.setup)
+		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
+	if (cold) {
+		quote_set_part(&r, QUOTE_COLD, a.us[STAGE_COLD]);
+	} else {
+		quote_set_part(&r, QUOTE_PIXEL, a.us[STAGE_PIXEL] / q.pixels);
+		quote_set_part(&r, QUOTE_SAMPLE, a.us[STAGE_SAMPLE] / (q.pixels * done->samples));
+		if (f->alone)
+			quote_set_part(&r, QUOTE_FIXED, fixed);
+	}
+	quote_set_part(&r, QUOTE_ENCODE, a.us[STAGE_ENCODE] / q.bytes);
+	const struct estimate e = {
+	    .relmse = done->estimated_relmse, .low = done->relmse_low, .high = done->relmse_high, .kind = done->error_kind};
+	if (e.kind == candil_ErrorKind_ERROR_KIND_MEASURED && technique_traits(technique) & TECHNIQUE_NOISE)
+		set_error(&r, &e, done->samples);
+	set_warm(known, f, &q.key);
+	quote_learn(known->model, &r, &q, cold || !f->alone ? 0 : (double)done->elapsed_us - a.us[STAGE_QUEUE]);
+	quote_store_mark(&known->store);
+}
+
+// Of a technique that cannot tell its error: known are the settings' errors in some view of this scene.
+static struct estimate predict_error(void *owner, const struct rendered *f)
+{
+	const struct quote_known *known = owner;
+	const struct quote_query q = quote_known_query(known, f, f->render->technique, f->render->samples);
+	if (quote_count_look(known->model, &q.key, QUOTE_ERROR) == 0)
+		return ESTIMATE_UNKNOWN;
+	return quote_predict(known->model, &q).error;
+}
+
+void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
+		       const struct pilot_result *p)
+{
+	const struct quote_query q = quote_known_query(known, f, technique, p->samples);
+	struct quote_record r = {.key = q.key,
+				 .stamp = wall_us(),
+				 .technique = technique,
+				 .pilot = 1,
+				 .pixels = p->pixels,
+				 .samples = p->samples};
+	if (q.setup)
+		quote_set_part(&r, QUOTE_SETUP, p->setup_us);
+	if (p->cold_us > COLD_US)
+		quote_set_part(&r, QUOTE_COLD, p->cold_us);
+	quote_set_part(&r, QUOTE_FIXED, p->fixed_us);
+	quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
+	quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples));
+	set_error(&r, &p->error, technique_traits(technique) & TECHNIQUE_NOISE ? p->samples : 1);
+	log_line(
+	    LOG_DEBUG,
+	    "pilot of %s: %s, %u pixels, %u samples: %.0f us cold, %.0f setup, %.0f fixed, %.4f a pixel, %.4f a sample; "
+	    "error %.3g (%.3g … %.3g)",
+	    f->scene->info.name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us, p->fixed_us,
+	    p->pixel_us / p->pixels, p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low,
+	    p->error.high);
+	set_warm(known, f, &q.key);
+	quote_learn(known->model, &r, NULL, 0);
+	quote_store_mark(&known->store);
+}
+
+enum status quote_known_init(struct quote_known *known, struct jobs *jobs, const struct worker *worker, const char *state,
+			     struct error *err)
+{
+	*known = (struct quote_known){.worker = worker, .model = calloc(1, sizeof *known->model)};
+	if (!known->model)
+		return error_set(err, STATUS_MEMORY, "no memory for what is known of times and errors");
+	quote_store_open(&known->store, state, worker->loop, known->model);
+	jobs->rendered = learn_frame;
+	jobs->predict = predict_error;
+	jobs->owner = known;
+	return STATUS_OK;
+}
+
+void quote_known_finish(struct quote_known *known)
+{
+	if (!known->model)
+		return;
+	quote_store_close(&known->store);
+	free(known->model);
+	known->model = NULL;
+}

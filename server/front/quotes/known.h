@@ -1,0 +1,41 @@
+// What the daemon knows of times and errors: the model, its file, and what its worker has compiled and built by now. Frames
+// that jobs render and pilots go in; quotes ask.
+//
+// For the front's one thread (loop.h). A request is told by a struct rendered whose `done` is not read.
+#ifndef CANDIL_FRONT_QUOTES_KNOWN_H
+#define CANDIL_FRONT_QUOTES_KNOWN_H
+
+#include "server/front/jobs/jobs.h"
+#include "server/front/quotes/model.h"
+#include "server/front/quotes/store.h"
+
+#define QUOTE_WARM 256u // requests that are remembered to be compiled, the latest
+
+// Others may read it, and set warm_count to 0 when the worker is lost.
+struct quote_known {
+	const struct worker *worker;
+	struct quote_model *model; // owned
+	struct quote_store store;
+	uint64_t warm[QUOTE_WARM];
+	uint32_t warm_count; // ever
+};
+
+// Read what the file of `state` (a folder; "": none is kept) knows, and have the jobs hand their frames here. `jobs` and
+// `worker` must outlive it, and so must `known` the jobs' frames. Failure: STATUS_MEMORY.
+enum status quote_known_init(struct quote_known *known, struct jobs *jobs, const struct worker *worker, const char *state,
+			     struct error *err);
+
+// Write what is new to the file, and free all. A zeroed one is fine.
+void quote_known_finish(struct quote_known *known);
+
+// The key of a request by a technique, whether what it needs is compiled and built, and what to ask the model.
+struct quote_key quote_known_key(const struct quote_known *known, const struct rendered *f, candil_Technique technique);
+bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key);
+struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
+				     uint32_t samples);
+
+// Learn what a pilot of that request says of a technique; result->pixels and samples are above 0.
+void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
+		       const struct pilot_result *result);
+
+#endif

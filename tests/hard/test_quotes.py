@@ -1,0 +1,79 @@
+"""What a quote says beside what comes out, on the device: errors of three scenes, times in their order, and auto that renders what it
+said. Nothing here goes by the clock."""
+import json
+import math
+import os
+import unittest
+
+import make
+from render import Daemon
+
+daemon = Daemon()
+SIZE = ["--size", "40x40"]
+
+
+def setUpModule():
+    unittest.enterModuleContext(daemon)
+
+
+def ask(scene, *arguments):
+    return json.loads(daemon.candil("quote", scene, "--json", *SIZE, *arguments)[1])
+
+
+def rendered(scene, *arguments):
+    output = os.path.join(daemon.folder, "out.exr")
+    status, out, err = daemon.candil("render", scene, "-o", output, "--json", *SIZE, *arguments, check=False)
+    assert status in (0, 7), err
+    return json.loads(out)
+
+
+class Quotes(unittest.TestCase):
+    def test_the_error_of_a_view_that_was_looked_at(self):
+        for path in (make.cornell(daemon.folder), make.coats(daemon.folder), make.many_lamps(daemon.folder)):
+            said = ask(path, "--technique", "pt", "--spp", "32", "--pilot", "100")
+            frame = rendered(path, "--technique", "pt", "--spp", "32", "--seed", "5")
+            print(f"{os.path.basename(path)}: {said['relmse']:.2e} said ({said['relmse_low']:.2e} … {said['relmse_high']:.2e}), "
+                  f"{frame['estimated_relmse']:.2e} came out")
+            self.assertLess(abs(math.log(said["relmse"] / frame["estimated_relmse"])), math.log(2))
+            self.assertTrue(said["relmse_low"] < said["relmse"] < said["relmse_high"])
+            self.assertTrue(said["time_ms_low"] < said["time_ms"] < said["time_ms_high"])
+
+    def test_more_costs_more_and_is_better(self):
+        daemon.candil("load", make.cornell(daemon.folder), "--name", "room")
+        ask("room", "--technique", "pt", "--pilot", "50")
+        few, many = (ask("room", "--technique", "pt", "--spp", spp) for spp in ("16", "256"))
+        self.assertLess(few["time_ms"], many["time_ms"] / 4)
+        self.assertLess(many["relmse"], few["relmse"] / 8)
+        large = ask("room", "--technique", "pt", "--spp", "16", "--size", "400x400")
+        self.assertGreater(large["time_ms"], 20 * few["time_ms"])
+
+    def test_how_far_techniques_without_noise_are_off(self):
+        daemon.candil("load", make.cornell(daemon.folder, radiance=7, name="dimmer.gltf"), "--name", "box")
+        self.assertEqual(rendered("box", "--technique", "direct")["error"]["kind"], "unknown")
+        said = ask("box", "--technique", "direct", "--pilot", "100")
+        # Light that has been scattered once is some of all that there is.
+        self.assertTrue(0.03 < said["relmse"] < 1, said)
+        frame = rendered("box", "--technique", "direct")
+        self.assertEqual(frame["error"]["kind"], "predicted")
+        self.assertLess(abs(math.log(frame["error"]["relmse"] / said["relmse"])), math.log(1.5))
+
+    def test_auto_renders_what_it_says(self):
+        daemon.candil("load", make.cornell(daemon.folder), "--name", "auto")
+        ask("auto", "--pilot", "100")
+        for end in (["--error", "0.02"], ["--error", "10"], ["--time", "300"]):
+            frame = rendered("auto", *end)
+            self.assertEqual(frame["quote"]["technique"], frame["technique"], frame["quote"])
+            self.assertIn(frame["technique"], frame["quote"]["why"])
+            if end == ["--error", "0.02"]:
+                self.assertLessEqual(frame["relmse_high"], 0.02)
+        self.assertIsNone(rendered("auto", "--spp", "2")["quote"])
+        self.assertEqual(rendered("auto", "--spp", "2")["technique"], "pt")
+
+    def test_a_request_that_its_technique_refuses(self):
+        path = make.cornell(daemon.folder)
+        for wrong in (["--technique", "pt", "--set", "pt.nothing=3"], ["--camera", "nowhere"], ["--technique", "vct", "--set", "pt.depth=3"]):
+            self.assertEqual(daemon.candil("quote", path, *SIZE, *wrong, check=False)[0], 2, wrong)
+
+
+if __name__ == "__main__":
+    unittest.main()

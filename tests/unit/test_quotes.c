@@ -1,0 +1,422 @@
+// The model of quotes, its file, and the choice, without a daemon: what frames told comes back at other sizes and samples,
+// what is not known is wide, intervals learn, no file harms, and the best way is chosen.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/front/quotes/choose.h"
+#include "server/front/quotes/key.h"
+#include "server/front/quotes/store.h"
+
+#define PT candil_Technique_TECHNIQUE_PT
+#define DIRECT candil_Technique_TECHNIQUE_DIRECT
+#define NEAR(a, b, factor) assert_true((a) <= (b) * (factor) && (b) <= (a) * (factor))
+
+static struct quote_query query(uint64_t scene, uint64_t view, uint32_t technique, double pixels, double samples)
+{
+	return (struct quote_query){.key = {1, scene, technique, view},
+				    .technique = technique,
+				    .software = true,
+				    .pixels = pixels,
+				    .samples = samples,
+				    .bytes = pixels * 12};
+}
+
+// A frame of a machine on which a sample takes 2 µs, a pixel 0.5, a byte 0.01, a frame 1000, and relMSE is 0.8 / samples.
+static double true_us(double pixels, double samples)
+{
+	return 1000 + pixels * 0.5 + pixels * samples * 2 + pixels * 12 * 0.01;
+}
+
+static struct quote_record frame(const struct quote_query *q, double times)
+{
+	static uint64_t stamp;
+	struct quote_record r = {.key = q->key,
+				 .stamp = ++stamp,
+				 .technique = q->technique,
+				 .pixels = (uint32_t)q->pixels,
+				 .samples = (uint32_t)q->samples,
+				 .spread = 0.1f};
+	quote_set_part(&r, QUOTE_FIXED, 1000 * times);
+	quote_set_part(&r, QUOTE_PIXEL, 0.5 * times);
+	quote_set_part(&r, QUOTE_SAMPLE, 2 * times);
+	quote_set_part(&r, QUOTE_ENCODE, 0.01 * times);
+	quote_set_part(&r, QUOTE_ERROR, 0.8);
+	return r;
+}
+
+static void teach(struct quote_model *m, const struct quote_query *q, double times)
+{
+	const struct quote_record r = frame(q, times);
+	quote_learn(m, &r, q, true_us(q->pixels, q->samples) * times);
+}
+
+static int make_model(void **state)
+{
+	*state = calloc(1, sizeof(struct quote_model));
+	return *state ? 0 : -1;
+}
+
+static int free_model(void **state)
+{
+	free(*state);
+	return 0;
+}
+
+static double width(const struct quote_prediction *p)
+{
+	return p->us_high / p->us_low;
+}
+
+static void nothing_known_is_a_wide_guess(void **state)
+{
+	const struct quote_query q = query(1, 1, PT, 4096, 16);
+	const struct quote_prediction p = quote_predict(*state, &q);
+	assert_true(p.us > 0 && p.error.relmse > 0 && p.records == 0);
+	assert_true(width(&p) > 4 && p.error.high / p.error.low > 4);
+	assert_int_equal(p.error.kind, candil_ErrorKind_ERROR_KIND_PREDICTED);
+}
+
+static void a_frame_tells_of_other_sizes_and_samples(void **state)
+{
+	struct quote_query q = query(1, 1, PT, 4096, 16);
+	teach(*state, &q, 1);
+	const struct quote_prediction same = quote_predict(*state, &q);
+	NEAR(same.us, true_us(4096, 16), 1.1);
+	NEAR(same.error.relmse, 0.05, 1.1);
+	q.pixels = 16384;
+	q.samples = 64;
+	const struct quote_prediction other = quote_predict(*state, &q);
+	NEAR(other.us, true_us(16384, 64), 1.2);
+	NEAR(other.error.relmse, 0.0125, 1.25);
+	assert_true(other.error.high / other.error.low > same.error.high / same.error.low);
+}
+
+static void what_is_nearer_says_more(void **state)
+{
+	struct quote_query q = query(1, 1, PT, 4096, 16);
+	teach(*state, &q, 1);
+	const struct quote_prediction same = quote_predict(*state, &q);
+	q.key.view = 2;
+	const struct quote_prediction view = quote_predict(*state, &q);
+	q.key.scene = 2;
+	const struct quote_prediction scene = quote_predict(*state, &q);
+	q.key.where = 2;
+	const struct quote_prediction device = quote_predict(*state, &q);
+	assert_true(width(&same) < width(&view) && width(&view) < width(&scene) && width(&scene) < width(&device));
+	assert_int_equal(view.records, 1);
+	assert_int_equal(scene.records, 0);
+}
+
+static void a_pilot_says_less_than_a_frame_and_frames_mend_it(void **state)
+{
+	struct quote_model *m = *state;
+	// Pilots of this machine say twice the time that frames take: after a while that is known.
+	for (uint64_t scene = 1; scene < 20; scene++) {
+		const struct quote_query q = query(scene, 1, PT, 4096, 16);
+		struct quote_record pilot = frame(&q, 2);
+		pilot.pilot = 1;
+		quote_learn(m, &pilot, NULL, 0);
+		const struct quote_prediction before = quote_predict(m, &q);
+		if (scene == 1)
+			assert_true(before.us > 1.4 * true_us(4096, 16));
+		if (scene == 19)
+			NEAR(before.us, true_us(4096, 16), 1.25);
+		teach(m, &q, 1);
+	}
+}
+
+static void intervals_learn_to_hold_nine_of_ten(void **state)
+{
+	// Times that no view explains: ±40 %, by a generator of our own.
+	struct quote_model *m = *state;
+	uint32_t seed = 1;
+	unsigned inside = 0;
+	for (int i = 0; i < 400; i++) {
+		const struct quote_query q = query(1, 1, PT, 4096, 16);
+		seed = seed * 1664525u + 1013904223u;
+		const double times = exp(0.8 * ((double)(seed >> 8) / 0x1p24 - 0.5));
+		const struct quote_prediction p = quote_predict(m, &q);
+		const double us = true_us(4096, 16) * times;
+		if (i >= 100)
+			inside += us >= p.us_low && us <= p.us_high;
+		teach(m, &q, times);
+	}
+	assert_in_range(inside, 240, 297);
+}
+
+static void a_setup_and_compiling_are_told_apart(void **state)
+{
+	struct quote_model *m = *state;
+	struct quote_query q = query(1, 1, PT, 4096, 16);
+	struct quote_record r = frame(&q, 1);
+	quote_set_part(&r, QUOTE_SETUP, 50000);
+	quote_set_part(&r, QUOTE_COLD, 3e6);
+	quote_learn(m, &r, &q, 0);
+	const struct quote_prediction warm = quote_predict(m, &q);
+	assert_true(warm.cold_us <= 0);
+	q.setup = q.cold = true;
+	const struct quote_prediction cold = quote_predict(m, &q);
+	NEAR(cold.us - warm.us, 50000, 1.5);
+	NEAR(cold.cold_us, 3e6, 1.5);
+}
+
+static void the_oldest_records_go(void **state)
+{
+	struct quote_model *m = *state;
+	for (uint32_t i = 0; i < LIMIT_QUOTE_RECORDS + 10; i++) {
+		const struct quote_query q = query(i < 10 ? 1 : 2, 1, PT, 64, 1);
+		const struct quote_record r = frame(&q, 1);
+		quote_keep(m, &r);
+	}
+	const struct quote_key first = {.where = 1, .scene = 1}, second = {.where = 1, .scene = 2};
+	assert_int_equal(m->count, LIMIT_QUOTE_RECORDS);
+	assert_int_equal(quote_count_scene(m, &first), 0);
+	assert_int_equal(quote_count_scene(m, &second), LIMIT_QUOTE_RECORDS);
+}
+
+// ---- the file --------------------------------------------------------------------------------------------------------
+
+static void a_model_comes_back_from_its_file(void **state)
+{
+	struct quote_model *m = *state, *again = calloc(1, sizeof *again);
+	struct quote_query q = query(1, 1, PT, 4096, 16);
+	struct error err;
+	size_t bytes;
+	assert_non_null(again);
+	for (int i = 0; i < 5; i++)
+		teach(m, &q, 1 + 0.1 * i);
+	uint8_t *data = quote_store_encode(m, &bytes);
+	assert_non_null(data);
+	assert_int_equal(quote_store_decode(data, bytes, again, &err), STATUS_OK);
+	const struct quote_prediction a = quote_predict(m, &q), b = quote_predict(again, &q);
+	NEAR(a.us, b.us, 1 + 1e-12);
+	NEAR(a.us_high, b.us_high, 1 + 1e-12);
+	NEAR(a.error.high, b.error.high, 1 + 1e-12);
+	assert_int_equal(a.records, b.records);
+	free(data);
+	free(again);
+}
+
+static void a_damaged_file_is_refused_and_leaves_nothing(void **state)
+{
+	struct quote_model *m = *state, *empty = calloc(1, sizeof *empty), *again = calloc(1, sizeof *again);
+	const struct quote_query q = query(1, 1, PT, 4096, 16);
+	struct error err;
+	size_t bytes;
+	assert_true(empty && again);
+	teach(m, &q, 1);
+	uint8_t *data = quote_store_encode(m, &bytes);
+	assert_non_null(data);
+	for (size_t i = 0; i < bytes; i += i < 64 ? 1 : 97) {
+		data[i] ^= 0x10;
+		assert_int_equal(quote_store_decode(data, bytes, again, &err), STATUS_BAD_MESSAGE);
+		assert_memory_equal(again, empty, sizeof *again);
+		data[i] ^= 0x10;
+		assert_int_equal(quote_store_decode(data, i, again, &err), STATUS_BAD_MESSAGE);
+	}
+	free(data);
+	free(again);
+	free(empty);
+}
+
+// Write a model as anyone could, with a checksum that is right.
+static void assert_refused(const struct quote_model *m)
+{
+	struct quote_model *again = calloc(1, sizeof *again);
+	struct error err;
+	size_t bytes;
+	uint8_t *data = quote_store_encode(m, &bytes);
+	assert_true(data && again);
+	assert_int_equal(quote_store_decode(data, bytes, again, &err), STATUS_BAD_MESSAGE);
+	assert_int_equal(again->count, 0);
+	free(data);
+	free(again);
+}
+
+static void numbers_that_cannot_be_are_refused(void **state)
+{
+	struct quote_model *m = *state;
+	const struct quote_query q = query(1, 1, PT, 4096, 16);
+	teach(m, &q, 1);
+	const struct quote_record good = m->records[0];
+#define BAD(change) \
+	m->records[0] = good; \
+	m->records[0].change; \
+	assert_refused(m);
+	BAD(technique = 3)
+	BAD(technique = 1000)
+	BAD(pixels = 0)
+	BAD(samples = 0)
+	BAD(pilot = 2)
+	BAD(known = ~0u)
+	BAD(part[0] = NAN)
+	BAD(part[2] = 1e30f)
+	BAD(spread = -1)
+	BAD(spread = INFINITY)
+	m->records[0] = good;
+	m->habits[0].habit[1][0].count[0] = NAN;
+	assert_refused(m);
+	m->habits[0].habit[1][0].count[0] = 1;
+	m->habits[0].habit[1][0].ps = 100;
+	assert_refused(m);
+	m->habits[0].habit[1][0].ps = 0;
+	m->habits[0].stretch[1][0] = 1e9;
+	assert_refused(m);
+}
+
+// ---- the choice ------------------------------------------------------------------------------------------------------
+
+// pt takes 10 ms a sample and is wrong by 1 / samples; all others take 5 ms a sample and are wrong by 0.1 whatever the
+// samples.
+static void predict(void *user, struct quote_way *way)
+{
+	const bool noisy = technique_traits(way->technique) & TECHNIQUE_NOISE;
+	(void)user;
+	way->said.us = way->samples * (noisy ? 10000.0 : 5000.0) + (double)(int)way->technique;
+	way->said.error.relmse = noisy ? 1.0 / way->samples : 0.1 + 0.001 * (int)way->technique;
+	way->said.error.high = 1.2 * way->said.error.relmse;
+	way->said.cold_us = noisy ? 0 : 1e6;
+}
+
+static candil_QuoteReply choose(const candil_Render *render, bool count_cold)
+{
+	const struct quote_ask ask = {.render = render, .count_cold = count_cold, .share = 1, .predict = predict};
+	candil_QuoteReply reply = {0};
+	quote_choose(&ask, &reply);
+	assert_true(reply.has_choice && reply.why[0]);
+	return reply;
+}
+
+static void the_least_error_within_a_time(void **state)
+{
+	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .deadline_ms = 1000};
+	(void)state;
+	candil_QuoteReply a = choose(&r, false);
+	assert_true(a.met && a.choice.technique == PT);
+	assert_int_equal(a.choice.samples, 99);
+	r.deadline_ms = 50;
+	a = choose(&r, false);
+	assert_true(a.met && !(technique_traits(a.choice.technique) & TECHNIQUE_NOISE));
+	assert_true(a.has_better && a.better.technique == PT && a.better.samples >= 16);
+	// Where compiling counts, what is compiled is taken.
+	a = choose(&r, true);
+	assert_true(a.met && a.choice.technique == PT);
+	assert_int_equal(a.choice.samples, 4);
+}
+
+static void the_least_time_within_an_error(void **state)
+{
+	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .target_error = 0.01};
+	(void)state;
+	candil_QuoteReply a = choose(&r, false);
+	assert_true(a.met && a.choice.technique == PT);
+	assert_int_equal(a.choice.samples, 100);
+	r.target_error = 0.2;
+	a = choose(&r, false);
+	assert_true(a.met && a.choice.time_ms < 6);
+	assert_false(a.has_cheaper);
+}
+
+static void what_cannot_be_met_says_the_nearest(void **state)
+{
+	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .deadline_ms = 1};
+	(void)state;
+	candil_QuoteReply a = choose(&r, false);
+	assert_true(!a.met && a.choice.samples == 1 && strstr(a.why, "cannot be met: nearest is"));
+	r = (candil_Render){.technique = DIRECT, .width = 64, .height = 64, .samples = 1, .target_error = 0.001};
+	a = choose(&r, false);
+	assert_true(!a.met && a.choice.technique == DIRECT && strstr(a.why, "stays"));
+	r = (candil_Render){.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .target_error = 1e-9};
+	a = choose(&r, false);
+	assert_true(!a.met && a.choice.technique == PT && a.choice.samples == QUOTE_OPEN_SAMPLES);
+}
+
+static void this_very_request(void **state)
+{
+	const candil_Render r = {.width = 64, .height = 64, .samples = 33};
+	(void)state;
+	const candil_QuoteReply a = choose(&r, false);
+	assert_true(a.met && a.choice.technique == PT && a.choice.samples == 33);
+	NEAR(a.choice.time_ms, 330, 1.001);
+}
+
+static void options_and_lenses_leave_what_takes_them(void **state)
+{
+	candil_Render r = {.width = 1, .height = 1, .options_count = 1};
+	(void)state;
+	strcpy(r.options[0].name, "pt.depth");
+	assert_true(quote_can(&r, PT));
+	assert_false(quote_can(&r, DIRECT));
+	r = (candil_Render){.width = 1, .height = 1, .lens = {.radius = 1}};
+	assert_true(quote_can(&r, PT));
+	assert_false(quote_can(&r, DIRECT));
+	r = (candil_Render){.width = 1, .height = 1, .technique = DIRECT};
+	assert_true(quote_can(&r, DIRECT));
+	assert_false(quote_can(&r, PT));
+	assert_false(quote_can(&r, candil_Technique_TECHNIQUE_RADIOSITY));
+}
+
+static void keys_know_what_shows(void **state)
+{
+	candil_Render a = {.width = 64, .height = 64, .samples = 4}, b = a;
+	(void)state;
+	b.width = 128;
+	b.samples = 9;
+	b.seed = 3;
+	b.format = candil_Format_FORMAT_PNG;
+	b.deadline_ms = 5;
+	struct quote_key x = quote_key_of(&a, PT, "s", NULL, "d"), y = quote_key_of(&b, PT, "s", NULL, "d");
+	assert_memory_equal(&x, &y, sizeof x);
+	b.has_camera = true;
+	b.camera.vfov_degrees = 30;
+	y = quote_key_of(&b, PT, "s", NULL, "d");
+	assert_true(x.view != y.view && x.look == y.look && x.scene == y.scene);
+	assert_true(quote_warmth_of(&a, &x, 1) == quote_warmth_of(&b, &y, 1));
+	assert_true(quote_warmth_of(&a, &x, 1) != quote_warmth_of(&a, &x, 2));
+	b.has_edits = true;
+	b.edits.replace_lights = true;
+	assert_true(quote_warmth_of(&a, &x, 1) != quote_warmth_of(&b, &y, 1));
+	// The order of options is no difference, and what they say is one.
+	a.options_count = b.options_count = 2;
+	strcpy(a.options[0].name, "pt.depth");
+	strcpy(a.options[1].name, "pt.clamp");
+	strcpy(b.options[1].name, "pt.depth");
+	strcpy(b.options[0].name, "pt.clamp");
+	x = quote_key_of(&a, PT, "s", NULL, "d");
+	y = quote_key_of(&b, PT, "s", NULL, "d");
+	assert_true(x.look == y.look);
+	strcpy(b.options[1].value, "3");
+	y = quote_key_of(&b, PT, "s", "e", "other");
+	assert_true(x.look != y.look && x.scene != y.scene && x.where != y.where);
+}
+
+int main(void)
+{
+#define WITH_MODEL(name) cmocka_unit_test_setup_teardown(name, make_model, free_model)
+	const struct CMUnitTest tests[] = {
+	    WITH_MODEL(nothing_known_is_a_wide_guess),
+	    WITH_MODEL(a_frame_tells_of_other_sizes_and_samples),
+	    WITH_MODEL(what_is_nearer_says_more),
+	    WITH_MODEL(a_pilot_says_less_than_a_frame_and_frames_mend_it),
+	    WITH_MODEL(intervals_learn_to_hold_nine_of_ten),
+	    WITH_MODEL(a_setup_and_compiling_are_told_apart),
+	    WITH_MODEL(the_oldest_records_go),
+	    WITH_MODEL(a_model_comes_back_from_its_file),
+	    WITH_MODEL(a_damaged_file_is_refused_and_leaves_nothing),
+	    WITH_MODEL(numbers_that_cannot_be_are_refused),
+	    cmocka_unit_test(the_least_error_within_a_time),
+	    cmocka_unit_test(the_least_time_within_an_error),
+	    cmocka_unit_test(what_cannot_be_met_says_the_nearest),
+	    cmocka_unit_test(this_very_request),
+	    cmocka_unit_test(options_and_lenses_leave_what_takes_them),
+	    cmocka_unit_test(keys_know_what_shows),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
