@@ -226,12 +226,7 @@ void report_put_error(json_t *object, const struct candil_done *done)
 	put_known(object, "estimated_relmse", done->estimated_relmse);
 	put_known(object, "relmse_low", done->relmse_low);
 	put_known(object, "relmse_high", done->relmse_high);
-	json_t *error = json_object();
-	put_text(error, "kind", candil_error_kind_name(done->error_kind));
-	put_known(error, "relmse", done->estimated_relmse);
-	put_known(error, "low", done->relmse_low);
-	put_known(error, "high", done->relmse_high);
-	json_object_set_new(object, "error", error);
+	put_text(object, "error_kind", candil_error_kind_name(done->error_kind));
 }
 
 json_t *report_json(const struct report *r)

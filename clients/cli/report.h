@@ -23,8 +23,8 @@ struct report {
 	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"default_light\" (whether it was given),\n" \
 	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels), \"stages\": [{\"name\", \"us\"}],\n" \
 	"\"elapsed_us\", \"cold_us\" (of these: compiling, which a second render is spared),\n" \
-	"\"error\": {\"kind\": \"measured\"|\"predicted\"|\"unknown\", \"relmse\", \"low\", \"high\"} (null: unknown,\n" \
-	"or no upper end), the same as \"estimated_relmse\", \"relmse_low\", \"relmse_high\",\n" \
+	"\"error_kind\": \"measured\"|\"predicted\"|\"unknown\", \"estimated_relmse\", \"relmse_low\", \"relmse_high\"\n" \
+	"(null: unknown, or no upper end),\n" \
 	"\"non_finite_samples\", \"rays\", \"slices\", \"retries\", \"reason\",\n" \
 	"\"figures\": [{\"name\", \"value\", \"unit\"}] (of the technique, if it has any), \"quote\" (that auto chose " \
 	"the\n" \

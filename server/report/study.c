@@ -175,13 +175,10 @@ static bool settings_hold(const json_t *settings)
 	return true;
 }
 
-// {"error": {"kind", "relmse", "low", "high"}}, or what replies had before it.
 static void read_error(const json_t *report, struct study_run *run)
 {
-	const json_t *error = json_object_get(report, "error");
-	run->error = json_is_object(error) ? estimate_of(error, "relmse", "low", "high", 1)
-					   : estimate_of(report, "estimated_relmse", "relmse_low", "relmse_high", 1);
-	const char *kind = text_of(error, "kind");
+	run->error = estimate_of(report, "estimated_relmse", "relmse_low", "relmse_high", 1);
+	const char *kind = text_of(report, "error_kind");
 	if (!isfinite(run->error.value))
 		run->error_kind = "unknown";
 	else if (kind && strcmp(kind, "predicted") == 0)

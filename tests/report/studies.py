@@ -43,7 +43,8 @@ class Study:
         settings = settings or {"samples": 1}
         report = {"elapsed_us": round(1e6 * seconds), "cold_us": 0, "samples": settings["samples"],
                   "stages": [{"name": "trace", "us": round(8e5 * seconds)}, {"name": "encode", "us": round(2e5 * seconds)}],
-                  "error": {"kind": "measured" if error[0] is not None else "unknown", "relmse": error[0], "low": error[1], "high": error[2]}}
+                  "error_kind": "measured" if error[0] is not None else "unknown",
+                  "estimated_relmse": error[0], "relmse_low": error[1], "relmse_high": error[2]}
         report.update(more.pop("report", {}))
         line = {"id": id, "kind": kind, "view": 0, "technique": technique, "settings": settings, "effects": "auto", "seed": seed, "warm": True,
                 "image": f"images/{id}.exr", "command": f"candil render made.gltf -o {id}.exr", "report": report, "quote": None, "failed": None}

@@ -57,7 +57,7 @@ class Figures(unittest.TestCase):
 
     def test_an_unknown_error_of_the_reference_is_not_taken_off(self):
         self.study.usual()
-        self.study.lines[0]["report"]["error"] = {"kind": "unknown", "relmse": None, "low": None, "high": None}
+        self.study.lines[0]["report"].update(error_kind="unknown", estimated_relmse=None, relmse_low=None, relmse_high=None)
         results = self.study.run()
         self.assertIsNone(results["views"][0]["reference"]["relmse"])
         self.assertEqual(results["views"][0]["reference"]["kind"], "unknown")
@@ -171,11 +171,11 @@ class Figures(unittest.TestCase):
     def test_predictions_beside_the_truth(self):
         study = self.study.usual()
         reference = study.pictures["reference"]
-        own = study.lines[0]["report"]["error"]["relmse"]
+        own = study.lines[0]["report"]["estimated_relmse"]
         for line in study.lines[1:33]:
             true = images.relmse(study.pictures[line["id"]], reference) - own
             low = true * (.5 if line["seed"] < 6 else 1.1)
-            line["report"]["error"] = {"kind": "measured", "relmse": 2 * true, "low": low, "high": 3 * true}
+            line["report"].update(error_kind="measured", estimated_relmse=2 * true, relmse_low=low, relmse_high=3 * true)
             line["quote"] = {"technique": NOISY, "time_ms": 500 * line["report"]["elapsed_us"] * 1e-6, "time_ms_low": 1, "time_ms_high": 2,
                              "relmse": None, "relmse_low": None, "relmse_high": None, "from": "pilot"}
         summary = {(row["of"], row["from"]): row for row in study.run()["predictions"]["summary"]}

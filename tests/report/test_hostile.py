@@ -44,7 +44,7 @@ class Hostile(unittest.TestCase):
 
     def test_reports_of_wrong_types_are_unknown(self):
         for k, report_of in enumerate((None, [], {"elapsed_us": "1"}, {"elapsed_us": -5, "stages": {}}, {"elapsed_us": 1e308 * 10, "stages": [1, None, {"name": 1, "us": "x"}]},
-                                       {"error": 5, "elapsed_us": 0}, {"stages": [{"name": "a", "us": 1}] * 100, "samples": -1})):
+                                       {"error_kind": 5, "estimated_relmse": "x", "elapsed_us": 0}, {"stages": [{"name": "a", "us": 1}] * 100, "samples": -1})):
             self.study.add(f"odd-{k}", self.study.noisy(.1), settings={"samples": 1000 + k}, report={})["report"] = report_of
         self.study.write()
         text = (self.folder / "runs.jsonl").read_text().replace("Infinity", "1e300")
