@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "server/base/replace.h"
 #include "server/report/hard.h"
@@ -24,10 +25,32 @@ static const char usage[] =
     "the images that the report shows, PNGs. Renders nothing. What is missing or broken in the folder is named in the "
     "report.\n"
     "\n"
-    "  --tables TABLE.md   show the rows of this page of hard cases that the study's techniques have\n"
+    "  --tables TABLE.md   show the rows of this page of hard cases that the study's techniques have; default: the one that "
+    "was\n"
+    "                      installed with this program\n"
     "  --chart chart.js    the plots' library, Chart.js 3; default: " CANDIL_CHART_JS "\n"
     "\n"
     "Exit status: 0 the report is written, 1 it is not, 2 wrong arguments.\n";
+
+// The page of hard cases of this installation, to be freed; NULL: it has none.
+static char *installed_tables(void)
+{
+	char self[4096];
+	const ssize_t length = readlink("/proc/self/exe", self, sizeof self);
+	char *path = NULL;
+	if (length <= 0 || (size_t)length == sizeof self)
+		return NULL;
+	for (ssize_t end = length, folders = 0; end > 0; end--)
+		if (self[end - 1] == '/' && ++folders == 3) {
+			if (asprintf(&path, "%.*sshare/candil/TABLE.md", (int)end, self) < 0)
+				return NULL;
+			break;
+		}
+	if (path && access(path, R_OK) == 0)
+		return path;
+	free(path);
+	return NULL;
+}
 
 // A text of at most LIMIT_REPORT_BYTES, to be freed. NULL: it cannot be read.
 static char *read_text(const char *path)
@@ -60,19 +83,21 @@ static enum status save(const struct study *study, const char *name, const char 
 static enum status save_page(const struct arguments *args, struct page *page, struct error *err)
 {
 	struct study *study = page->figures->study;
-	char *chart = read_text(args->chart), *hard = NULL, *path = NULL;
+	char *chart = read_text(args->chart), *hard = NULL, *path = NULL, *installed = installed_tables();
+	const char *tables = args->tables ? args->tables : installed;
 	struct error why;
-	if (args->tables && hard_read(args->tables, &hard, &why) != STATUS_OK)
+	if (tables && hard_read(tables, &hard, &why) != STATUS_OK)
 		study_miss(study, NULL, "the page of hard cases: %s", why.text);
 	page->chart = chart;
 	page->hard = hard;
-	page->hard_path = args->tables;
+	page->hard_path = args->tables ? args->tables : "tests/hard/TABLE.md";
 	enum status s = asprintf(&path, "%s/report.html", study->folder) < 0
 			    ? error_set(err, STATUS_MEMORY, "no memory for a page")
 			    : page_write(page, path, err);
 	free(path);
 	free(chart);
 	free(hard);
+	free(installed);
 	return s;
 }
 

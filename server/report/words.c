@@ -111,7 +111,12 @@ static void say_spans(const struct judgement *j, const struct judge_view *v, con
 		const char *name = j->techniques[span->technique].name;
 		words_seconds(span->first->seconds, from);
 		say_point(span->best, point);
-		if (v->span_count == 1)
+		if (!span->best->resolved)
+			say(words,
+			    "%s%s is within the reference's own error from %s on: this reference cannot tell what is "
+			    "better.",
+			    of, name, from);
+		else if (v->span_count == 1)
 			say(words,
 			    "%s%s is the most accurate at every time, from its first picture after %s on: %s at best.", of,
 			    name, from, point);
@@ -155,6 +160,9 @@ static void say_overtakes(const struct judgement *j, const struct judge_view *v,
 	for (size_t i = 0; i < v->overtake_count; i++) {
 		const struct judge_overtake *o = &v->overtakes[i];
 		const char *winner = j->techniques[o->winner].name, *loser = j->techniques[o->loser].name;
+		const struct point *floor = v->floors[o->loser];
+		if (!o->point && floor && !floor->resolved)
+			continue; // said of its floor
 		char *settings = o->point ? words_settings(o->point->runs[0].settings) : NULL;
 		if (!o->point)
 			say(words, "%s%s does not overtake %s within this study.", of, winner, loser);

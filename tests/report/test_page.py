@@ -163,6 +163,8 @@ class Report(unittest.TestCase):
         page, _ = self.page(study, "--tables", table)
         self.assertIn("Size case technique value a small room pt 1", page.text())
         self.assertNotIn("direct", page.text())
+        page, _ = self.page(study)
+        self.assertIn("the rows of tests/hard/TABLE.md", page.text(), "the page that is installed")
         page, _ = self.page(study, "--tables", self.folder / "missing.md")
         self.assertIn("missing.md", page.text())
 

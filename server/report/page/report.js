@@ -141,7 +141,7 @@
 		if (views.length > 1)
 			controls.append(element("label", {}, "view ", view));
 		controls.append(element("label", {}, bands, "95 % bands"));
-		const chosen = element("p", {class: "chosen soft", "aria-live": "polite"}, "Point at a point, or tap it: its settings and the command that renders it again.");
+		const chosen = element("p", {class: "chosen soft", "aria-live": "polite"});
 		box.append(controls);
 		let shown = [];
 
@@ -195,6 +195,10 @@
 				onHover: (event, items, chart) => tell(chart, items), onClick: (event, items, chart) => tell(chart, items),
 			}};
 		}
+		function say() {
+			chosen.textContent = shown.length ? "Point at a point, or tap it: its settings and the command that renders it again."
+				: "There is nothing to draw: no point has a warm time and a figure above 0.";
+		}
 		function tell(chart, items) {
 			const item = items.map((i) => chart.data.datasets[i.datasetIndex].data[i.index]).find((d) => d.point);
 			if (item)
@@ -203,8 +207,12 @@
 		}
 		const kept = draw(box, configuration, "Error against time of every technique, both axes logarithmic; the table below has the figures");
 		box.append(chosen);
+		say();
 		for (const e of [metric, view, bands])
-			e.addEventListener("change", kept.make);
+			e.addEventListener("change", () => {
+				kept.make();
+				say();
+			});
 		box.append(element("p", {class: "soft"}, "Ringed: the Pareto front. Faint: settings that another of the same technique beats. Dotted: the slope of noise that falls as time grows."));
 	}
 
