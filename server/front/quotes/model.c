@@ -119,6 +119,7 @@ static enum quote_group group_in(const struct quote_record *r, const struct quot
 struct said {
 	double weight[QUOTE_GROUPS]; // 0: nothing
 	double mean[QUOTE_GROUPS];
+	double spread[QUOTE_GROUPS]; // of one frame's error of that size about its mean
 };
 
 static struct said ask(const struct quote_model *m, const struct quote_habit *h, const struct quote_query *q,
@@ -140,10 +141,13 @@ static struct said ask(const struct quote_model *m, const struct quote_habit *h,
 		const double weight = age[g] / variance;
 		age[g] *= ages[g];
 		said.weight[g] += weight;
+		said.spread[g] += weight * (double)r->spread * sqrt(r->pixels / q->pixels);
 		said.mean[g] += weight * ((double)r->part[part] + drift_pixels * pixels + drift_samples * samples);
 	}
-	for (int g = 0; g < QUOTE_GROUPS; g++)
+	for (int g = 0; g < QUOTE_GROUPS; g++) {
 		said.mean[g] = said.weight[g] > 0 ? said.mean[g] / said.weight[g] : 0;
+		said.spread[g] = said.weight[g] > 0 ? said.spread[g] / said.weight[g] : 0;
+	}
 	return said;
 }
 
@@ -151,6 +155,7 @@ static struct said ask(const struct quote_model *m, const struct quote_habit *h,
 struct guess {
 	double mean, variance;
 	double pilots; // their share
+	double spread; // of one frame's error
 };
 
 static struct guess guess_part(const struct quote_model *m, const struct quote_habits *habits, const struct quote_query *q,
@@ -159,7 +164,7 @@ static struct guess guess_part(const struct quote_model *m, const struct quote_h
 	const struct quote_habit *h = habits ? &habits->habit[q->technique][part] : NULL;
 	const struct said said = ask(m, h, q, part);
 	const struct assumed *a = &assumed[part];
-	double weight = 1 / (a->deviation * a->deviation), pilots = 0;
+	double weight = 1 / (a->deviation * a->deviation), pilots = 0, spread = 0;
 	double mean = weight * log(q->software ? a->processor : a->gpu);
 	for (int g = 0; g < QUOTE_GROUPS; g++) {
 		double shift, variance;
@@ -170,8 +175,10 @@ static struct guess guess_part(const struct quote_model *m, const struct quote_h
 		weight += w;
 		mean += w * (said.mean[g] + shift);
 		pilots += g == QUOTE_PILOTS ? w : 0;
+		spread += w * said.spread[g];
 	}
-	return (struct guess){.mean = mean / weight, .variance = 1 / weight, .pilots = pilots / weight};
+	return (struct guess){
+	    .mean = mean / weight, .variance = 1 / weight, .pilots = pilots / weight, .spread = spread / weight};
 }
 
 static double stretch_of(const struct quote_habits *h, uint32_t technique, int which)
@@ -208,7 +215,9 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 	if (q->cold)
 		out.cold_us = exp(guess_part(m, habits, q, QUOTE_COLD).mean);
 	const struct guess e = guess_part(m, habits, q, QUOTE_ERROR);
-	const double width = exp(NORMAL_90 * stretch_of(habits, q->technique, 1) * sqrt(e.variance));
+	// One picture by noise is better or worse than the next, as far as its pixels are few.
+	const double luck = has_noise(q->technique) ? fmin(e.spread, 1) : 0;
+	const double width = exp(NORMAL_90 * stretch_of(habits, q->technique, 1) * sqrt(e.variance + luck * luck));
 	out.error.kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
 	out.error.relmse = exp(e.mean) / (has_noise(q->technique) ? q->samples : 1);
 	out.error.low = out.error.relmse / width;
