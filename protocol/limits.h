@@ -114,7 +114,7 @@
 #define LIMIT_STUDY_VIEWS 32u
 #define LIMIT_STUDY_TEXT 4095u // of an id, a path, a command
 #define LIMIT_STUDY_SETTINGS 24u // of one run
-#define LIMIT_STUDY_PIXELS (4u * 1024u * 1024u) // of one image
+#define LIMIT_STUDY_PIXELS (8u * 1024u * 1024u) // of one image; 3840x2160 fits
 #define LIMIT_REPORT_BYTES (3u << 20) // the page that a browser opens
 #define LIMIT_REPORT_TABLE_BYTES (4u << 20) // the page of hard cases
 

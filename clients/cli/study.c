@@ -3,19 +3,14 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "clients/cli/interrupt.h"
-#include "clients/cli/programs.h"
+#include "clients/libcandil/error.h"
 
-#define REPORT_PROGRAM "candil-report"
-#define REPORT_MS 600000
 #define DEVICE_MS 60000L // that opening a device takes at most, a driver that is asleep or busy
 #define LOOK_MS 20L
 
@@ -39,7 +34,7 @@ static void make_key(const struct study *study, char key[17])
 				     study->vulkan,
 				     study->job.target.info.hash,
 				     study->job.target.picture_hash,
-				     CANDIL_VERSION_STRING,
+				     study->server,
 				     study->texts.quick ? "quick" : "full"};
 	uint64_t hash = study->techniques + 64u * study->plan.ablations;
 	for (size_t i = 0; i < sizeof(parts) / sizeof(*parts); i++)
@@ -96,56 +91,6 @@ static enum exit_code settle_plan(struct study *study)
 	return code == EXIT_DONE ? study_prune(study) : code;
 }
 
-// ---- the report ------------------------------------------------------------------------------------------------------
-
-static bool modified(const struct study *study, const char *name, struct timespec *out)
-{
-	char path[PATH_MAX];
-	struct stat about;
-	if (!study_path(study, name, path, sizeof(path)) || stat(path, &about) != 0)
-		return false;
-	*out = about.st_mtim;
-	return true;
-}
-
-// Whether the report that is there was made of all that is there.
-static bool is_report_there(const struct study *study)
-{
-	static const char *const sources[] = {"runs.jsonl", "study.json", "plan.json"};
-	struct timespec report, source;
-	if (!modified(study, "report.html", &report))
-		return false;
-	for (size_t i = 0; i < sizeof(sources) / sizeof(*sources); i++)
-		if (!modified(study, sources[i], &source) || source.tv_sec > report.tv_sec ||
-		    (source.tv_sec == report.tv_sec && source.tv_nsec > report.tv_nsec))
-			return false;
-	return true;
-}
-
-static void make_report(struct study *study)
-{
-	static char out[4096], err[4096];
-	char path[PROGRAM_PATH];
-	struct timespec made;
-	if (is_report_there(study)) {
-		study->report_made = true;
-		return;
-	}
-	if (!program_libexec(REPORT_PROGRAM, path, sizeof(path)) || access(path, X_OK) != 0) {
-		study_note(study, REPORT_PROGRAM " is not installed: there are runs, images and times, and no figures");
-		return;
-	}
-	progress_say(&study->job.progress, "writing the report");
-	char *argv[] = {path, study->folder, NULL};
-	const int status = program_run(argv, REPORT_MS, out, err, sizeof(out));
-	study->report_made = status == 0 && modified(study, "report.html", &made);
-	if (status < 0)
-		snprintf(study->report_why, sizeof(study->report_why), "%s: %s", REPORT_PROGRAM, strerror(errno));
-	else if (!study->report_made)
-		snprintf(study->report_why, sizeof(study->report_why), "%s ended with %d: %.180s", REPORT_PROGRAM, status,
-			 err);
-}
-
 // ---- the command -----------------------------------------------------------------------------------------------------
 
 // Learn which device the daemon renders with: times of another are no times of this study. It is told once it is open.
@@ -160,7 +105,16 @@ static enum exit_code find_device(struct study *study)
 			break;
 		interrupt_pause(LOOK_MS);
 	}
+	if (interrupt_seen())
+		return job_fail_between(&study->job);
+	if (!stats.device[0]) {
+		// Nothing could be rendered, and what another device has rendered is not to be touched.
+		error_set(&error, CANDIL_STATUS_DEVICE, "the daemon has no device to render with: %.160s",
+			  stats.device_error[0] ? stats.device_error : "it does not open");
+		return job_fail(&study->job, &error);
+	}
 	snprintf(study->vulkan, sizeof(study->vulkan), "%s", stats.device);
+	study->server = candil_server(study->job.target.client)->name;
 	return EXIT_DONE;
 }
 
@@ -183,6 +137,27 @@ static enum exit_code make_runs(struct study *study)
 	return code;
 }
 
+// What of the runs is to be known, once they are made.
+static void add_end_notes(struct study *study)
+{
+	bool cold = false, any = false;
+	for (uint32_t i = 0; i < study->run_count; i++) {
+		const json_t *line = json_object_get(study->lines, study->runs[i].id);
+		if (study->runs[i].kind != STUDY_COLD || !study->runs[i].done)
+			continue;
+		any = true;
+		cold |= json_integer_value(json_object_get(json_object_get(line, "report"), "cold_us")) > 0;
+	}
+	if (any && !cold)
+		study_note(study, "no run was cold: the daemon had compiled all programs before. A new folder, and no "
+				  "--connect or a daemon that has just started, tell what the first run takes");
+	if (study->waited > 0)
+		study_note(study,
+			   "%" PRIu32 " runs waited for other clients of the daemon, also when they were made again: their "
+			   "times have it in them",
+			   study->waited);
+}
+
 static enum exit_code do_study(struct study *study)
 {
 	study->started = study_clock();
@@ -199,13 +174,18 @@ static enum exit_code do_study(struct study *study)
 	if (code == EXIT_DONE)
 		code = make_runs(study);
 	if (study->made > 0 || !idle) {
-		// What was made so far can be looked at, whatever ended it.
+		if (code == EXIT_CANCELLED)
+			snprintf(study->ended_why, sizeof(study->ended_why), "the study was interrupted");
+		else if (code != EXIT_DONE)
+			snprintf(study->ended_why, sizeof(study->ended_why), "an error ended the study before");
+		add_end_notes(study);
 		write_utc(study->ended_at);
 		const enum exit_code written = study_write_state(study);
 		code = code == EXIT_DONE ? written : code;
 	}
+	// What was made so far can be looked at, whatever ended it; but who presses Ctrl-C wants no more of it now.
 	if (code != EXIT_CANCELLED)
-		make_report(study);
+		study_make_report(study);
 	return code == EXIT_DONE ? study_say_end(study) : code;
 }
 
@@ -215,7 +195,7 @@ static enum exit_code run_study(struct cli *cli, const struct command *self, int
 	static struct study study;
 	enum exit_code code = EXIT_DONE;
 	memset(&study, 0, sizeof(study));
-	study.lock = -1;
+	study.lock = study.images = -1;
 	study.quotes = json_object();
 	study.job.cli = cli;
 	study.job.stream = stdout;
@@ -229,6 +209,8 @@ static enum exit_code run_study(struct cli *cli, const struct command *self, int
 	free(study.plan.points);
 	free(study.runs);
 	free(study.folder);
+	if (study.images >= 0)
+		close(study.images);
 	if (study.lock >= 0)
 		close(study.lock);
 	return code;
@@ -249,7 +231,7 @@ const struct command study_command = {
 	"                        are framed\n"
 	"  --size WxH            pixels; default 256x256, with --quick 128x128\n"
 	"  --techniques LIST     {techniques}, with commas between; default: all\n"
-	"  --budget SECONDS      that the runs are planned into; default 600, with --quick 35. How exact the reference is\n"
+	"  --budget SECONDS      that the runs are planned into; default 600, with --quick 45. How exact the reference is\n"
 	"                        and how many samples points have follows from it\n"
 	"  --quick               few settings and seeds, no effect left out to see what it costs\n"
 	"  --plan FILE           which views, settings, seeds and reference: JSON, which tests/bench/studies/README.md\n"
@@ -261,11 +243,16 @@ const struct command study_command = {
 	"                        as of candil render, for all runs\n"
 	"  --quiet               no plan, no progress, no summary\n\n"
 	"A point with noise has a seed a run, one without a few runs for its time. The first run of a pipeline is cold\n"
-	"and stands apart. Points come in turns, each turn in an order of its own, so that a machine that is busy for a\n"
-	"while is so for all of them.\n\n"
+	"and stands apart. Points with noise come in turns, each turn in an order of its own, so that a machine that is\n"
+	"busy for a while is so for all of them; the runs of one without come one after the other, for they share what\n"
+	"the first has made of the scene. A run that waited for other clients of the daemon is made again.\n\n"
 	"FOLDER gets plan.json, study.json (what was studied, on what, what is missing), runs.jsonl (a line a run: what\n"
 	"was asked, the command that makes it again, the report of candil render --json), images/, and from these\n"
-	"report.html, results.json and results.csv.\n\n"
+	"report.html, results.json and results.csv. Runs that an earlier plan has left there (another size, other\n"
+	"settings) are kept in others.jsonl until they are asked for again. Runs of one version of the daemon, one device\n"
+	"and one scene count as the same: after a change to the renderer that has no version of its own, name a new\n"
+	"folder.\n\n"
+	"Ctrl-C ends it at once: what is done is kept, and the next session writes the report.\n"
 	"A run that fails is told in study.json and tried again the next time; the others are made. A technique that\n"
 	"cannot do what is asked is left out and named.\n\n"
 	"--json: {\"folder\", \"report\" (null: there is none), \"complete\", \"missing\": [{\"run\", \"why\"}],\n"

@@ -12,14 +12,18 @@
 //	study_say.c      what is said of it all
 //	study_runner.c   one run: its image and its line
 //	study_fit.c      first runs that measure the scene, and the samples and the reference that fit into the budget
+//	study_report.c   candil-report, run when what is there has no report yet
 //	study.c          the command: all of these in their order
 //
 // The folder:
 //
 //	plan.json        the plan that is followed, as a plan file; "key" names what it was made for
-//	runs.jsonl       a line a run that ended, appended once its image is in place. A run's id is made of what is asked
-//	images/ID.exr    its image
-//	study.json       what was studied, on what, and what is missing; written at the start and the end
+//	runs.jsonl       a line a run of the plan that ended, appended once its image is in place. A run's id is made of what
+// is 	                 asked 	others.jsonl     good lines that are of no run of the plan that is followed now, but of one
+// before it: another
+// size, 	                 other settings. They count again when they are asked for again; nothing takes them or their
+// images away 	images/ID.exr
+// its image 	study.json       what was studied, on what, and what is missing; written at the start and the end
 #ifndef CANDIL_CLI_STUDY_H
 #define CANDIL_CLI_STUDY_H
 
@@ -126,9 +130,12 @@ struct study {
 	json_t *lines; // of runs.jsonl: an object by id
 	json_t *quotes; // of this session, by the id of the run that they are about
 	char *folder; // without links
-	int lock; // the folder, open and locked
+	int lock; // the folder, open and locked; files of it are written by this, so that no link leads out of it
+	int images; // its images/, likewise
 	char command[4096]; // of this session, quoted for a shell
-	char device[128], vulkan[128]; // of the first run; that the daemon names, "" if it has none
+	char device[128], vulkan[128]; // of the first run; that the daemon names
+	const char *server; // the daemon's own name and version; the client's
+	char ended_why[128]; // why runs of the plan were not made; "": the study goes on, or all were tried
 	double started; // on the monotonic clock, seconds
 	char started_at[32], ended_at[32]; // UTC; ended_at is "" while it runs
 	char notes[8][256];
@@ -137,6 +144,9 @@ struct study {
 	bool has_last;
 	uint32_t made; // runs of this session, those that are not written among them
 	double said; // when progress was told last
+	const struct study_run *now; // that is being made; NULL: none
+	double fraction; // of it that is done
+	uint32_t waited; // runs whose time has waits for others in it, though they were made again
 	double cold_s[TECHNIQUE_COUNT]; // that programs took to compile in the last run that was cold, by technique
 	double ready_s[TECHNIQUE_COUNT]; // that this run took besides, what the scene keeps for the others among it
 	bool report_made;
@@ -196,8 +206,14 @@ bool study_options(struct study *study, struct cli *cli, const struct command *s
 enum exit_code study_open_folder(struct study *study);
 // Mark a run as done if it has a whole image under its name, and a line.
 void study_find_run(struct study *study, struct study_run *run);
-// Take all lines but those of runs that are done out of runs.jsonl.
+// Take all lines but those of runs that are done out of runs.jsonl. Good lines of other runs go to others.jsonl first.
 enum exit_code study_prune(struct study *study);
+// Write a file of an open folder, whole or not at all. A link of that name is replaced, not followed. false: errno says why.
+bool study_save(const struct study *study, int folder, const char *name, const void *data, size_t bytes);
+// What study.json says of the report that is there: made of what, and by which program. NULL: nothing. To be released.
+json_t *study_read_report_of(const struct study *study);
+// Set it there. The object is taken. false: study.json cannot be written.
+bool study_write_report_of(const struct study *study, json_t *what);
 // Append a line, and keep it in study->lines. The object is taken.
 enum exit_code study_append(struct study *study, const char *id, json_t *line);
 // Take the plan of plan.json if it was made for `key`. false: there is none.
@@ -229,7 +245,8 @@ void study_make_run(struct study *study, enum study_kind kind, uint32_t view, ui
 		    struct study_run *run);
 // List all runs of the plan: cold ones of points with noise, references, then turns. In each turn every point with noise
 // comes once, in an order of its own, so that a machine that is busy for a while is so for all. A point without noise comes
-// in the first turn, cold, then with all its repeats. false: too many, or no memory.
+// in the first turn, cold, then with all its repeats: they use what the cold one has made of the scene, which the runs of
+// any other settings would throw away. false: too many, or no memory.
 bool study_list_runs(struct study *study);
 
 // ---- study_time.c ---------------------------------------------------------------------------------------------------
@@ -246,6 +263,8 @@ double study_predict_cold(const struct study *study, uint32_t point, uint32_t vi
 double study_predict_reference(const struct study *study, uint32_t view);
 // Seconds that the runs take which are not done.
 double study_left(const struct study *study);
+// Seconds that candil-report will take.
+double study_predict_report(const struct study *study);
 
 // ---- study_say.c ----------------------------------------------------------------------------------------------------
 
@@ -259,6 +278,11 @@ enum exit_code study_say_end(struct study *study);
 // Make a run if it is not done, and write its line; a failure of the run is a line, too. Anything else than EXIT_DONE ends
 // the session, and is printed.
 enum exit_code study_make(struct study *study, struct study_run *run);
+
+// ---- study_report.c -------------------------------------------------------------------------------------------------
+
+// Run candil-report unless the report that is there was made by the same program of the same runs.
+void study_make_report(struct study *study);
 
 // ---- study_fit.c ----------------------------------------------------------------------------------------------------
 

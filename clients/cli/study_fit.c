@@ -7,16 +7,17 @@
 
 #include "clients/cli/study.h"
 
-// What of the budget is for what, after the techniques without noise.
-#define REFERENCE_SHARE 0.5
-#define ABLATION_SHARE 0.15
-#define EXACT_SHARE 0.5 // of the budget, of those
-#define REPORT_S 4.0 // that the figures take, about
+// What is left of the budget is for the reference, for leaving effects out, and the rest for points: of these half at most
+// for techniques without noise, so that the curve of one with noise gets as far as theirs.
+#define REFERENCE_SHARE 0.4
+#define ABLATION_SHARE 0.12
+#define EXACT_SHARE 0.5
 #define REFERENCE_SAMPLES_MAX 65536u
 #define RUNG 4u // from one number of samples to the next
 #define RUNGS_MIN 2u // a line needs two points
 #define RUNGS_MAX 8u
 #define PROBE_SAMPLES 16u // of the run that tells the noise
+#define EXACT_SAMPLES 4u // of the second run of a technique without any, which tells the cost of a sample
 
 // ---- measuring -------------------------------------------------------------------------------------------------------
 
@@ -39,8 +40,8 @@ static enum exit_code measure(struct study *study, unsigned technique, uint32_t 
 	study_make_run(study, STUDY_POINT, view, at, 1, &run);
 	study_find_run(study, &cold);
 	study_find_run(study, &run);
-	// Of a technique with noise one cold run of the fewest samples is enough.
-	if (!study_has_noise(technique) || (samples == 1 && view == 0)) {
+	// One cold run of the fewest samples is enough; of a technique without noise one a view, for what it keeps of it.
+	if (samples == 1 && (!study_has_noise(technique) || view == 0)) {
 		const enum exit_code code = run.done ? EXIT_DONE : study_make(study, &cold);
 		if (code != EXIT_DONE)
 			return code;
@@ -103,6 +104,12 @@ static double rung_cost(const struct study *study, const struct study_point *poi
 	return seconds;
 }
 
+static void drop_point(struct study_plan *plan, uint32_t at)
+{
+	memmove(&plan->points[at], &plan->points[at + 1], (plan->point_count - at - 1) * sizeof(*plan->points));
+	plan->point_count--;
+}
+
 // Put points of 1, 4, 16… samples, as many as fit into a number of seconds, in the place of one that fits itself; where a
 // whole rung does not fit, half of it.
 static bool spread_samples(struct study *study, uint32_t at, double seconds)
@@ -110,8 +117,7 @@ static bool spread_samples(struct study *study, uint32_t at, double seconds)
 	struct study_point point = study->plan.points[at];
 	struct study_plan *plan = &study->plan;
 	double spent = 0;
-	memmove(&plan->points[at], &plan->points[at + 1], (plan->point_count - at - 1) * sizeof(*plan->points));
-	plan->point_count--;
+	drop_point(plan, at);
 	point.samples = 1;
 	for (uint32_t i = 0; i < RUNGS_MAX; i++, point.samples *= RUNG) {
 		const bool whole = i < RUNGS_MIN || spent + rung_cost(study, &point, point.samples) <= seconds;
@@ -134,6 +140,8 @@ static uint32_t ablation_samples(const struct study *study, unsigned technique, 
 	uint32_t samples = 1;
 	for (uint32_t i = 0; i < study->plan.point_count; i++) {
 		const struct study_point *p = &study->plan.points[i];
+		if (!study_has_noise(technique) && p->samples > EXACT_SAMPLES)
+			continue;
 		if (study_is_plain(p, technique, p->samples) && p->samples > samples &&
 		    rung_cost(study, p, p->samples) <= seconds)
 			samples = p->samples;
@@ -184,38 +192,60 @@ static enum exit_code measure_all(struct study *study)
 			if (!asked && !(t == reference && study->plan.reference))
 				continue;
 			code = measure(study, t, 1, v);
-			if (code == EXIT_DONE && study_has_noise(t))
-				code = measure(study, t, PROBE_SAMPLES, v);
+			if (code == EXIT_DONE)
+				code = measure(study, t, study_has_noise(t) ? PROBE_SAMPLES : EXACT_SAMPLES, v);
 		}
 	}
 	return code;
+}
+
+static double cost_of(const struct study *study, uint32_t point)
+{
+	const struct study_point *p = &study->plan.points[point];
+	double seconds = 0;
+	for (uint32_t v = 0; v < study->plan.view_count; v++)
+		seconds +=
+		    study_predict(study, point, v) * study_seeds_of(&study->plan, p) + study_predict_cold(study, point, v);
+	return seconds;
 }
 
 // Seconds of all runs of the points without noise.
 static double exact_cost(const struct study *study)
 {
 	double seconds = 0;
-	for (uint32_t i = 0; i < study->plan.point_count; i++) {
-		const struct study_point *p = &study->plan.points[i];
-		for (uint32_t v = 0; !study_has_noise(p->technique) && v < study->plan.view_count; v++)
-			seconds +=
-			    study_predict(study, i, v) * study_seeds_of(&study->plan, p) + study_predict_cold(study, i, v);
-	}
+	for (uint32_t i = 0; i < study->plan.point_count; i++)
+		if (!study_has_noise(study->plan.points[i].technique))
+			seconds += cost_of(study, i);
 	return seconds;
 }
 
-// Take points without noise and of a setting out, the last first, until the others take a share of the seconds that are
-// left.
-static void drop_settings(struct study *study, double seconds)
+// The dearest point without noise, of the defaults with many samples or of a setting. point_count: there is none.
+static uint32_t dearest(const struct study *study, bool plain)
+{
+	uint32_t found = study->plan.point_count;
+	for (uint32_t i = 0; i < study->plan.point_count; i++) {
+		const struct study_point *p = &study->plan.points[i];
+		if (study_has_noise(p->technique) || (p->setting_count == 0) != plain ||
+		    (plain && p->samples <= EXACT_SAMPLES))
+			continue;
+		if (found == study->plan.point_count || cost_of(study, i) >= cost_of(study, found))
+			found = i;
+	}
+	return found;
+}
+
+// Take points without noise out until the others take at most so many seconds: counts of samples of the defaults that would
+// leave nothing for settings, then the dearest settings, then the other counts.
+static void drop_points(struct study *study, double seconds)
 {
 	struct study_plan *plan = &study->plan;
-	for (uint32_t i = plan->point_count; i-- > 0 && exact_cost(study) > EXACT_SHARE * seconds;) {
-		if (study_has_noise(plan->points[i].technique) || plan->points[i].setting_count == 0)
-			continue;
-		memmove(&plan->points[i], &plan->points[i + 1], (plan->point_count - i - 1) * sizeof(*plan->points));
-		plan->point_count--;
-		plan->left_out++;
-	}
+	for (uint32_t at; (at = dearest(study, true)) < plan->point_count && cost_of(study, at) > 0.5 * seconds;)
+		drop_point(plan, at);
+	for (int plain = 0; plain < 2; plain++)
+		for (uint32_t at; exact_cost(study) > seconds && (at = dearest(study, plain)) < plan->point_count;) {
+			drop_point(plan, at);
+			plan->left_out += !plain;
+		}
 }
 
 // Take out what was measured alone and is no point of the plan.
@@ -233,18 +263,20 @@ static void drop_probes(struct study *study)
 static bool settle(struct study *study)
 {
 	struct study_plan *plan = &study->plan;
-	double left = plan->budget_s - REPORT_S - (study_clock() - study->started);
-	if (!study->texts.plan) // a plan file says itself what is wanted
-		drop_settings(study, left);
-	left -= exact_cost(study);
+	const double begun = study_clock() - study->started;
+	double left = fmax(plan->budget_s - study_predict_report(study) - begun, 0.2 * plan->budget_s);
+	if (!study->texts.plan) { // a plan file says itself what is wanted
+		drop_points(study, left * (1 - REFERENCE_SHARE - (plan->ablations ? ABLATION_SHARE : 0)) * EXACT_SHARE);
+		left = fmax(plan->budget_s - study_predict_report(study) - begun, 0.2 * plan->budget_s);
+	}
 	unsigned fitted = 0;
 	for (uint32_t i = 0; i < plan->point_count; i++)
 		fitted += plan->points[i].samples == STUDY_SAMPLES_FIT;
-	left = fmax(left, 0.2 * plan->budget_s);
 	for (uint32_t v = 0; plan->reference && v < plan->view_count; v++)
 		settle_reference(study, v, left * REFERENCE_SHARE / plan->view_count);
 	const double ablations = plan->ablations ? left * ABLATION_SHARE : 0;
-	const double points = left * (1 - REFERENCE_SHARE) - ablations;
+	const double rest = left * (1 - REFERENCE_SHARE) - ablations,
+		     points = fmax(rest - exact_cost(study), (1 - EXACT_SHARE) * rest);
 	for (uint32_t i = 0; i < plan->point_count;) {
 		if (plan->points[i].samples != STUDY_SAMPLES_FIT)
 			i++;

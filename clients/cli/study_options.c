@@ -1,11 +1,13 @@
 // The command line of `candil study`: render's options, which count for all runs and are repeated in the commands that make
 // them again, and its own.
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "clients/cli/render_values.h"
 #include "clients/cli/study.h"
 #include "clients/cli/words.h"
+#include "clients/libcandil/error.h"
 
 #define FULL_SIDE 256u
 #define FULL_SEEDS 8u
@@ -14,7 +16,7 @@
 #define QUICK_SIDE 128u
 #define QUICK_SEEDS 4u
 #define QUICK_REPEATS 2u
-#define QUICK_BUDGET_S 35.0
+#define QUICK_BUDGET_S 45.0
 
 // Take an option that is the study's own, and note down all others.
 static bool take(void *user, const char *name, const char *value)
@@ -117,6 +119,10 @@ bool study_options(struct study *study, struct cli *cli, const struct command *s
 	if (!study_options_parse(cli, self, argc, argv, &study->job.options, &watch, code))
 		return false;
 	*code = EXIT_USAGE;
+	if (full) {
+		cli_usage(self, "the command is longer than the 4095 bytes that a report tells: shorten its paths");
+		return false;
+	}
 	*p = (struct study_plan){
 	    .view_count = t->camera_count > 0 ? t->camera_count : 1,
 	    .seeds = t->quick ? QUICK_SEEDS : FULL_SEEDS,
@@ -153,6 +159,13 @@ bool study_options(struct study *study, struct cli *cli, const struct command *s
 	if (t->sized) {
 		p->width = study->job.options.request.width;
 		p->height = study->job.options.request.height;
+	}
+	if ((uint64_t)p->width * p->height > LIMIT_STUDY_PIXELS) {
+		error_set(&error, CANDIL_STATUS_LIMIT,
+			  "%" PRIu32 "x%" PRIu32 " pixels are too many for a report, which has at most %u: 3840x2160 fits",
+			  p->width, p->height, LIMIT_STUDY_PIXELS);
+		*code = cli_fail(cli, &error, stdout);
+		return false;
 	}
 	p->planned_s = 0;
 	p->left_out = 0;

@@ -114,14 +114,23 @@ static bool take_bool(struct reader *r, json_t *object, const char *key, bool *o
 
 // ---- points ----------------------------------------------------------------------------------------------------------
 
+// Write a number as an option has it, whichever way a file wrote it: so the plan that a study keeps reads as the same.
+static int put_number(char out[LIMIT_OPTION_VALUE + 1], double number)
+{
+	const bool whole = number == floor(number) && fabs(number) < 0x1p53;
+	return snprintf(out, LIMIT_OPTION_VALUE + 1, whole ? "%.0f" : "%.10g", number + 0.0); // no -0
+}
+
 // Take one value of a setting as the text that an option has.
 static bool take_value(struct reader *r, const json_t *value, char out[LIMIT_OPTION_VALUE + 1])
 {
 	int length = -1;
-	if (json_is_integer(value))
-		length = snprintf(out, LIMIT_OPTION_VALUE + 1, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
-	else if (json_is_real(value))
-		length = snprintf(out, LIMIT_OPTION_VALUE + 1, "%.10g", json_real_value(value));
+	double number;
+	if (json_is_number(value))
+		length = put_number(out, json_number_value(value));
+	else if (json_is_string(value) && strlen(json_string_value(value)) == json_string_length(value) &&
+		 cli_parse_double(json_string_value(value), &number))
+		length = put_number(out, number);
 	else if (json_is_string(value) && strlen(json_string_value(value)) == json_string_length(value) &&
 		 is_printable(json_string_value(value)))
 		length = snprintf(out, LIMIT_OPTION_VALUE + 1, "%s", json_string_value(value));

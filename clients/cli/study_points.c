@@ -8,8 +8,10 @@
 #include "clients/libcandil/message.h"
 #include "protocol/asked.h"
 
-// What a plain point of a technique without noise has: edges, and what it gains from more of them.
-static const uint32_t plain_samples[] = {1, 4};
+// What a plain point of a technique without noise has: edges, and what it gains from more of them. Where the last two counts
+// have the same error, more would not lower it; what does not fit into the budget is left out.
+static const uint32_t plain_samples[] = {1, 4, 16, 64};
+#define PLAIN_SEEDS 3u // at least, for where in a pixel the samples are is drawn, too
 
 // ---- points ----------------------------------------------------------------------------------------------------------
 
@@ -35,6 +37,7 @@ bool study_add_point(struct study_plan *plan, const struct study_point *point)
 		struct study_point *p = &plan->points[i];
 		if (p->samples == point->samples && study_is_series(p, point)) {
 			p->probe = p->probe && point->probe;
+			p->seeds = point->seeds > p->seeds ? point->seeds : p->seeds;
 			return true;
 		}
 	}
@@ -122,6 +125,8 @@ bool study_default_points(struct study *study)
 			continue;
 		struct study_point plain = {.kind = STUDY_POINT, .technique = t, .samples = STUDY_SAMPLES_FIT};
 		const size_t count = study_has_noise(t) ? 0 : sizeof(plain_samples) / sizeof(*plain_samples);
+		if (count > 0 && study->plan.repeats < PLAIN_SEEDS)
+			plain.seeds = PLAIN_SEEDS;
 		if (count == 0 && !study_add_point(&study->plan, &plain))
 			return false;
 		for (size_t i = 0; i < count; i++) {

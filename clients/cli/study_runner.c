@@ -1,22 +1,27 @@
 // One run of a study: its image put in place, its line written.
 #include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "clients/cli/interrupt.h"
-#include "clients/cli/output.h"
 #include "clients/cli/quote.h"
 #include "clients/cli/report.h"
 #include "clients/cli/study.h"
 
 // A point that failed so often in a session is left alone.
 #define FAILURES_MAX 3u
+// A run is made so often at most until it is warm, primed and has not waited for others.
+#define TRIES_MAX 3u
+// Behind other clients of the daemon a run waited too long for its time to count: so many seconds, and this share of it.
+#define WAIT_S 0.02
+#define WAIT_SHARE 0.2
 
 // A render that is under way, and what came of it.
 struct taken {
+	struct study *study;
 	struct job *job;
+	const struct study_run *run;
 	struct candil_accepted accepted;
 	struct candil_done done;
 	struct candil_image image; // its `data` is ours to free
@@ -31,6 +36,10 @@ static bool take_event(void *user, const struct candil_event *event)
 	case CANDIL_EVENT_ACCEPTED:
 		job_take_accepted(taken->job, &event->u.accepted);
 		taken->accepted = event->u.accepted;
+		return true;
+	case CANDIL_EVENT_PROGRESS:
+		taken->study->fraction = event->u.progress.fraction;
+		study_say_progress(taken->study, taken->run);
 		return true;
 	case CANDIL_EVENT_IMAGE:
 		if (event->u.image.final) {
@@ -114,9 +123,9 @@ static enum exit_code write_good(struct study *study, struct study_run *run, str
 {
 	struct render_options *o = &study->job.options;
 	const char *before = o->output;
-	char name[STUDY_ID + 16], path[PATH_MAX];
+	char name[STUDY_ID + 16];
 	snprintf(name, sizeof(name), "images/%s.exr", run->id);
-	if (!study_path(study, name, path, sizeof(path)) || !output_save(path, taken->image.data, taken->image.bytes))
+	if (!study_save(study, study->images, name + strlen("images/"), taken->image.data, taken->image.bytes))
 		return job_fail_output(&study->job, name);
 	o->output = name;
 	const struct report report = {
@@ -145,12 +154,15 @@ static enum exit_code ask(struct study *study, const struct study_run *run, stru
 {
 	struct candil_option options[STUDY_SETTINGS_MAX];
 	uint32_t id;
-	*taken = (struct taken){.job = &study->job};
+	*taken = (struct taken){.study = study, .job = &study->job, .run = run};
 	study_request(study, run, options);
 	study->made++;
+	study->fraction = 0;
+	study->now = run;
 	*status = candil_submit_render(study->job.target.client, &study->job.options.request, &id, error);
 	if (*status == CANDIL_STATUS_OK)
 		*status = job_await(&study->job, id, take_event, taken, error);
+	study->now = NULL;
 	if (*status == CANDIL_STATUS_OK && !study->device[0])
 		snprintf(study->device, sizeof(study->device), "%s", taken->done.device);
 	// The connection is over, or somebody wants it to be.
@@ -175,7 +187,8 @@ static bool is_primed(const struct study *study, const struct study_run *run)
 {
 	if (run->kind == STUDY_REFERENCE || study_has_noise(study->plan.points[run->point].technique))
 		return true;
-	return study->has_last && study->last_point == run->point && study->last_view == run->view;
+	return study->has_last && study->last_view == run->view &&
+	       study_is_series(&study->plan.points[study->last_point], &study->plan.points[run->point]);
 }
 
 static void set_last(struct study *study, const struct study_run *run)
@@ -185,9 +198,19 @@ static void set_last(struct study *study, const struct study_run *run)
 	study->last_view = run->view;
 }
 
-// Do a run once; one that compiled, or that had nothing ready, is not the one that is wanted, unless a cold one is. Such a
-// run gives the point's cold run, if there is none yet.
-static enum exit_code make_once(struct study *study, struct study_run *run, bool *again)
+// Whether so much of a run's time was spent behind others that it says little of the run.
+static bool has_waited(const struct candil_done *done)
+{
+	double waited = 0;
+	for (uint32_t i = 0; i < done->stage_count; i++)
+		if (strcmp(done->stages[i].name, "queue") == 0 || strcmp(done->stages[i].name, "wait") == 0)
+			waited += (double)done->stages[i].us;
+	return waited > WAIT_S * 1e6 && waited > WAIT_SHARE * (double)done->elapsed_us;
+}
+
+// Do a run once. One that compiled, that had nothing ready or that waited for others is not the one that is wanted, unless a
+// cold one is: *again. On the last try such waits are taken as they are, and counted.
+static enum exit_code make_once(struct study *study, struct study_run *run, bool last, bool *again)
 {
 	struct taken taken;
 	struct candil_error error;
@@ -207,8 +230,11 @@ static enum exit_code make_once(struct study *study, struct study_run *run, bool
 			study_learn_cold(study, (unsigned)study->job.options.request.technique,
 					 (double)taken.done.elapsed_us, (double)taken.done.cold_us);
 		set_last(study, run);
-		*again = run->kind != STUDY_REFERENCE && run->kind != STUDY_COLD && (cold || !primed);
+		const bool timed = run->kind != STUDY_REFERENCE && run->kind != STUDY_COLD,
+			   waited = timed && has_waited(&taken.done);
+		*again = timed && (cold || !primed || (waited && !last));
 		if (!*again) {
+			study->waited += waited;
 			if (run->kind != STUDY_COLD)
 				add_time(study, run, study_clock() - before);
 			code = write_good(study, run, &taken);
@@ -229,7 +255,10 @@ enum exit_code study_make(struct study *study, struct study_run *run)
 		return EXIT_DONE;
 	}
 	// Twice at most come runs that only warm up: a worker that is lost between them is cold again.
-	for (unsigned i = 0; i < 3 && again && code == EXIT_DONE; i++)
-		code = make_once(study, run, &again);
+	for (unsigned i = 0; i < TRIES_MAX && again && code == EXIT_DONE; i++)
+		code = make_once(study, run, i + 1 == TRIES_MAX, &again);
+	if (again && code == EXIT_DONE)
+		snprintf(run->why, sizeof(run->why), "it was not warm in %u tries, for the worker was lost between them",
+			 TRIES_MAX);
 	return code;
 }

@@ -84,24 +84,26 @@ static void name_run(const struct study *study, const struct study_run *run, cha
 
 void study_say_progress(struct study *study, const struct study_run *run)
 {
-	char line[256], what[128], bar[BAR + 1];
+	char line[256], what[128], part[16] = "", bar[BAR + 1];
 	uint32_t done = 0;
 	const double now = study_clock();
 	if (study->job.options.quiet || (!study->job.progress.shown && now - study->said < SAY_EVERY_S))
 		return;
 	study->said = now;
 	name_run(study, run, what, sizeof(what));
+	if (study->now == run)
+		snprintf(part, sizeof(part), ", %.0f %%", 100 * study->fraction);
 	for (uint32_t i = 0; i < study->run_count; i++)
 		done += study->runs[i].done;
 	if (study->run_count == 0)
-		snprintf(line, sizeof(line), "measuring the scene: %s", what);
+		snprintf(line, sizeof(line), "measuring the scene: %s%s", what, part);
 	else {
 		const uint32_t filled = done * BAR / study->run_count;
 		memset(bar, '.', BAR);
 		memset(bar, '#', filled);
 		bar[BAR] = '\0';
-		snprintf(line, sizeof(line), "[%s] %" PRIu32 "/%" PRIu32 " runs, about %.0f s left: %s", bar, done,
-			 study->run_count, study_left(study), what);
+		snprintf(line, sizeof(line), "[%s] %" PRIu32 "/%" PRIu32 " runs, about %.0f s left: %s%s", bar, done,
+			 study->run_count, study_left(study), what, part);
 	}
 	if (study->job.progress.shown)
 		progress_say(&study->job.progress, line);

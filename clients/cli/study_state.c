@@ -13,12 +13,13 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include "clients/cli/output.h"
 #include "clients/cli/study.h"
 #include "clients/cli/verify.h"
 #include "clients/libcandil/error.h"
 
 #define RUNS_FILE "runs.jsonl"
+#define OTHERS_FILE "others.jsonl"
+#define TEMPORARY ".candil-study.tmp" // the lock keeps others away from it
 #define RUNS_BYTES (256L << 20) // of runs.jsonl at most
 #define LINE_BYTES (1u << 20) // of one line that counts
 
@@ -27,6 +28,43 @@ static enum exit_code refuse_folder(struct study *study, const char *why)
 	struct candil_error error;
 	error_set(&error, CANDIL_STATUS_BAD_ARGUMENT, "%.120s %s", study->job.options.output, why);
 	return job_fail(&study->job, &error);
+}
+
+// ---- files -----------------------------------------------------------------------------------------------------------
+
+static bool write_text(int fd, const char *text, size_t bytes)
+{
+	while (bytes > 0) {
+		const ssize_t written = write(fd, text, bytes);
+		if (written < 0 && errno == EINTR)
+			continue;
+		if (written < 0)
+			return false;
+		text += written;
+		bytes -= (size_t)written;
+	}
+	return true;
+}
+
+bool study_save(const struct study *study, int folder, const char *name, const void *data, size_t bytes)
+{
+	// In the study's own folder, not that of the file: images/ has images alone, whenever it is looked at.
+	unlinkat(study->lock, TEMPORARY, 0); // of a session that was killed
+	const int fd = openat(study->lock, TEMPORARY, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+	bool good = fd >= 0 && write_text(fd, data, bytes);
+	int failure = errno;
+	if (fd >= 0 && close(fd) != 0 && good) {
+		good = false;
+		failure = errno;
+	}
+	if (good && renameat(study->lock, TEMPORARY, folder, name) != 0) {
+		good = false;
+		failure = errno;
+	}
+	if (!good && fd >= 0)
+		unlinkat(study->lock, TEMPORARY, 0);
+	errno = failure;
+	return good;
 }
 
 // ---- runs.jsonl ------------------------------------------------------------------------------------------------------
@@ -47,7 +85,7 @@ static bool read_lines(struct study *study, FILE *file)
 	char *text = NULL;
 	size_t capacity = 0;
 	ssize_t bytes;
-	if (fstat(fileno(file), &about) != 0 || about.st_size > RUNS_BYTES) {
+	if (fstat(fileno(file), &about) != 0 || !S_ISREG(about.st_mode) || about.st_size > RUNS_BYTES) {
 		errno = EFBIG;
 		return false;
 	}
@@ -57,19 +95,20 @@ static bool read_lines(struct study *study, FILE *file)
 	return !ferror(file);
 }
 
-static enum exit_code read_runs(struct study *study)
+static enum exit_code read_runs(struct study *study, const char *name)
 {
-	char path[PATH_MAX];
-	if (!study_path(study, RUNS_FILE, path, sizeof(path)))
-		return job_fail_output(&study->job, RUNS_FILE);
-	FILE *file = fopen(path, "rbe");
-	if (!file)
-		return errno == ENOENT ? EXIT_DONE : job_fail_output(&study->job, path);
-	const bool good = read_lines(study, file);
+	char what[64];
+	const int fd = openat(study->lock, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+	FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
+	if (!file && errno == ENOENT)
+		return EXIT_DONE;
+	const bool good = file && read_lines(study, file);
 	const int failure = errno;
-	fclose(file);
+	if (file)
+		fclose(file);
 	errno = failure;
-	return good ? EXIT_DONE : cli_fail_errno(study->job.cli, RUNS_FILE " cannot be read", study->job.stream);
+	snprintf(what, sizeof(what), "%s cannot be read", name);
+	return good ? EXIT_DONE : cli_fail_errno(study->job.cli, what, study->job.stream);
 }
 
 void study_find_run(struct study *study, struct study_run *run)
@@ -93,20 +132,6 @@ void study_find_run(struct study *study, struct study_run *run)
 	times->runs++;
 }
 
-static bool write_text(int fd, const char *text, size_t bytes)
-{
-	while (bytes > 0) {
-		const ssize_t written = write(fd, text, bytes);
-		if (written < 0 && errno == EINTR)
-			continue;
-		if (written < 0)
-			return false;
-		text += written;
-		bytes -= (size_t)written;
-	}
-	return true;
-}
-
 // A line that a kill has torn must not take the next one with it.
 static bool end_torn_line(int fd)
 {
@@ -119,15 +144,14 @@ static bool end_torn_line(int fd)
 
 enum exit_code study_append(struct study *study, const char *id, json_t *line)
 {
-	char path[PATH_MAX];
 	char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(12)) : NULL;
 	const size_t bytes = text ? strlen(text) : 0;
 	int fd = -1;
 	bool good = false;
 	errno = ENOMEM;
-	if (text && study_path(study, RUNS_FILE, path, sizeof(path))) {
+	if (text) {
 		text[bytes] = '\n'; // in the place of the zero
-		fd = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+		fd = openat(study->lock, RUNS_FILE, O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
 		good = fd >= 0 && end_torn_line(fd) && write_text(fd, text, bytes + 1) && fdatasync(fd) == 0;
 	}
 	const int failure = errno;
@@ -141,34 +165,60 @@ enum exit_code study_append(struct study *study, const char *id, json_t *line)
 	return good ? EXIT_DONE : job_fail_output(&study->job, RUNS_FILE);
 }
 
-enum exit_code study_prune(struct study *study)
+static bool is_good(const json_t *line)
 {
-	char path[PATH_MAX];
+	return json_is_integer(json_object_get(json_object_get(line, "report"), "elapsed_us"));
+}
+
+// Write lines to a file of the folder, unless they are what it has: nothing to take out, and no torn end.
+static bool save_lines(const struct study *study, const char *name, json_t *lines)
+{
 	char *text = NULL;
 	size_t bytes = 0;
-	json_t *kept = json_object();
+	const char *id;
+	json_t *line;
+	struct stat about = {0};
 	FILE *out = open_memstream(&text, &bytes);
-	for (uint32_t i = 0; out && i < study->run_count; i++) {
-		json_t *line = json_object_get(study->lines, study->runs[i].id);
-		if (!study->runs[i].done || !line)
-			continue;
-		json_object_set(kept, study->runs[i].id, line);
-		json_dumpf(line, out, JSON_COMPACT | JSON_REAL_PRECISION(12));
-		fputc('\n', out);
+	json_object_foreach(lines, id, line)
+	{
+		if (out && json_dumpf(line, out, JSON_COMPACT | JSON_REAL_PRECISION(12)) == 0)
+			fputc('\n', out);
 	}
 	bool good = out && fclose(out) == 0;
-	// Nothing to take out, and no torn end: the file stays as it is.
-	struct stat about;
-	good = good && study_path(study, RUNS_FILE, path, sizeof(path));
-	const bool same = good && stat(path, &about) == 0 && about.st_size == (off_t)bytes;
-	if (good && !same)
-		good = output_save(path, text, bytes);
+	if (good && bytes > RUNS_BYTES) {
+		errno = EFBIG; // it could not be read again
+		good = false;
+	}
+	const bool there = fstatat(study->lock, name, &about, AT_SYMLINK_NOFOLLOW) == 0;
+	if (good && (there ? about.st_size != (off_t)bytes : bytes > 0))
+		good = study_save(study, study->lock, name, text, bytes);
 	const int failure = errno;
 	free(text);
+	errno = failure;
+	return good;
+}
+
+enum exit_code study_prune(struct study *study)
+{
+	json_t *kept = json_object(), *others = json_object(), *line;
+	const char *id;
+	for (uint32_t i = 0; i < study->run_count; i++) {
+		id = study->runs[i].id;
+		line = json_object_get(study->lines, id);
+		if (study->runs[i].done && line)
+			json_object_set(kept, id, line);
+		json_object_del(study->lines, id);
+	}
+	json_object_foreach(study->lines, id, line)
+	{
+		if (is_good(line))
+			json_object_set(others, id, line);
+	}
 	json_decref(study->lines);
 	study->lines = kept;
-	errno = failure;
-	return good ? EXIT_DONE : job_fail_output(&study->job, RUNS_FILE);
+	const bool good = save_lines(study, OTHERS_FILE, others);
+	json_decref(others);
+	return good && save_lines(study, RUNS_FILE, kept) ? EXIT_DONE : job_fail_output(&study->job, RUNS_FILE);
 }
 
 // ---- the folder ------------------------------------------------------------------------------------------------------
@@ -192,7 +242,6 @@ static bool is_ours(const struct study *study)
 
 enum exit_code study_open_folder(struct study *study)
 {
-	char path[PATH_MAX];
 	const char *name = study->job.options.output;
 	study->lines = json_object();
 	if (mkdir(name, 0777) != 0 && errno != EEXIST)
@@ -202,23 +251,26 @@ enum exit_code study_open_folder(struct study *study)
 		return job_fail_output(&study->job, name);
 	if (!is_ours(study))
 		return refuse_folder(study, "is not empty and is no study: name a new folder");
-	study->lock = open(study->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	study->lock = open(study->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 	if (study->lock < 0)
 		return job_fail_output(&study->job, name);
 	if (flock(study->lock, LOCK_EX | LOCK_NB) != 0)
 		return refuse_folder(study, "is being written by another study: wait for it, or name another folder");
-	if (!study_path(study, "images", path, sizeof(path)) || (mkdir(path, 0777) != 0 && errno != EEXIST))
+	if (mkdirat(study->lock, "images", 0777) != 0 && errno != EEXIST)
 		return job_fail_output(&study->job, "images");
-	return read_runs(study);
+	study->images = openat(study->lock, "images", O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+	if (study->images < 0)
+		return refuse_folder(study, "has an images/ that is no folder of its own: name another folder");
+	const enum exit_code code = read_runs(study, OTHERS_FILE);
+	return code == EXIT_DONE ? read_runs(study, RUNS_FILE) : code;
 }
 
 // Write an object to a file of the folder, whole or not at all. The object is released.
 static enum exit_code write_object(struct study *study, const char *name, json_t *object)
 {
-	char path[PATH_MAX];
 	char *text = object ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) : NULL;
 	errno = ENOMEM;
-	const bool good = text && study_path(study, name, path, sizeof(path)) && output_save(path, text, strlen(text));
+	const bool good = text && study_save(study, study->lock, name, text, strlen(text));
 	const int failure = errno;
 	free(text);
 	json_decref(object);
@@ -248,10 +300,33 @@ enum exit_code study_write_plan(struct study *study)
 	return write_object(study, "plan.json", study_plan_json(&study->plan));
 }
 
-bool study_is_ended(const struct study *study)
+static json_t *read_state(const struct study *study)
 {
 	char path[PATH_MAX];
-	json_t *file = study_path(study, "study.json", path, sizeof(path)) ? json_load_file(path, 0, NULL) : NULL;
+	return study_path(study, "study.json", path, sizeof(path)) ? json_load_file(path, 0, NULL) : NULL;
+}
+
+json_t *study_read_report_of(const struct study *study)
+{
+	json_t *file = read_state(study), *what = json_incref(json_object_get(file, "report_of"));
+	json_decref(file);
+	return what;
+}
+
+bool study_write_report_of(const struct study *study, json_t *what)
+{
+	json_t *file = read_state(study);
+	json_object_set_new(file, "report_of", what);
+	char *text = file ? json_dumps(file, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) : NULL;
+	const bool good = text && study_save(study, study->lock, "study.json", text, strlen(text));
+	free(text);
+	json_decref(file);
+	return good;
+}
+
+bool study_is_ended(const struct study *study)
+{
+	json_t *file = read_state(study);
 	const bool ended = json_is_true(json_object_get(file, "complete"));
 	json_decref(file);
 	return ended;
@@ -304,12 +379,14 @@ static json_t *varied_json(const struct study *study)
 
 json_t *study_missing_json(const struct study *study)
 {
+	char unmade[192];
 	json_t *missing = json_array();
+	snprintf(unmade, sizeof(unmade), "not made yet%s%s", study->ended_why[0] ? ": " : "", study->ended_why);
 	for (uint32_t i = 0; i < study->run_count; i++) {
 		const struct study_run *r = &study->runs[i];
 		if (!r->done)
 			json_array_append_new(missing, json_pack("{s:s,s:o}", "run", r->id, "why",
-								 cli_json_text(r->why[0] ? r->why : "not made yet")));
+								 cli_json_text(r->why[0] ? r->why : unmade)));
 	}
 	return missing;
 }

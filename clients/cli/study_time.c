@@ -1,5 +1,4 @@
-// How long runs will take, by what was measured so far. Of a technique with noise the time of N samples is taken as a + b N;
-// of one without, samples hardly count beside what it makes of the scene.
+// How long runs will take, by what was measured so far. The time of N samples is taken as a + b N.
 #include <math.h>
 
 #include "clients/cli/study.h"
@@ -7,6 +6,11 @@
 // A run that was never made takes so much longer than the technique's plain one, nobody knows why yet.
 #define UNKNOWN_FACTOR 1.5
 #define UNKNOWN_S 1.0
+// What the report takes: at all, and of a million pixels for each point and each run. FLIP is the most of it.
+#define REPORT_S 3.0
+#define GROUP_S 4.0
+#define RUN_S 0.2
+#define FITTED_POINTS 6.0 // that one which is not fitted yet becomes, about
 #define VARIANT_SHARE 0.3 // of the compilation of a technique's first programs that another setting's takes
 
 static double mean_of(const struct study_times *times)
@@ -50,7 +54,7 @@ double study_predict(const struct study *study, uint32_t point, uint32_t view)
 		if (line.known && study_has_noise(p->technique))
 			return (line.a + line.b * p->samples) * (plain ? 1 : UNKNOWN_FACTOR);
 		if (line.known)
-			return (line.a + line.b) * UNKNOWN_FACTOR;
+			return plain ? line.a + line.b * p->samples : (line.a + line.b) * UNKNOWN_FACTOR;
 	}
 	return UNKNOWN_S;
 }
@@ -83,6 +87,20 @@ double study_left(const struct study *study)
 	double seconds = 0;
 	for (uint32_t i = 0; i < study->run_count; i++)
 		if (!study->runs[i].done && !study->runs[i].why[0])
-			seconds += predict_run(study, &study->runs[i]);
+			seconds +=
+			    predict_run(study, &study->runs[i]) * (&study->runs[i] == study->now ? 1 - study->fraction : 1);
 	return seconds;
+}
+
+double study_predict_report(const struct study *study)
+{
+	const struct study_plan *plan = &study->plan;
+	const double megapixels = plan->width * (double)plan->height * 1e-6;
+	double runs = plan->view_count, groups = plan->view_count;
+	for (uint32_t i = 0; i < plan->point_count; i++) {
+		const bool fitted = plan->points[i].samples == STUDY_SAMPLES_FIT;
+		groups += (fitted ? FITTED_POINTS : 1.0) * plan->view_count;
+		runs += (fitted ? FITTED_POINTS : 1.0) * plan->view_count * study_seeds_of(plan, &plan->points[i]);
+	}
+	return REPORT_S + megapixels * (GROUP_S * groups + RUN_S * runs);
 }
