@@ -1,4 +1,4 @@
-// A pilot's word on the bias of a picture beside two noisy halves.
+// A pilot's two halves, and its word on the bias of a picture beside them.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,6 +7,7 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "protocol/limits.h"
 #include "server/worker/pilot/pilot.h"
 
 #define SIDE 64u
@@ -80,12 +81,58 @@ static void no_number_is_no_answer(void **state)
 	assert_int_equal(pilot_bias(picture, &r).kind, candil_ErrorKind_ERROR_KIND_UNKNOWN);
 }
 
+static void the_halves_have_noise_of_their_own(void **state)
+{
+	const candil_Render asked = {
+	    .width = 200, .height = 100, .samples = 9, .seed = 5, .deadline_ms = 3, .target_error = 0.5};
+	struct pilot_picture wanted = {candil_Technique_TECHNIQUE_PT, 800, 8, 0};
+	candil_Render a, b, again;
+	(void)state;
+	pilot_request(&asked, &wanted, &a);
+	pilot_request(&asked, &wanted, &again);
+	wanted.half = 1;
+	pilot_request(&asked, &wanted, &b);
+	// Not two parts of one sequence.
+	assert_true(a.seed != b.seed && a.seed != asked.seed && b.seed != asked.seed);
+	assert_true(a.first_sample == 0 && b.first_sample == 0 && a.samples == 8 && b.samples == 8);
+	assert_true(a.width == 40 && a.height == 20 && a.deadline_ms == 0 && a.target_error <= 0);
+	assert_memory_equal(&a, &again, sizeof a);
+}
+
+static void two_halves_say_what_both_know(void **state)
+{
+	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_MEASURED;
+	const struct estimate a = {1, 0.5, 2, kind}, b = {3, 1.5, 4, kind}, open = {3, 1.5, -1, kind},
+			      none = ESTIMATE_UNKNOWN;
+	(void)state;
+	struct estimate e = pilot_mean(&a, &b);
+	assert_true(fabs(e.relmse - 2) < 1e-9 && fabs(e.low - 1) < 1e-9 && fabs(e.high - 3) < 1e-9);
+	// Without an upper end of one there is none of both, and the error is not the lower of the two.
+	for (int i = 0; i < 2; i++) {
+		e = i ? pilot_mean(&a, &open) : pilot_mean(&open, &a);
+		assert_true(fabs(e.relmse - 2) < 1e-9 && e.high < 0);
+		e = i ? pilot_mean(&a, &none) : pilot_mean(&none, &a);
+		assert_true(fabs(e.relmse - 1) < 1e-9 && fabs(e.high - 2) < 1e-9);
+	}
+	assert_int_equal(pilot_mean(&none, &none).kind, candil_ErrorKind_ERROR_KIND_UNKNOWN);
+}
+
+static void the_longest_pilot_is_not_given_up(void **state)
+{
+	(void)state;
+	assert_true(pilot_patience_us(LIMIT_PILOT_MS * 1000u) > LIMIT_PILOT_MS * 1000ull);
+	assert_true(pilot_patience_us(1000) < 11000000);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(noise_is_no_bias),
 	    cmocka_unit_test(bias_shows_behind_noise),
 	    cmocka_unit_test(one_firefly_is_not_the_picture),
+	    cmocka_unit_test(the_halves_have_noise_of_their_own),
+	    cmocka_unit_test(two_halves_say_what_both_know),
+	    cmocka_unit_test(the_longest_pilot_is_not_given_up),
 	    cmocka_unit_test(no_number_is_no_answer),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

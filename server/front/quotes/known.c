@@ -58,8 +58,9 @@ static void set_error(struct quote_record *r, const struct estimate *e, double t
 {
 	if (!(e->relmse > 0) || !(e->low >= 0))
 		return;
-	// An interval without a finite or a positive end is a wide one.
-	const double low = fmax(e->low, e->relmse / 10), high = e->high > 0 ? e->high : e->relmse * 10;
+	// Where there is no upper end the lower one still says that the error is not small: as far above, and no less than
+	// three times.
+	const double low = fmax(e->low, e->relmse / 10), high = e->high > 0 ? e->high : e->relmse * fmax(e->relmse / low, 3);
 	quote_set_part(r, QUOTE_ERROR, e->relmse * times);
 	r->spread = (float)fmin(fmax(log(fmax(high / low, 1)) / (2 * 1.645), 0.02), 5);
 }

@@ -14,7 +14,7 @@
 #include "server/front/session.h"
 
 #define QUOTE_PATIENCE_MS 900u // from a quote's arrival, or its scene's, to its answer
-#define PILOT_US 150000u // of a pilot that nobody has asked for: with its first, tiny picture below 300 ms
+#define PILOT_US 150000u // of a pilot that nobody has asked for: half as much more at most, and its first, tiny picture
 #define PILOT_LEAST_US 20000u
 #define DEADLINE_SHARE 10u // of a deadline, that a pilot may take; the answer waits for it twice as long
 

@@ -21,11 +21,11 @@
 #define PILOT_MOST 65536u
 #define PILOT_SAMPLES_LEAST 4u
 #define PILOT_SAMPLES_MOST 256u
-#define PILOT_OVERRUN 4.0 // budgets that the second picture may take
+#define PILOT_OVERRUN 1.5 // budgets that the second picture may take
 #define PILOT_SLICE_US 20000u
 #define BIAS_REACH 3u // pixels
 #define BIAS_BRIGHT 4.0
-#define PILOT_PATIENCE_US 10000000u // of one picture, past which it is given up: of compiling, and of voxels
+#define PILOT_PATIENCE_US 10000000u // of one picture beside its work, past which it is given up: of compiling, of voxels
 
 // One picture of a pilot.
 struct drawing {
@@ -56,22 +56,26 @@ static void add_up(struct drawing *d, double wall_us)
 	d->fixed_us = fmax(wall_us - all, 0);
 }
 
-// The request at about so many pixels, as wide for its height as it is.
-static void make_small(const struct pilot *pilot, candil_Technique technique, double pixels, uint32_t samples,
-		       candil_Render *render)
+void pilot_request(const candil_Render *asked, const struct pilot_picture *picture, candil_Render *render)
 {
-	*render = *pilot->render;
-	const double scale = fmin(sqrt(pixels / ((double)render->width * render->height)), 1);
+	*render = *asked;
+	const double scale = fmin(sqrt(picture->pixels / ((double)render->width * render->height)), 1);
 	render->width = (uint32_t)fmax(round(render->width * scale), 1);
 	render->height = (uint32_t)fmax(round(render->height * scale), 1);
-	render->technique = technique;
-	render->samples = samples;
+	render->technique = picture->technique;
+	render->samples = picture->samples;
+	// More samples of one sequence would fill the gaps of the first: not independent of them.
 	render->first_sample = 0;
-	render->seed = PILOT_SEED;
+	render->seed = PILOT_SEED + picture->half;
 	render->aovs = 0;
 	render->format = candil_Format_FORMAT_EXR_FLOAT;
 	render->target_error = 0;
 	render->deadline_ms = 0;
+}
+
+uint64_t pilot_patience_us(uint32_t budget_us)
+{
+	return PILOT_PATIENCE_US + (uint64_t)(PILOT_OVERRUN * budget_us);
 }
 
 static enum status plan_of(const struct pilot *pilot, const candil_Render *render, struct plan *plan, struct error *err)
@@ -100,7 +104,7 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 	while (s == STATUS_OK && !result.finished) {
 		result = STEP_RESULT_NOTHING;
 		s = t->step(job, PILOT_SLICE_US, &result, err);
-		if (s == STATUS_OK && !result.finished && clock_us() - start > PILOT_PATIENCE_US)
+		if (s == STATUS_OK && !result.finished && clock_us() - start > pilot_patience_us(pilot->budget_us))
 			s = error_set(err, STATUS_LIMIT, "a pilot takes too long");
 	}
 	if (s == STATUS_OK)
@@ -180,28 +184,29 @@ struct estimate pilot_bias(const float *picture, const struct pilot_reference *r
 
 // What the second picture of a technique is to be: as large and with as many samples as fit, by the rate of the first. Of a
 // technique with noise it is drawn in two halves; another's is as large as the reference.
-static void plan_second(const struct pilot *pilot, bool noisy, double rate, const struct drawing *reference, double *pixels,
-			uint32_t *samples)
+static void plan_second(const struct pilot *pilot, bool noisy, double rate, const struct drawing *reference,
+			struct pilot_picture *out)
 {
 	const double asked = (double)pilot->render->width * pilot->render->height;
 	const double most = fmax(fmin(PILOT_MOST, asked / 4), fmin(PILOT_LEAST, asked));
-	*pixels = fmin(fmax(pilot->budget_us / (rate * 2 * PILOT_SAMPLES), PILOT_LEAST), most);
-	*samples = (uint32_t)fmin(fmax(pilot->budget_us / (rate * 2 * *pixels), PILOT_SAMPLES_LEAST), PILOT_SAMPLES_MOST);
+	const double paths = pilot->budget_us / (rate * 2); // of each half
+	out->pixels = fmin(fmax(paths / PILOT_SAMPLES, PILOT_LEAST), most);
+	out->samples = (uint32_t)fmin(fmax(paths / out->pixels, PILOT_SAMPLES_LEAST), PILOT_SAMPLES_MOST);
 	if (noisy)
 		return;
-	*samples = PILOT_SMOOTH;
+	out->samples = PILOT_SMOOTH;
 	if (reference->frame)
-		*pixels = (double)reference->frame->width * reference->frame->height;
+		out->pixels = (double)reference->frame->width * reference->frame->height;
 }
 
-static struct estimate mean_of(const struct estimate *a, const struct estimate *b)
+struct estimate pilot_mean(const struct estimate *a, const struct estimate *b)
 {
-	if (a->relmse < 0 || b->relmse < 0 || a->high < 0 || b->high < 0)
-		return a->relmse < b->relmse ? *a : *b;
+	if (a->relmse < 0 || b->relmse < 0)
+		return a->relmse < 0 ? *b : *a;
 	return (struct estimate){.kind = a->kind,
 				 .relmse = (a->relmse + b->relmse) / 2,
 				 .low = (a->low + b->low) / 2,
-				 .high = (a->high + b->high) / 2};
+				 .high = a->high < 0 || b->high < 0 ? -1 : (a->high + b->high) / 2};
 }
 
 static struct pilot_result result_of(const struct drawing *d)
@@ -215,29 +220,34 @@ static struct pilot_result result_of(const struct drawing *d)
 }
 
 // The second picture of a technique with noise, as two of half its samples: each is timed, and both are a reference.
-static enum status look_twice(const struct pilot *pilot, candil_Render *render, struct drawing halves[2],
+static enum status look_twice(const struct pilot *pilot, const struct pilot_picture *picture, struct drawing halves[2],
 			      struct pilot_result *result, struct error *err)
 {
-	enum status s = draw(pilot, render, &halves[0], err);
-	if (s != STATUS_OK)
-		return s;
-	render->first_sample = render->samples;
-	s = draw(pilot, render, &halves[1], err);
+	enum status s = STATUS_OK;
+	for (uint32_t i = 0; i < 2 && s == STATUS_OK; i++) {
+		struct pilot_picture half = *picture;
+		candil_Render render;
+		half.half = i;
+		pilot_request(pilot->render, &half, &render);
+		s = draw(pilot, &render, &halves[i], err);
+	}
 	if (s != STATUS_OK)
 		return s;
 	*result = result_of(&halves[0]);
 	result->fixed_us = (halves[0].fixed_us + halves[1].fixed_us) / 2;
 	result->pixel_us = (halves[0].pixel_us + halves[1].pixel_us) / 2;
 	result->sample_us = (halves[0].sample_us + halves[1].sample_us) / 2;
-	result->error = mean_of(&halves[0].frame->estimate, &halves[1].frame->estimate);
+	result->error = pilot_mean(&halves[0].frame->estimate, &halves[1].frame->estimate);
 	return STATUS_OK;
 }
 
-static enum status look_once(const struct pilot *pilot, const candil_Render *render, const struct drawing reference[2],
-			     struct pilot_result *result, struct error *err)
+static enum status look_once(const struct pilot *pilot, const struct pilot_picture *picture,
+			     const struct drawing reference[2], struct pilot_result *result, struct error *err)
 {
 	struct drawing d;
-	const enum status s = draw(pilot, render, &d, err);
+	candil_Render render;
+	pilot_request(pilot->render, picture, &render);
+	const enum status s = draw(pilot, &render, &d, err);
 	if (s != STATUS_OK)
 		return s;
 	*result = result_of(&d);
@@ -259,24 +269,22 @@ static enum status look(const struct pilot *pilot, const struct technique *t, st
 	const bool noisy = technique_traits(t->number) & TECHNIQUE_NOISE;
 	struct drawing first, halves[2] = {{0}};
 	candil_Render render;
-	double pixels;
-	uint32_t samples;
-	make_small(pilot, t->number, PILOT_TINY, noisy ? 2 : 1, &render);
+	struct pilot_picture tiny = {.technique = t->number, .pixels = PILOT_TINY, .samples = noisy ? 2 : 1}, second = tiny;
+	pilot_request(pilot->render, &tiny, &render);
 	enum status s = draw(pilot, &render, &first, err);
 	if (s != STATUS_OK)
 		return s;
 	// The first picture's rate is too slow rather than too fast, and may have compiled.
 	const double tried = (double)render.width * render.height * render.samples;
 	const double rate = fmax(first.sample_us / tried, 1e-4);
-	plan_second(pilot, noisy, rate, &reference[0], &pixels, &samples);
+	plan_second(pilot, noisy, rate, &reference[0], &second);
 	*result = result_of(&first);
 	result->cold_us = first.cold_us;
 	result->setup_us = first.setup_us;
 	frame_destroy(first.frame);
-	if (noisy && rate * 2 * pixels * samples > PILOT_OVERRUN * pilot->budget_us)
+	if (noisy && rate * 2 * second.pixels * second.samples > PILOT_OVERRUN * pilot->budget_us)
 		return STATUS_OK; // so slow that the first has to do
-	make_small(pilot, t->number, pixels, samples, &render);
-	s = noisy ? look_twice(pilot, &render, halves, result, err) : look_once(pilot, &render, reference, result, err);
+	s = noisy ? look_twice(pilot, &second, halves, result, err) : look_once(pilot, &second, reference, result, err);
 	if (s == STATUS_OK) {
 		const double work = (double)result->pixels * result->samples;
 		result->cold_us = first.cold_us + fmax(first.sample_us - result->sample_us * tried / work, 0);

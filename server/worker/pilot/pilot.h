@@ -25,9 +25,28 @@ struct pilot {
 	uint64_t memory; // bytes of the device that it may take
 };
 
-// Look by each technique. One that cannot render the request, or not within the memory or some time, leaves its result
-// zeroed. The bias of techniques without noise is known only if one with noise is looked at, too. Fails as plan_make does if
-// the request is wrong, and with STATUS_DEVICE.
+// One of its pictures.
+struct pilot_picture {
+	candil_Technique technique;
+	double pixels; // about so many, and none more than the request has
+	uint32_t samples;
+	uint32_t half; // 0 or 1: of one number are the same bits, of the two the noise is independent
+};
+
+// What is rendered for a picture of the request `asked`: as wide for its height, without an end, a target or channels.
+void pilot_request(const candil_Render *asked, const struct pilot_picture *picture, candil_Render *render);
+
+// How long one picture may take before it is given up: what its budget may be overrun by, and 10 s for what is beside it.
+uint64_t pilot_patience_us(uint32_t budget_us);
+
+// What two independent pictures of as many samples say together of the error of either: their mean, without an upper end if
+// one has none; of one that is unknown the other's.
+struct estimate pilot_mean(const struct estimate *a, const struct estimate *b);
+
+// Look by each technique. One that cannot render the request, or not within the memory, leaves its result zeroed; so does
+// one whose first, tiny picture is given up. If only the second is, the result is that of the first. The bias of techniques
+// without noise is known only if one with noise is looked at, too. Fails as plan_make does if the request is wrong, and with
+// STATUS_DEVICE.
 enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], struct error *err);
 
 // Two independent pictures by a technique with noise, of as many samples each.
@@ -39,8 +58,9 @@ struct pilot_reference {
 // The relMSE of `picture`, without noise and of the same size, beside what the reference tends to. With a and b the halves
 // (x − a)(x − b) has the mean (x − r)², whatever their noise. It is divided by ρ² + 0.01, where ρ is the mean of the
 // halves and of the pixels around if the halves agree, else that of the pixels around alone: a pixel that is dark by chance
-// would count a hundredfold. The ends are the deviation of the mean over pixels, taken as independent. Unknown where the
-// noise hides even its sign.
+// would count a hundredfold. Halves that disagree are clamped to four times what is around, so that the mean is (x − r)²
+// about alone where the noise is strong. The ends are the deviation of the mean over pixels, taken as independent. Unknown
+// where the noise hides even its sign.
 struct estimate pilot_bias(const float *picture, const struct pilot_reference *reference);
 
 #endif
