@@ -73,7 +73,7 @@ class Quotes(unittest.TestCase):
     def test_a_request_that_its_technique_refuses(self):
         path = make.cornell(daemon.folder)
         for wrong in (["--technique", "pt", "--set", "pt.nothing=3"], ["--camera", "nowhere"], ["--technique", "vct", "--set", "pt.depth=3"]):
-            self.assertEqual(daemon.candil("quote", path, *SIZE, *wrong, check=False)[0], 2, wrong)
+            self.assertEqual(daemon.candil("quote", path, *SIZE, "--pilot", "10", *wrong, check=False)[0], 2, wrong)
 
 
 if __name__ == "__main__":

@@ -151,6 +151,115 @@ static void intervals_learn_to_hold_nine_of_ten(void **state)
 	assert_in_range(inside, 240, 297);
 }
 
+static void a_scene_of_many_frames_is_one_scene(void **state)
+{
+	struct quote_model *m = *state;
+	// Of five scenes four take four times as long; the fifth has had sixty frames since.
+	for (uint64_t i = 0; i < 64; i++) {
+		const struct quote_query q = query(i < 4 ? i : 5, 1, PT, 4096, 16);
+		const struct quote_record r = frame(&q, i < 4 ? 4 : 1);
+		quote_keep(m, &r);
+	}
+	struct quote_query q = query(9, 1, PT, 4096, 16);
+	assert_true(quote_predict(m, &q).us > 2 * true_us(4096, 16));
+	// So are views of one scene.
+	for (uint64_t i = 0; i < 64; i++) {
+		q = query(7, i < 4 ? i : 5, PT, 4096, 16);
+		const struct quote_record r = frame(&q, i < 4 ? 4 : 1);
+		quote_keep(m, &r);
+	}
+	q.key.view = 9;
+	assert_true(quote_predict(m, &q).us > 2 * true_us(4096, 16));
+}
+
+static void intervals_of_scenes_that_are_new_hold(void **state)
+{
+	// Scenes differ by a factor of up to e² to either side, frames of one by a tenth.
+	struct quote_model *m = *state;
+	uint32_t seed = 1;
+	unsigned inside = 0;
+	for (uint64_t scene = 1; scene <= 60; scene++) {
+		seed = seed * 1664525u + 1013904223u;
+		const double scale = exp(4 * ((double)(seed >> 8) / 0x1p24 - 0.5));
+		for (int i = 0; i < 30; i++) {
+			const struct quote_query q = query(scene, 1, PT, 4096, 16);
+			seed = seed * 1664525u + 1013904223u;
+			const double times = scale * exp(0.2 * ((double)(seed >> 8) / 0x1p24 - 0.5));
+			const struct quote_prediction p = quote_predict(m, &q);
+			const double us = true_us(4096, 16) * times;
+			inside += i == 0 && scene > 20 && us >= p.us_low && us <= p.us_high;
+			teach(m, &q, times);
+		}
+	}
+	assert_in_range(inside, 32, 40);
+}
+
+static void scenes_and_views_are_learned_of_once(void **state)
+{
+	struct quote_model *m = *state;
+	for (uint64_t i = 0; i < 40; i++) {
+		// Ten frames of each of four views, the last two of one scene.
+		const struct quote_query q = query(i < 30 ? i / 10 : 2, i < 30 ? 1 : 2, PT, 4096, 16);
+		teach(m, &q, 1);
+	}
+	const double *count = m->habits[0].habit[PT][QUOTE_SAMPLE].count;
+	assert_int_equal((int)count[QUOTE_OTHERS], 2);
+	assert_int_equal((int)count[QUOTE_SCENE], 1);
+	assert_int_equal((int)count[QUOTE_FRAMES], 36);
+}
+
+static void what_is_near_is_believed_where_all_else_is_far_off(void **state)
+{
+	struct quote_model *m = *state;
+	for (uint64_t scene = 1; scene < 9; scene++) {
+		const struct quote_query q = query(scene, 1, PT, 4096, 16);
+		teach(m, &q, 1);
+	}
+	const struct quote_query q = query(9, 1, PT, 4096, 16);
+	struct quote_record pilot = frame(&q, 1);
+	pilot.pilot = 1;
+	pilot.spread = 0.6f;
+	quote_set_part(&pilot, QUOTE_ERROR, 150);
+	quote_learn(m, &pilot, NULL, 0);
+	const struct quote_prediction p = quote_predict(m, &q);
+	NEAR(p.error.relmse, 150 / 16.0, 1.3);
+	assert_int_equal(p.nearest[1], QUOTE_PILOTS);
+}
+
+static void a_small_pilot_says_less_than_a_large_one(void **state)
+{
+	struct quote_model *m = *state;
+	double wide[2];
+	for (int i = 0; i < 2; i++) {
+		const struct quote_query asked = query(1 + (uint64_t)i, 1, PT, 65536, 16),
+					 q = query(1 + (uint64_t)i, 1, PT, i ? 32768 : 1024, 16);
+		struct quote_record pilot = frame(&q, 1);
+		pilot.pilot = 1;
+		quote_learn(m, &pilot, NULL, 0);
+		const struct quote_prediction p = quote_predict(m, &asked);
+		wide[i] = log(p.error.high / p.error.low);
+	}
+	assert_true(wide[0] > 1.5 * wide[1]);
+}
+
+static void a_device_takes_a_free_place_or_the_oldest(void **state)
+{
+	struct quote_model *m = *state;
+	for (uint64_t where = 1; where <= LIMIT_QUOTE_DEVICES; where++) {
+		struct quote_query q = query(1, 1, PT, 4096, 16);
+		q.key.where = where;
+		teach(m, &q, 1);
+	}
+	struct quote_query q = query(1, 1, PT, 4096, 16);
+	teach(m, &q, 1); // the first is heard of again
+	for (uint64_t where = 1; where <= LIMIT_QUOTE_DEVICES; where++)
+		assert_int_equal(quote_make_habits(m, where)->where, where);
+	struct quote_habits *place = quote_make_habits(m, 77);
+	assert_ptr_equal(place, &m->habits[1]);
+	m->habits[2] = (struct quote_habits){0};
+	assert_ptr_equal(quote_make_habits(m, 78), &m->habits[2]);
+}
+
 static void a_setup_and_compiling_are_told_apart(void **state)
 {
 	struct quote_model *m = *state;
@@ -267,8 +376,27 @@ static void numbers_that_cannot_be_are_refused(void **state)
 	m->habits[0].habit[1][0].ps = 100;
 	assert_refused(m);
 	m->habits[0].habit[1][0].ps = 0;
-	m->habits[0].stretch[1][0] = 1e9;
+	m->habits[0].stretch[1][0][2] = 1e9;
 	assert_refused(m);
+	m->habits[0].stretch[1][0][2] = 1;
+	// Sums of nothing, of what nothing adds to them, and with squares that are less than the mean's.
+	struct quote_habit *h = &m->habits[0].habit[PT][QUOTE_SAMPLE];
+	for (int i = 0; i < 3; i++) {
+		h->count[QUOTE_PILOTS] = i;
+		h->sum[QUOTE_PILOTS] = i == 2 ? 0.5 : 1e6;
+		h->squares[QUOTE_PILOTS] = i == 2 ? 0.01 : 1;
+		assert_refused(m);
+	}
+	h->count[QUOTE_PILOTS] = h->sum[QUOTE_PILOTS] = h->squares[QUOTE_PILOTS] = 0;
+	// What is let in gives numbers.
+	for (int part = 0; part < QUOTE_PARTS; part++)
+		m->habits[0].habit[PT][part].p = m->habits[0].habit[PT][part].s = -1e6;
+	m->habits[0].habit[PT][QUOTE_ERROR].p = 1e6;
+	m->records[0].spread = 100;
+	assert_true(quote_habits_hold(&m->habits[0]) && quote_record_holds(&m->records[0]));
+	const struct quote_query far = query(1, 1, PT, 268435456, 65536);
+	const struct quote_prediction p = quote_predict(m, &far);
+	assert_true(isfinite(p.us_high) && p.us_low > 0 && isfinite(p.error.high) && p.error.low > 0);
 }
 
 // ---- the choice ------------------------------------------------------------------------------------------------------
@@ -406,6 +534,12 @@ int main(void)
 	    WITH_MODEL(what_is_nearer_says_more),
 	    WITH_MODEL(a_pilot_says_less_than_a_frame_and_frames_mend_it),
 	    WITH_MODEL(intervals_learn_to_hold_nine_of_ten),
+	    WITH_MODEL(a_scene_of_many_frames_is_one_scene),
+	    WITH_MODEL(intervals_of_scenes_that_are_new_hold),
+	    WITH_MODEL(scenes_and_views_are_learned_of_once),
+	    WITH_MODEL(what_is_near_is_believed_where_all_else_is_far_off),
+	    WITH_MODEL(a_small_pilot_says_less_than_a_large_one),
+	    WITH_MODEL(a_device_takes_a_free_place_or_the_oldest),
 	    WITH_MODEL(a_setup_and_compiling_are_told_apart),
 	    WITH_MODEL(the_oldest_records_go),
 	    WITH_MODEL(a_model_comes_back_from_its_file),

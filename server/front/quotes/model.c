@@ -9,12 +9,19 @@
 #define STRETCH_MOST 4.0
 #define AGE_LEAST 1e-3 // weight below which a record does not count any more
 #define OCTAVE 0.04 // deviation that each octave of pixels or samples between a record and a request adds
+#define COARSE 0.15 // the same of a pilot's error, with each octave of pixels
 #define BELIEF 4.0 // frames that what is assumed of a group counts as
 #define DRIFT_BELIEF 8.0 // octaves squared, of the drift
 #define MEMORY 64.0 // frames after which older ones count half
+#define WIDTH_MOST 20.0 // of a logarithm
+#define DRIFT_MOST 1.0 // of a logarithm, with one octave
+#define CLUSTERS 64u // of records that are one scene or one view, the latest
+#define CLUSTER_SLOTS 256u // a power of two
+#define CLUSTER_AGE 0.9 // weight of a cluster's record over that of its next newer one
 
 // What is assumed until frames tell: of a part, a guess for a processor and for a GPU, its deviation, the deviations of the
-// groups, the drift with each octave of pixels and of samples. Measured over our own scenes: tests/bench/RESULTS.md.
+// groups, the drift with each octave of pixels and of samples. Nothing is derived: the numbers were set by hand to what
+// tests/bench/bench_quote.py showed of its scenes on two cores of a processor, and those for a GPU are guesses.
 static const struct assumed {
 	double processor, gpu, deviation;
 	double group[QUOTE_GROUPS];
@@ -26,15 +33,19 @@ static const struct assumed {
     [QUOTE_ENCODE] = {0.02, 0.02, 0.7, {0.08, 0.3, 0.15, 0.3}, -0.05, 0},
     [QUOTE_SETUP] = {2e4, 1e4, 1.5, {0.3, 0.3, 0.5, 1.2}, 0, 0},
     [QUOTE_COLD] = {2e6, 5e5, 1.0, {0.3, 0.3, 0.4, 0.5}, 0, 0},
-    [QUOTE_ERROR] = {0.3, 0.3, 1.3, {0.05, 0.15, 0.5, 1.1}, -0.02, -0.05},
+    [QUOTE_ERROR] = {0.3, 0.3, 1.3, {0.05, 0.25, 0.5, 1.1}, -0.02, -0.05},
 };
 
-// Weight of a record over that of the next newer one of its group: of other scenes, many are to be heard.
+// Weight of a record, or of a cluster of them, over that of the next newer one of its group: of other scenes, many are to be
+// heard.
 static const double ages[QUOTE_GROUPS] = {0.8, 0.8, 0.9, 0.98};
 
 static double least_of(enum quote_part part)
 {
-	return part == QUOTE_ERROR ? 1e-12 : part == QUOTE_FIXED || part == QUOTE_SETUP ? 10 : 1e-6;
+	return part == QUOTE_ERROR                          ? 1e-12
+	       : part == QUOTE_COLD                         ? 1e3
+	       : part == QUOTE_FIXED || part == QUOTE_SETUP ? 10
+							    : 1e-6;
 }
 
 void quote_set_part(struct quote_record *record, enum quote_part part, double value)
@@ -64,12 +75,24 @@ static const struct quote_habits *find_habits(const struct quote_model *m, uint6
 	return NULL;
 }
 
-static struct quote_habits *make_habits(struct quote_model *m, uint64_t where)
+// When the device's newest record came; 0: it has none.
+static uint64_t last_seen(const struct quote_model *m, uint64_t where)
 {
+	for (uint32_t i = 0; i < m->count; i++)
+		if (newest(m, i)->key.where == where)
+			return newest(m, i)->stamp;
+	return 0;
+}
+
+struct quote_habits *quote_make_habits(struct quote_model *m, uint64_t where)
+{
+	struct quote_habits *h = m->habits;
 	for (unsigned i = 0; i < LIMIT_QUOTE_DEVICES; i++)
 		if (m->habits[i].where == where)
 			return &m->habits[i];
-	struct quote_habits *h = &m->habits[m->turn++ % LIMIT_QUOTE_DEVICES];
+	for (unsigned i = 1; i < LIMIT_QUOTE_DEVICES && h->where != 0; i++)
+		if (m->habits[i].where == 0 || last_seen(m, m->habits[i].where) < last_seen(m, h->where))
+			h = &m->habits[i];
 	*h = (struct quote_habits){.where = where};
 	return h;
 }
@@ -84,8 +107,8 @@ static void drift_of(const struct quote_habit *h, enum quote_part part, double *
 	const double p = h ? h->p + DRIFT_BELIEF * a->drift_pixels : a->drift_pixels;
 	const double s = h ? h->s + DRIFT_BELIEF * a->drift_samples : a->drift_samples;
 	const double determinant = pp * ss - ps * ps; // above 0, by the beliefs
-	*pixels = (p * ss - s * ps) / determinant;
-	*samples = (s * pp - p * ps) / determinant;
+	*pixels = fmax(fmin((p * ss - s * ps) / determinant, DRIFT_MOST), -DRIFT_MOST);
+	*samples = fmax(fmin((s * pp - p * ps) / determinant, DRIFT_MOST), -DRIFT_MOST);
 }
 
 // What frames have lain beside a group's word in the mean, and the variance about that.
@@ -115,6 +138,18 @@ static enum quote_group group_in(const struct quote_record *r, const struct quot
 	return r->key.scene == key->scene ? QUOTE_SCENE : QUOTE_OTHERS;
 }
 
+// Weighted sums over records.
+struct sums {
+	double weight, mean, spread;
+};
+
+static void add_to(struct sums *sums, double weight, double mean, double spread)
+{
+	sums->weight += weight;
+	sums->mean += weight * mean;
+	sums->spread += weight * spread;
+}
+
 // What the groups say of one part of a request.
 struct said {
 	double weight[QUOTE_GROUPS]; // 0: nothing
@@ -122,31 +157,84 @@ struct said {
 	double spread[QUOTE_GROUPS]; // of one frame's error of that size about its mean
 };
 
+// Records of one scene, or of one view of the request's scene, which speak once: sixty frames of one are no sixty scenes.
+struct clusters {
+	struct cluster {
+		uint64_t id;
+		enum quote_group group;
+		double age;
+		struct sums sums;
+	} at[CLUSTERS];
+	uint8_t slot[CLUSTER_SLOTS]; // of `at`, from 1; open addressing
+	unsigned count;
+};
+
+// NULL: of the newest there are enough.
+static struct cluster *cluster_of(struct clusters *c, const struct quote_record *r, enum quote_group group)
+{
+	const uint64_t id = group == QUOTE_OTHERS ? r->key.scene : r->key.look ^ r->key.view * 0x9e3779b97f4a7c15u;
+	uint32_t slot = (uint32_t)(id >> 32 ^ id) % CLUSTER_SLOTS;
+	for (; c->slot[slot] > 0; slot = (slot + 1) % CLUSTER_SLOTS) {
+		struct cluster *known = &c->at[c->slot[slot] - 1];
+		if (known->id == id && known->group == group)
+			return known;
+	}
+	if (c->count == CLUSTERS)
+		return NULL;
+	c->at[c->count] = (struct cluster){.id = id, .group = group, .age = 1};
+	c->slot[slot] = (uint8_t)(c->count + 1);
+	return &c->at[c->count++];
+}
+
+// A record's word on a part, carried to the request, goes to its group, or to its cluster.
+static void hear(struct sums *sums, double age, const struct quote_record *r, const struct quote_query *q,
+		 enum quote_part part, const double drift[2])
+{
+	const double pixels = log2(q->pixels / r->pixels), samples = log2(q->samples / r->samples);
+	const double own = part == QUOTE_ERROR ? (double)r->spread : OCTAVE;
+	// The larger a pixel, the more may be in it that one path in many sees.
+	const double coarse = part == QUOTE_ERROR && r->pilot ? COARSE : OCTAVE;
+	const double variance = own * own + coarse * coarse * pixels * pixels + OCTAVE * OCTAVE * samples * samples + 1e-6;
+	add_to(sums, age / variance, (double)r->part[part] + drift[0] * pixels + drift[1] * samples,
+	       (double)r->spread * sqrt(r->pixels / q->pixels));
+}
+
 static struct said ask(const struct quote_model *m, const struct quote_habit *h, const struct quote_query *q,
 		       enum quote_part part)
 {
 	struct said said = {0};
-	double age[QUOTE_GROUPS] = {1, 1, 1, 1}, drift_pixels, drift_samples;
-	drift_of(h, part, &drift_pixels, &drift_samples);
+	struct sums sums[QUOTE_GROUPS] = {{0}};
+	struct clusters clusters = {.count = 0};
+	double age[QUOTE_GROUPS] = {1, 1, 1, 1}, drift[2];
+	const double nothing = log(2 * least_of(part));
+	drift_of(h, part, &drift[0], &drift[1]);
 	for (uint32_t i = 0; i < m->count; i++) {
 		const struct quote_record *r = newest(m, i);
 		if (r->key.where != q->key.where || r->technique != q->technique || !knows(r, part))
 			continue;
 		const enum quote_group g = group_in(r, &q->key);
-		if (age[g] < AGE_LEAST)
+		// A view that is black tells nothing of one that is not.
+		if (g >= QUOTE_SCENE && part == QUOTE_ERROR && (double)r->part[part] < nothing)
 			continue;
-		const double pixels = log2(q->pixels / r->pixels), samples = log2(q->samples / r->samples);
-		const double own = part == QUOTE_ERROR ? (double)r->spread : OCTAVE;
-		const double variance = own * own + OCTAVE * OCTAVE * (pixels * pixels + samples * samples) + 1e-6;
-		const double weight = age[g] / variance;
-		age[g] *= ages[g];
-		said.weight[g] += weight;
-		said.spread[g] += weight * (double)r->spread * sqrt(r->pixels / q->pixels);
-		said.mean[g] += weight * ((double)r->part[part] + drift_pixels * pixels + drift_samples * samples);
+		struct cluster *cluster = g >= QUOTE_SCENE ? cluster_of(&clusters, r, g) : NULL;
+		double *weight = cluster ? &cluster->age : &age[g];
+		if (*weight < AGE_LEAST || (g >= QUOTE_SCENE && !cluster))
+			continue;
+		hear(cluster ? &cluster->sums : &sums[g], *weight, r, q, part, drift);
+		*weight *= cluster ? CLUSTER_AGE : ages[g];
+	}
+	// In the order of their newest records.
+	for (unsigned i = 0; i < clusters.count; i++) {
+		const struct cluster *c = &clusters.at[i];
+		const double apart = assumed[part].group[c->group], w = c->sums.weight;
+		add_to(&sums[c->group], age[c->group] / (1 / w + apart * apart), c->sums.mean / w, c->sums.spread / w);
+		said.weight[c->group] += age[c->group] * w; // how far clusters are apart is in the group's variance
+		age[c->group] *= ages[c->group];
 	}
 	for (int g = 0; g < QUOTE_GROUPS; g++) {
-		said.mean[g] = said.weight[g] > 0 ? said.mean[g] / said.weight[g] : 0;
-		said.spread[g] = said.weight[g] > 0 ? said.spread[g] / said.weight[g] : 0;
+		said.weight[g] = g >= QUOTE_SCENE ? said.weight[g] : sums[g].weight;
+		said.mean[g] = sums[g].weight > 0 ? sums[g].mean / sums[g].weight : 0;
+		said.spread[g] = sums[g].weight > 0 ? sums[g].spread / sums[g].weight : 0;
 	}
 	return said;
 }
@@ -154,9 +242,21 @@ static struct said ask(const struct quote_model *m, const struct quote_habit *h,
 // The logarithm of a part, and its variance.
 struct guess {
 	double mean, variance;
-	double pilots; // their share
+	enum quote_group nearest; // that knows; QUOTE_GROUPS: none
 	double spread; // of one frame's error
 };
+
+// Take in the word of a group that is further away. If it is far off what nearer ones say, this request is not like what it
+// is about: it counts by that distance, not by how far its members mostly are.
+static void take_in(struct guess *guess, double mean, double variance)
+{
+	const double off = mean - guess->mean;
+	if (guess->variance > 0)
+		variance = fmax(variance, off * off - guess->variance);
+	const double share = guess->variance > 0 ? guess->variance / (guess->variance + variance) : 1;
+	guess->mean += share * off;
+	guess->variance = share * variance;
+}
 
 static struct guess guess_part(const struct quote_model *m, const struct quote_habits *habits, const struct quote_query *q,
 			       enum quote_part part)
@@ -164,26 +264,29 @@ static struct guess guess_part(const struct quote_model *m, const struct quote_h
 	const struct quote_habit *h = habits ? &habits->habit[q->technique][part] : NULL;
 	const struct said said = ask(m, h, q, part);
 	const struct assumed *a = &assumed[part];
-	double weight = 1 / (a->deviation * a->deviation), pilots = 0, spread = 0;
-	double mean = weight * log(q->software ? a->processor : a->gpu);
+	struct guess out = {.nearest = QUOTE_GROUPS};
+	struct sums spread = {0};
 	for (int g = 0; g < QUOTE_GROUPS; g++) {
 		double shift, variance;
 		if (said.weight[g] <= 0)
 			continue;
 		group_of(h, part, (enum quote_group)g, &shift, &variance);
-		const double w = 1 / (variance + 1 / said.weight[g]);
-		weight += w;
-		mean += w * (said.mean[g] + shift);
-		pilots += g == QUOTE_PILOTS ? w : 0;
-		spread += w * said.spread[g];
+		variance += 1 / said.weight[g];
+		take_in(&out, said.mean[g] + shift, variance);
+		add_to(&spread, 1 / variance, 0, said.spread[g]);
+		out.nearest = out.nearest == QUOTE_GROUPS ? (enum quote_group)g : out.nearest;
 	}
-	return (struct guess){
-	    .mean = mean / weight, .variance = 1 / weight, .pilots = pilots / weight, .spread = spread / weight};
+	take_in(&out, log(q->software ? a->processor : a->gpu), a->deviation * a->deviation);
+	out.spread = spread.weight > 0 ? spread.spread / spread.weight : 0;
+	return out;
 }
 
-static double stretch_of(const struct quote_habits *h, uint32_t technique, int which)
+// How far the ends of an interval are from its middle, as a factor.
+static double width_of(const struct quote_habits *h, uint32_t technique, int which, enum quote_group nearest,
+		       double variance)
 {
-	return h && h->stretch[technique][which] > 0 ? h->stretch[technique][which] : 1;
+	const double learned = h ? h->stretch[technique][which][nearest] : 0;
+	return exp(fmin(NORMAL_90 * (learned > 0 ? learned : 1) * sqrt(variance), WIDTH_MOST));
 }
 
 static bool has_noise(uint32_t technique)
@@ -208,8 +311,10 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 		const double us = exp(g.mean) * times[part];
 		out.us += us;
 		variance += us * us * g.variance;
+		if (part == QUOTE_SAMPLE)
+			out.nearest[0] = g.nearest;
 	}
-	const double time_width = exp(NORMAL_90 * stretch_of(habits, q->technique, 0) * sqrt(variance) / out.us);
+	const double time_width = width_of(habits, q->technique, 0, out.nearest[0], variance / (out.us * out.us));
 	out.us_low = out.us / time_width;
 	out.us_high = out.us * time_width;
 	if (q->cold)
@@ -217,12 +322,13 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 	const struct guess e = guess_part(m, habits, q, QUOTE_ERROR);
 	// One picture by noise is better or worse than the next, as far as its pixels are few.
 	const double luck = has_noise(q->technique) ? fmin(e.spread, 1) : 0;
-	const double width = exp(NORMAL_90 * stretch_of(habits, q->technique, 1) * sqrt(e.variance + luck * luck));
+	out.nearest[1] = e.nearest;
+	const double width = width_of(habits, q->technique, 1, e.nearest, e.variance + luck * luck);
 	out.error.kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
 	out.error.relmse = exp(e.mean) / (has_noise(q->technique) ? q->samples : 1);
 	out.error.low = out.error.relmse / width;
 	out.error.high = out.error.relmse * width;
-	out.from_pilot = e.pilots > 0.5;
+	out.measured_high = out.error.relmse * exp(NORMAL_90 * fmin(e.spread, 1));
 	return out;
 }
 
@@ -257,15 +363,37 @@ static void learn_drift(const struct quote_model *m, struct quote_habit *h, cons
 	h->s /= 2;
 }
 
+// One that is far off, of a machine that was busy say, is not to spoil all that was learned.
+static double beside_most(enum quote_part part, int group)
+{
+	return 3 * assumed[part].group[group] + 0.3;
+}
+
+// The nearest that a frame before this one, which knew the part, was to it: FRAMES of its view, SCENE, else OTHERS.
+static enum quote_group nearest_frame(const struct quote_model *m, const struct quote_record *r, enum quote_part part)
+{
+	enum quote_group nearest = QUOTE_OTHERS;
+	for (uint32_t i = 0; i < m->count && nearest != QUOTE_FRAMES; i++) {
+		const struct quote_record *old = newest(m, i);
+		if (old->pilot || old->key.where != r->key.where || old->technique != r->technique || !knows(old, part))
+			continue;
+		const enum quote_group g = group_in(old, &r->key);
+		nearest = g < nearest ? g : nearest;
+	}
+	return nearest;
+}
+
 static void learn_groups(const struct quote_model *m, struct quote_habit *h, const struct quote_record *r,
 			 const struct quote_query *q, enum quote_part part)
 {
 	const struct said said = ask(m, h, q, part);
+	const enum quote_group before = nearest_frame(m, r, part);
 	for (int g = 0; g < QUOTE_GROUPS; g++) {
-		if (said.weight[g] <= 0)
+		// Of how far scenes are apart the first frame of one tells, and all others tell the same again; so of views.
+		if (said.weight[g] <= 0 || (g == QUOTE_OTHERS && before != QUOTE_OTHERS) ||
+		    (g != QUOTE_FRAMES && before == QUOTE_FRAMES))
 			continue;
-		// One that is far off, of a machine that was busy say, is not to spoil all that was learned.
-		const double most = 3 * assumed[part].group[g] + 0.3;
+		const double most = beside_most(part, g);
 		const double beside = fmax(fmin((double)r->part[part] - said.mean[g], most), -most);
 		h->count[g] += 1;
 		h->sum[g] += beside;
@@ -289,12 +417,12 @@ void quote_learn(struct quote_model *m, const struct quote_record *r, const stru
 {
 	if (q) {
 		const struct quote_prediction said = quote_predict(m, q);
-		struct quote_habits *h = make_habits(m, r->key.where);
+		struct quote_habits *h = quote_make_habits(m, r->key.where);
 		if (us > 0)
-			learn_stretch(&h->stretch[r->technique][0], us, said.us_low, said.us_high);
+			learn_stretch(&h->stretch[r->technique][0][said.nearest[0]], us, said.us_low, said.us_high);
 		if (knows(r, QUOTE_ERROR) && has_noise(r->technique))
-			learn_stretch(&h->stretch[r->technique][1], exp((double)r->part[QUOTE_ERROR]) / r->samples,
-				      said.error.low, said.error.high);
+			learn_stretch(&h->stretch[r->technique][1][said.nearest[1]],
+				      exp((double)r->part[QUOTE_ERROR]) / r->samples, said.error.low, said.error.high);
 		for (int part = 0; part < QUOTE_PARTS; part++) {
 			if (!knows(r, (enum quote_part)part))
 				continue;
@@ -363,6 +491,13 @@ static bool is_sum(double x, double least)
 	return x >= least && x <= 1e6;
 }
 
+// Sums of numbers none of which is beyond `most`: by Cauchy and Schwarz the squares are no less than the mean's.
+static bool are_sums(double count, double sum, double squares, double most)
+{
+	return is_sum(count, 0) && fabs(sum) <= most * count * (1 + 1e-9) && is_sum(squares, 0) &&
+	       squares <= most * most * count * (1 + 1e-9) && sum * sum <= squares * count * (1 + 1e-9);
+}
+
 bool quote_habits_hold(const struct quote_habits *habits)
 {
 	for (int t = 0; t < TECHNIQUE_COUNT; t++)
@@ -372,13 +507,15 @@ bool quote_habits_hold(const struct quote_habits *habits)
 			bool good = is_sum(h->pp, 0) && is_sum(h->ss, 0) && h->ps * h->ps <= h->pp * h->ss * (1 + 1e-9) &&
 				    is_sum(h->p, -1e6) && is_sum(h->s, -1e6);
 			for (int g = 0; g < QUOTE_GROUPS; g++)
-				good = good && is_sum(h->count[g], 0) && is_sum(h->sum[g], -1e6) && is_sum(h->squares[g], 0);
+				good = good && are_sums(h->count[g], h->sum[g], h->squares[g],
+							beside_most((enum quote_part)part, g));
 			if (!good)
 				return false;
 		}
 	for (int t = 0; t < TECHNIQUE_COUNT; t++)
 		for (int i = 0; i < 2; i++)
-			if (!(habits->stretch[t][i] >= 0 && habits->stretch[t][i] <= STRETCH_MOST))
-				return false;
+			for (int g = 0; g <= QUOTE_GROUPS; g++)
+				if (!(habits->stretch[t][i][g] >= 0 && habits->stretch[t][i][g] <= STRETCH_MOST))
+					return false;
 	return true;
 }

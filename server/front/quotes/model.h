@@ -5,14 +5,17 @@
 // request is predicted from five groups of records, the nearest first: frames of the same view and settings, pilots of
 // them, anything else of the same scene and technique, other scenes, and a guess that needs none. A group's members are
 // first carried to the size and samples of the request by the drift, which is learned: what a part changes by with each
-// doubling. A group's mean counts by the inverse of its variance, which is that of its members and that of the group: how
-// far frames have lain from what the group said (Cochran, Problems arising in the analysis of a series of similar
-// experiments, 1937). Both are learned from every frame, for each device, technique and part.
+// doubling. Of other scenes each speaks once, however many records it has, and so does each view of the same scene. A
+// group's mean counts by the inverse of its variance, which is that of its members and that of the group: how far frames
+// have lain from what the group said (Cochran, Problems arising in the analysis of a series of similar experiments, 1937);
+// but one that is further than that from what nearer groups say counts by that distance. Variances and drift are learned
+// from frames, for each device, technique and part: of how far scenes and views are apart from the first frame of each.
 //
-// Intervals. The logarithm of a time or an error is taken as normal. 1.645 deviations hold 90 %, times a stretch that every
-// frame corrects: by exp(0.2 · 0.9) where what came out lay outside, else by exp(−0.2 · 0.1). In the long run nine of ten
-// lie inside, whatever the distribution (Gibbs and Candès, Adaptive conformal inference under distribution shift, NeurIPS
-// 2021, equation 2, on the logarithm of the width).
+// Intervals. The logarithm of a time or an error is taken as normal. 1.645 deviations hold 90 %, times a stretch, which is
+// learned apart by the nearest group that knew something: each frame corrects it by exp(0.2 · 0.9) if what came out lay
+// outside, else by exp(−0.2 · 0.1). That tracks the quantile (Angelopoulos, Candès and Tibshirani, Conformal PID control
+// for time series prediction, NeurIPS 2023, section 2.1, on the logarithm of the width): in the long run nine of ten lie
+// inside, as far as a stretch between 0.5 and 4 does it.
 //
 // For the front's one thread. Nothing fails. Times are microseconds.
 #ifndef CANDIL_FRONT_QUOTES_MODEL_H
@@ -42,7 +45,7 @@ enum quote_group { QUOTE_FRAMES, QUOTE_PILOTS, QUOTE_SCENE, QUOTE_OTHERS, QUOTE_
 
 // What a record is about, hashed.
 struct quote_key {
-	uint64_t where; // the device, its driver, the build
+	uint64_t where; // the device, its driver, candil's version and the layout of its programs' messages
 	uint64_t scene; // with the picture of its surroundings
 	uint64_t look; // technique and options
 	uint64_t view; // camera and all else that shows, but the size and the samples
@@ -71,13 +74,12 @@ struct quote_habit {
 struct quote_habits {
 	uint64_t where; // 0: a free place
 	struct quote_habit habit[TECHNIQUE_COUNT][QUOTE_PARTS];
-	double stretch[TECHNIQUE_COUNT][2]; // of the intervals of time and error; 0: 1
+	double stretch[TECHNIQUE_COUNT][2][QUOTE_GROUPS + 1]; // of time and error, by the nearest group that knew; 0: 1
 };
 
 // Everything. Zeroed, it is empty.
 struct quote_model {
 	struct quote_habits habits[LIMIT_QUOTE_DEVICES];
-	uint32_t turn; // of the place that the next new device takes
 	uint32_t count; // of records, at most LIMIT_QUOTE_RECORDS
 	uint32_t oldest; // once there are so many
 	struct quote_record records[LIMIT_QUOTE_RECORDS]; // in the order of their coming, from `oldest` on
@@ -97,7 +99,8 @@ struct quote_prediction {
 	double us, us_low, us_high; // on an idle device, without cold_us
 	double cold_us; // 0 unless query->cold
 	struct estimate error; // never unknown
-	bool from_pilot; // the error is of a pilot more than of frames
+	double measured_high; // upper end of what a frame by noise will measure of its own error, likely
+	enum quote_group nearest[2]; // that knows something of the time and of the error; QUOTE_GROUPS: none
 	uint32_t records; // of the scene
 };
 
@@ -119,6 +122,9 @@ uint32_t quote_count_view(const struct quote_model *model, const struct quote_ke
 // Whether a record may be taken from a file.
 bool quote_record_holds(const struct quote_record *record);
 bool quote_habits_hold(const struct quote_habits *habits);
+
+// The habits of a device: its own, else a free place, else that of the device whose newest record is the oldest.
+struct quote_habits *quote_make_habits(struct quote_model *model, uint64_t where);
 
 // Add a record without learning from it.
 void quote_keep(struct quote_model *model, const struct quote_record *record);

@@ -112,7 +112,8 @@ static void make_reply(struct quotes *quotes, const struct quote *quote, candil_
 	reply->queue_ms = jobs_queue_us(quotes->jobs, quote->job, way.said.us, &reply->jobs) / 1000;
 	reply->cold_ms = way.said.cold_us / 1000;
 	reply->records = way.said.records;
-	snprintf(reply->from, sizeof reply->from, "%s", quote->piloted && way.said.from_pilot ? "pilot" : "model");
+	snprintf(reply->from, sizeof reply->from, "%s",
+		 quote->piloted && way.said.nearest[1] == QUOTE_PILOTS ? "pilot" : "model");
 	add_notes(quotes, quote, &way.said, reply);
 }
 

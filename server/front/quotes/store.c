@@ -14,7 +14,7 @@
 #include "server/base/log.h"
 
 #define QUOTE_FILE_MAGIC 0x544F5551u // "QUOT" read as little-endian
-#define QUOTE_FILE_VERSION 1u
+#define QUOTE_FILE_VERSION 2u
 
 struct file_head {
 	uint32_t magic, version;
@@ -167,7 +167,7 @@ static void merge(struct quote_model *into, const struct quote_model *ours)
 	}
 	for (unsigned i = 0; i < LIMIT_QUOTE_DEVICES; i++)
 		if (ours->habits[i].where != 0)
-			into->habits[i] = ours->habits[i];
+			*quote_make_habits(into, ours->habits[i].where) = ours->habits[i];
 }
 
 static bool make_folders(const char *folder)
