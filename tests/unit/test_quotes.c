@@ -410,6 +410,7 @@ static void predict(void *user, struct quote_way *way)
 	way->said.us = way->samples * (noisy ? 10000.0 : 5000.0) + (double)(int)way->technique;
 	way->said.error.relmse = noisy ? 1.0 / way->samples : 0.1 + 0.001 * (int)way->technique;
 	way->said.error.high = 1.2 * way->said.error.relmse;
+	way->said.measured_high = 1.1 * way->said.error.relmse;
 	way->said.cold_us = noisy ? 0 : 1e6;
 }
 
@@ -445,7 +446,14 @@ static void the_least_time_within_an_error(void **state)
 	(void)state;
 	candil_QuoteReply a = choose(&r, false);
 	assert_true(a.met && a.choice.technique == PT);
-	assert_int_equal(a.choice.samples, 100);
+	// It ends where the upper end of 1.1 / samples is first compared and low enough.
+	assert_int_equal(a.choice.samples, 128);
+	r.target_error = 1.1 / 96;
+	assert_int_equal(choose(&r, false).choice.samples, 96);
+	r.technique = PT;
+	r.target_error = 0.9;
+	assert_int_equal(choose(&r, false).choice.samples, 8);
+	r.technique = candil_Technique_TECHNIQUE_AUTO;
 	r.target_error = 0.2;
 	a = choose(&r, false);
 	assert_true(a.met && a.choice.time_ms < 6);
@@ -464,6 +472,26 @@ static void what_cannot_be_met_says_the_nearest(void **state)
 	r = (candil_Render){.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .target_error = 1e-9};
 	a = choose(&r, false);
 	assert_true(!a.met && a.choice.technique == PT && a.choice.samples == QUOTE_OPEN_SAMPLES);
+}
+
+static void what_could_not_render_the_scene_is_not_chosen(void **state)
+{
+	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .deadline_ms = 50};
+	struct quote_ask ask = {.render = &r, .share = 1, .predict = predict};
+	candil_QuoteReply a = {0};
+	(void)state;
+	quote_choose(&ask, &a);
+	assert_true(a.choice.technique != PT);
+	ask.refused = ~(1u << PT);
+	quote_choose(&ask, &a);
+	assert_int_equal(a.choice.technique, PT);
+	// What is named is named, and some technique is always chosen.
+	ask.refused = ~0u;
+	quote_choose(&ask, &a);
+	assert_true(a.has_choice && a.choice.technique != PT);
+	r.technique = DIRECT;
+	quote_choose(&ask, &a);
+	assert_int_equal(a.choice.technique, DIRECT);
 }
 
 static void this_very_request(void **state)
@@ -548,6 +576,7 @@ int main(void)
 	    cmocka_unit_test(the_least_error_within_a_time),
 	    cmocka_unit_test(the_least_time_within_an_error),
 	    cmocka_unit_test(what_cannot_be_met_says_the_nearest),
+	    cmocka_unit_test(what_could_not_render_the_scene_is_not_chosen),
 	    cmocka_unit_test(this_very_request),
 	    cmocka_unit_test(options_and_lenses_leave_what_takes_them),
 	    cmocka_unit_test(keys_know_what_shows),

@@ -1,5 +1,6 @@
-// Design note. Ways are predicted on a grid of samples, which is enough to see what beats what; the samples of the chosen
-// way are then found exactly. What is on the front of Pareto is beaten by no other way in both time and error.
+// Design note. Ways are predicted on a grid of samples, which is enough to see what beats what: the checkpoints where a
+// technique ends by its error, else powers of two, between which the samples that fit a time are then found. What is on the
+// front of Pareto is beaten by no other way in both time and error.
 #include "server/front/quotes/choose.h"
 
 #include <math.h>
@@ -8,6 +9,7 @@
 #include <string.h>
 
 #include "protocol/names.h"
+#include "server/base/checkpoint.h"
 
 #define WAYS 128u
 #define CLEAR_MOST 16u // of a technique without noise, whose samples smooth edges alone
@@ -74,11 +76,19 @@ static uint32_t samples_most(const struct quote_ask *ask, candil_Technique techn
 	return most < left ? (uint32_t)most : left;
 }
 
+// Whether a technique ends by its own measure of its error, at a checkpoint.
+static bool ends_by_error(const struct quote_ask *ask, candil_Technique technique)
+{
+	return ask->render->target_error > 0 && has_noise(technique);
+}
+
 static void add_technique(struct ways *ways, const struct quote_ask *ask, candil_Technique technique)
 {
 	const uint32_t most = samples_most(ask, technique);
+	const bool by_error = ends_by_error(ask, technique);
 	// What has no noise gains little from two samples over one.
-	for (uint32_t n = 1; n < most; n *= has_noise(technique) ? 2 : 4)
+	for (uint32_t n = by_error ? CHECKPOINT_FIRST : 1; n < most;
+	     n = by_error ? checkpoint_after(n) : n * (has_noise(technique) ? 2 : 4))
 		add_way(ways, ask, technique, n);
 	add_way(ways, ask, technique, most);
 }
@@ -108,8 +118,9 @@ static bool fits(const struct quote_ask *ask, const struct quote_way *way)
 	const candil_Render *r = ask->render;
 	if (r->deadline_ms > 0 && time_of(ask, way) > r->deadline_ms * 1000.0)
 		return false;
-	// Of what cannot be measured the upper end counts: nothing would mend it.
-	const double error = has_noise(way->technique) ? way->said.error.relmse : way->said.error.high;
+	// What can be measured goes on until the measure's upper end is low enough. Of what cannot the upper end counts:
+	// nothing would mend it.
+	const double error = has_noise(way->technique) ? way->said.measured_high : way->said.error.high;
 	return !(r->target_error > 0) || error <= r->target_error;
 }
 
@@ -127,30 +138,22 @@ static bool is_better(const struct quote_ask *ask, const struct quote_way *a, co
 	return time_of(ask, a) < time_of(ask, b);
 }
 
-// The number of samples, from those of a way that fits up to twice as many, that just fits.
+// The most samples, from those of a way that fits on, that still fit: twice as many do not.
 static void refine(const struct quote_ask *ask, struct quote_way *way)
 {
-	const bool by_error = ask->render->target_error > 0;
-	uint32_t low = by_error ? (way->samples + 1) / 2 : way->samples, high = by_error ? way->samples : 2 * way->samples;
 	const uint32_t most = samples_most(ask, way->technique);
-	struct quote_way best = *way, tried = *way;
-	if (high > most)
-		high = most;
-	while (low <= high) {
-		tried.samples = low + (high - low) / 2;
+	uint32_t low = way->samples, high = most < 2 * low ? most : 2 * low;
+	struct quote_way tried = *way;
+	while (low < high) {
+		tried.samples = high - (high - low) / 2;
 		ask->predict(ask->user, &tried);
-		const bool good = fits(ask, &tried);
-		if (good)
-			best = tried;
-		if (good == by_error) {
-			if (tried.samples == 0)
-				break;
-			high = tried.samples - 1;
+		if (fits(ask, &tried)) {
+			*way = tried;
+			low = tried.samples;
 		} else {
-			low = tried.samples + 1;
+			high = tried.samples - 1;
 		}
 	}
-	*way = best;
 }
 
 static void tell(const struct quote_way *way, candil_Choice *out)
@@ -228,20 +231,31 @@ static void tell_neighbours(const struct ways *ways, const struct quote_way *cho
 	}
 }
 
+// Those that cannot, unless the client named one, or no other is left.
+static uint32_t left_out(const struct quote_ask *ask)
+{
+	if (ask->render->technique != candil_Technique_TECHNIQUE_AUTO)
+		return 0;
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++)
+		if (quote_can(ask->render, (candil_Technique)t) && !(ask->refused >> t & 1u))
+			return ask->refused;
+	return 0;
+}
+
 void quote_choose(const struct quote_ask *ask, candil_QuoteReply *reply)
 {
 	struct ways ways = {0};
 	struct quote_way chosen;
 	const candil_Render *r = ask->render;
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++)
-		if (quote_can(r, (candil_Technique)t))
+		if (quote_can(r, (candil_Technique)t) && !(left_out(ask) >> t & 1u))
 			add_technique(&ways, ask, (candil_Technique)t);
 	if (r->target_error > 0 || r->deadline_ms > 0) {
 		chosen = ways.way[0];
 		for (unsigned i = 1; i < ways.count; i++)
 			if (is_better(ask, &ways.way[i], &chosen))
 				chosen = ways.way[i];
-		if (fits(ask, &chosen) && has_noise(chosen.technique))
+		if (fits(ask, &chosen) && has_noise(chosen.technique) && !ends_by_error(ask, chosen.technique))
 			refine(ask, &chosen);
 	} else {
 		chosen =

@@ -21,6 +21,7 @@ struct quote_ask {
 	const candil_Render *render; // a checked one: its technique (AUTO: any), samples, options, end, size
 	bool samples_given; // by the client, so that no technique is to take more
 	bool count_cold; // what is cold counts against the deadline
+	uint32_t refused; // bits 1 << candil_Technique: could not render the scene when it was looked at
 	double share; // of the device that is others', as times that the work takes longer: 1 if it is idle
 	void *user;
 	// Predict the request by a technique, samples and options. `way->said` is filled in.

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/checkpoint.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/luminance.h"
@@ -185,7 +186,7 @@ static enum status look_at_target(struct technique_job *j, bool *reached, struct
 	// The last look is the picture's own.
 	if (!plan_fits(&j->plan, clock_us(), (double)j->look_us))
 		return STATUS_OK;
-	if (!(j->plan.target_error > 0) || j->tile > 0 || j->sample == 0 || pt_error_checkpoint(j->sample - 1) != j->sample)
+	if (!(j->plan.target_error > 0) || j->tile > 0 || j->sample == 0 || checkpoint_after(j->sample - 1) != j->sample)
 		return STATUS_OK;
 	enum status s = j->error_sample == j->sample ? STATUS_OK : pt_error_measure(j, err);
 	*reached = j->estimate.high >= 0 && j->estimate.high <= j->plan.target_error;

@@ -19,15 +19,6 @@ static const struct shader error_shader = {.name = "error",
 					   .bindings = BIND_ERROR_COUNT,
 					   .push_bytes = sizeof(struct error_push)};
 
-uint32_t pt_error_checkpoint(uint32_t samples)
-{
-	uint32_t at = PT_ERROR_FIRST;
-	// The checkpoints are 2^k and 3·2^(k-1) in turns.
-	while (at <= samples)
-		at += (at & (at - 1)) == 0 ? at / 2 : at / 3;
-	return at;
-}
-
 static enum status bind_band(struct technique_job *j, struct pt_band *band, struct error *err)
 {
 	const struct buffer *buffers[BIND_MOST] = {NULL};

@@ -9,9 +9,6 @@
 
 struct technique_job;
 
-// Samples after which the error is first compared with a target: an estimate from fewer is too uncertain.
-#define PT_ERROR_FIRST 8u
-
 // Make what measuring needs: a compiled pipeline, a buffer and bindings. STATUS_MEMORY, STATUS_DEVICE; pt_error_finish frees
 // what was made by then.
 enum status pt_error_init(struct technique_job *job, struct error *err);
@@ -24,9 +21,5 @@ void pt_error_finish(struct technique_job *job);
 // surface, and is unknown else. Not to be called between the dispatches of a tile of one batch. Blocks. STATUS_MEMORY,
 // STATUS_DEVICE.
 enum status pt_error_measure(struct technique_job *job, struct error *err);
-
-// The least number of samples above `samples` at which the error is compared with a target: one of 8, 12, 16, 24, 32, 48…
-// These numbers are fixed, so the same request always ends at the same one.
-uint32_t pt_error_checkpoint(uint32_t samples);
 
 #endif

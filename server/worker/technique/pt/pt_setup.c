@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/checkpoint.h"
 #include "server/base/clock.h"
 #include "server/worker/technique/common/resolve.h"
 #include "server/worker/technique/common/scene_params.h"
@@ -84,7 +85,7 @@ void pt_job_next_batch(struct technique_job *j)
 		batch = pt_settings(&j->plan)->batch;
 	batch = least(least(batch, j->batch_most), j->plan.samples - j->sample);
 	if (j->plan.target_error > 0)
-		batch = least(batch, pt_error_checkpoint(j->sample) - j->sample);
+		batch = least(batch, checkpoint_after(j->sample) - j->sample);
 	if (j->plan.deadline && j->sample == 0)
 		batch = 1;
 	j->batch = batch > 0 ? batch : 1;
