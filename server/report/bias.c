@@ -36,14 +36,16 @@ static void over_seeds(const struct figures *f, const struct point *p, size_t ti
 	*variance = p->seeds > 1 ? squares / (double)(p->seeds - 1) : 0;
 }
 
-// The point whose seeds say how much noise the view's reference has: that with the most samples. NULL: there is none.
+// The point whose seeds say how much noise the view's reference has: made as the reference was, but for the samples; of
+// several that with the most. NULL: there is none. Another depth or a clamp would have another variance.
 static const struct point *noise_of_view(const struct figures *f, uint32_t view)
 {
+	const struct study_run *reference = f->views[view].run;
 	const struct point *best = NULL;
-	for (size_t i = 0; i < f->point_count; i++) {
+	for (size_t i = 0; i < f->point_count && reference; i++) {
 		const struct point *p = &f->points[i];
-		if (p->runs[0].view == view && p->noise && p->seeds > 1 && p->runs[0].samples > 0 &&
-		    (!best || p->runs[0].samples > best->runs[0].samples))
+		if (p->runs[0].view == view && p->noise && p->runs[0].samples > 0 && reference->samples > 0 &&
+		    study_same_but_samples(&p->runs[0], reference) && (!best || p->runs[0].samples > best->runs[0].samples))
 			best = p;
 	}
 	return best;
@@ -64,8 +66,12 @@ static enum status find(const struct figures *f, struct point *p, const struct p
 		double mean, variance, ignored, of_noise;
 		over_seeds(f, p, t, &mean, &variance);
 		over_seeds(f, noise, t, &ignored, &of_noise);
-		const struct sample_mean a = {mean, p->noise ? variance / (double)p->seeds : 0, (double)p->seeds - 1};
-		const struct sample_mean b = {reference->tiles[t], of_noise * ratio, (double)noise->seeds - 1};
+		struct sample_mean a = {mean, variance / (double)p->seeds, (double)p->seeds - 1};
+		struct sample_mean b = {reference->tiles[t], of_noise * ratio, (double)noise->seeds - 1};
+		if (p == noise) { // one variance stands for both means
+			a.variance += b.variance;
+			b.variance = 0;
+		}
 		values[t] = statistics_welch(a, b);
 		by_chance += values[t] < BIAS_ALPHA;
 		p->bias.difference[t] = (float)((mean - b.value) / (fabs(b.value) + 0.1));
@@ -82,10 +88,9 @@ enum status bias_find(struct figures *f, struct error *err)
 	enum status s = values ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory for a map of bias");
 	for (size_t i = 0; i < f->point_count && s == STATUS_OK; i++) {
 		struct point *p = &f->points[i];
-		const struct reference *reference = &f->views[p->runs[0].view];
 		const struct point *noise = noise_of_view(f, p->runs[0].view);
-		// A noisy picture that is there once says nothing about its own noise.
-		if (noise && p->seeds > (p->noise ? 1u : 0u) && reference->run && reference->run->samples > 0)
+		// A picture that is there once says nothing about its own noise.
+		if (noise && p->seeds > 1)
 			s = find(f, p, noise, values, err);
 	}
 	free(values);

@@ -10,7 +10,7 @@
 #include "server/compare/comparison.h"
 #include "server/report/bias.h"
 
-bool figures_noise(const char *technique)
+bool figures_converges(const char *technique)
 {
 	const int number = technique_number(technique, strlen(technique));
 	return number >= 0 && (technique_traits((unsigned)number) & TECHNIQUE_NOISE) != 0;
@@ -100,26 +100,37 @@ static enum status read_reference(struct figures *f, uint32_t view, struct error
 
 static double correct(double measured, const struct reference *reference)
 {
-	return fmax(0, measured - figures_least(reference));
+	return fmax(0, measured - figures_own(reference));
 }
 
+// What measuring needs beside a point: buffers for one picture, and sums over the seeds of the point at hand.
 struct sums {
+	float *error; // the map of one picture
+	struct picture mean; // the seeds' pictures, added up
 	double relmse[RUNS_OF_POINT]; // of each seed, as measured
 	double rmse, difference;
 };
 
+static void add_picture(struct picture *mean, const struct picture *picture, bool first)
+{
+	const size_t values = 3 * (size_t)picture->width * picture->height;
+	for (size_t i = 0; i < values; i++)
+		mean->rgb[i] = (first ? 0 : mean->rgb[i]) + picture->rgb[i];
+}
+
 // Measure the image of one run. Without one that holds, its figures stay unknown.
-static enum status measure_run(struct figures *f, struct point *p, const struct study_run *run, float *error,
-			       struct sums *sums, struct error *err)
+static enum status measure_run(struct figures *f, struct point *p, const struct study_run *run, struct sums *sums,
+			       struct error *err)
 {
 	const struct reference *reference = &f->views[run->view];
 	struct picture picture;
 	struct comparison comparison;
 	enum status s = figures_picture(f->study, run, &picture, err);
 	if (s == STATUS_OK) {
-		s = p->shown
-			? metrics_compare(&picture, &reference->picture, (double)INFINITY, &comparison.metrics, error, err)
-			: comparison_make(&picture, &reference->picture, (double)INFINITY, &comparison, error, NULL, err);
+		s = p->shown || run->kind != STUDY_POINT ? metrics_compare(&picture, &reference->picture, (double)INFINITY,
+									   &comparison.metrics, sums->error, err)
+							 : comparison_make(&picture, &reference->picture, (double)INFINITY,
+									   &comparison, sums->error, NULL, err);
 	}
 	if (s != STATUS_OK) {
 		picture_finish(&picture);
@@ -129,13 +140,16 @@ static enum status measure_run(struct figures *f, struct point *p, const struct 
 	}
 	if (!p->shown) {
 		p->shown = run;
-		p->flip = comparison.flip.mean;
-		p->flip_max = comparison.flip.max;
+		if (run->kind == STUDY_POINT) {
+			p->flip = comparison.flip.mean;
+			p->flip_max = comparison.flip.max;
+		}
 	}
 	if (comparison.metrics.non_finite_a > 0)
 		study_miss(f->study, run->id, "%llu pixels are not finite and do not count",
 			   (unsigned long long)comparison.metrics.non_finite_a);
 	bias_tiles(f, &picture, p->tiles + p->seeds * f->columns * f->rows);
+	add_picture(&sums->mean, &picture, p->seeds == 0);
 	sums->relmse[p->seeds++] = comparison.metrics.relmse;
 	sums->rmse += comparison.metrics.rmse;
 	sums->difference += comparison.metrics.mean_difference;
@@ -144,25 +158,10 @@ static enum status measure_run(struct figures *f, struct point *p, const struct 
 	return STATUS_OK;
 }
 
-struct costs {
-	const double *relmse, *seconds;
-};
-
-static double efficiency_of_picked(const void *context, const size_t *pick, size_t count)
-{
-	const struct costs *c = context;
-	double relmse = 0, seconds = 0;
-	for (size_t i = 0; i < count; i++) {
-		relmse += c->relmse[pick[i]];
-		seconds += c->seconds[pick[i]];
-	}
-	return (double)count * (double)count / (relmse * seconds);
-}
-
-// Times by warm and by cold runs; the efficiency by the runs that have both a time and an error.
+// Times by warm and by cold runs; the efficiency by the first warm run of each seed that has an error.
 static void time_point(struct point *p)
 {
-	double warm[RUNS_OF_POINT], cold[RUNS_OF_POINT], relmse[RUNS_OF_POINT], seconds[RUNS_OF_POINT];
+	double warm[RUNS_OF_POINT], cold[RUNS_OF_POINT], costs[RUNS_OF_POINT];
 	size_t both = 0;
 	for (size_t i = 0; i < p->count; i++) {
 		const struct study_run *run = &p->runs[i];
@@ -173,59 +172,86 @@ static void time_point(struct point *p)
 			continue;
 		}
 		warm[p->warm_runs++] = run->seconds;
-		if (p->run_relmse[i] > 0) {
-			relmse[both] = p->run_relmse[i];
-			seconds[both++] = run->seconds;
-		}
+		if (p->run_relmse[i] > 0 && (i == 0 || run[-1].seed != run->seed))
+			costs[both++] = p->run_relmse[i] * run->seconds;
 	}
-	p->seconds_interval = statistics_bootstrap_median(warm, p->warm_runs);
+	p->seconds_interval = statistics_median_interval(warm, p->warm_runs);
 	p->seconds = statistics_median(warm, p->warm_runs);
 	p->cold_seconds = statistics_median(cold, p->cold_runs);
-	p->efficiency = p->relmse > 0 ? 1 / (p->relmse * p->seconds) : (double)NAN;
-	const struct costs costs = {relmse, seconds};
-	p->efficiency_interval = statistics_bootstrap(efficiency_of_picked, &costs, both);
+	p->efficiency = (double)NAN;
+	p->efficiency_interval = (struct interval){(double)NAN, (double)NAN};
+	if (p->resolved && p->relmse_noise >= p->relmse / 2) {
+		const struct interval cost = statistics_mean_interval(costs, both);
+		p->efficiency = 1 / (p->relmse * p->seconds);
+		if (cost.low > 0)
+			p->efficiency_interval =
+			    (struct interval){fmin(1 / cost.high, p->efficiency), fmax(1 / cost.low, p->efficiency)};
+	}
 }
 
-static void finish_errors(struct point *p, const struct reference *reference, const struct sums *sums)
+// How much of the error the mean of the seeds' pictures has lost: of a variance the mean of n has 1/n left.
+static enum status find_noise(struct point *p, const struct reference *reference, struct sums *sums, struct error *err)
 {
+	const size_t values = 3 * (size_t)sums->mean.width * sums->mean.height;
+	const double n = (double)p->seeds;
+	struct metrics metrics;
+	for (size_t i = 1; i < p->seeds; i++)
+		p->noise = p->noise || sums->relmse[i] != sums->relmse[0];
+	p->relmse_noise = p->seeds > 1 ? 0 : (double)NAN;
+	if (!p->noise)
+		return STATUS_OK;
+	for (size_t i = 0; i < values; i++)
+		sums->mean.rgb[i] /= (float)n;
+	const enum status s =
+	    metrics_compare(&sums->mean, &reference->picture, (double)INFINITY, &metrics, sums->error, err);
+	if (s == STATUS_OK)
+		p->relmse_noise = fmax(0, (p->relmse_measured - metrics.relmse) * n / (n - 1));
+	return s;
+}
+
+static enum status finish_errors(struct point *p, const struct reference *reference, struct sums *sums, struct error *err)
+{
+	const double own = figures_own(reference);
+	const double own_low = reference->low >= 0 ? reference->low : own;
+	const double own_high = reference->high >= own ? reference->high : own;
 	p->relmse_measured = statistics_mean(sums->relmse, p->seeds);
 	p->relmse = correct(p->relmse_measured, reference);
-	p->resolved = p->relmse >= figures_least(reference) && p->relmse > 0;
+	p->resolved = p->relmse >= own_high && p->relmse > 0;
 	p->rmse = sums->rmse / (double)p->seeds;
 	p->mean_difference = sums->difference / (double)p->seeds;
-	const struct interval measured = statistics_bootstrap_mean(sums->relmse, p->seeds);
-	p->relmse_interval = (struct interval){correct(measured.low, reference), correct(measured.high, reference)};
-	if (!p->noise)
-		p->relmse_interval = (struct interval){p->relmse, p->relmse};
-	else if (p->seeds < 2)
-		p->relmse_interval = measured; // unknown
+	const struct interval measured = statistics_mean_interval(sums->relmse, p->seeds);
+	if (isfinite(measured.low) && isfinite(measured.high)) {
+		p->seeds_interval = (struct interval){fmax(0, measured.low - own), fmax(0, measured.high - own)};
+		p->relmse_interval = (struct interval){fmax(0, measured.low - own_high), fmax(0, measured.high - own_low)};
+	}
+	return find_noise(p, reference, sums, err);
 }
 
-static enum status measure_point(struct figures *f, struct point *p, float *error, struct error *err)
+static enum status measure_point(struct figures *f, struct point *p, struct sums *sums, struct error *err)
 {
 	const struct reference *reference = &f->views[p->runs[0].view];
 	const size_t tiles = (size_t)f->columns * f->rows;
-	struct sums sums = {0};
 	size_t room;
 	if (!checked_mul(p->count, tiles, &room))
 		return error_set(err, STATUS_LIMIT, "a point has too many runs");
-	p->noise = figures_noise(p->runs[0].technique);
 	p->tiles = calloc(room, sizeof *p->tiles);
 	p->run_relmse = calloc(p->count, sizeof *p->run_relmse);
 	if (!p->tiles || !p->run_relmse)
 		return error_set(err, STATUS_MEMORY, "no memory for the figures of a point");
 	p->relmse = p->relmse_measured = p->rmse = p->mean_difference = p->flip = p->flip_max = (double)NAN;
-	p->relmse_interval = (struct interval){(double)NAN, (double)NAN};
+	p->relmse_noise = (double)NAN;
+	p->relmse_interval = p->seeds_interval = (struct interval){(double)NAN, (double)NAN};
+	sums->rmse = sums->difference = 0;
 	enum status s = STATUS_OK;
 	for (size_t i = 0; i < p->count && s == STATUS_OK; i++) {
 		const struct study_run *run = &p->runs[i];
 		const bool again = i > 0 && run[-1].seed == run->seed && isfinite(p->run_relmse[i - 1]);
 		p->run_relmse[i] = again ? p->run_relmse[i - 1] : (double)NAN; // the same seed has the same picture
-		if (reference->run && !again)
-			s = measure_run(f, p, run, error, &sums, err);
+		if (reference->run && run->kind != STUDY_COLD && !again)
+			s = measure_run(f, p, run, sums, err);
 	}
-	if (p->seeds > 0)
-		finish_errors(p, reference, &sums);
+	if (p->seeds > 0 && s == STATUS_OK)
+		s = finish_errors(p, reference, sums, err);
 	time_point(p);
 	return s;
 }
@@ -248,7 +274,7 @@ static int by_time(const void *a, const void *b)
 }
 
 // The points of one kind; the runs are sorted by group.
-static enum status collect(struct figures *f, enum study_kind kind, struct point **points, size_t *count, float *error,
+static enum status collect(struct figures *f, enum study_kind kind, struct point **points, size_t *count, struct sums *sums,
 			   struct error *err)
 {
 	struct study *study = f->study;
@@ -264,7 +290,7 @@ static enum status collect(struct figures *f, enum study_kind kind, struct point
 		if (study->runs[i].kind == kind) {
 			struct point *p = &(*points)[(*count)++];
 			*p = (struct point){.runs = &study->runs[i], .count = end - i};
-			s = measure_point(f, p, error, err);
+			s = measure_point(f, p, sums, err);
 		}
 		i = end;
 	}
@@ -273,11 +299,12 @@ static enum status collect(struct figures *f, enum study_kind kind, struct point
 	return s;
 }
 
+// What is not resolved is not on the front, though it beats what is.
 static void mark_pareto(struct figures *f)
 {
 	for (size_t i = 0; i < f->point_count; i++) {
 		struct point *p = &f->points[i];
-		p->pareto = isfinite(p->seconds) && isfinite(p->relmse);
+		p->pareto = isfinite(p->seconds) && p->resolved;
 		for (size_t k = 0; k < f->point_count && p->pareto; k++) {
 			const struct point *q = &f->points[k];
 			const bool as_good = q->seconds <= p->seconds && q->relmse <= p->relmse;
@@ -295,21 +322,33 @@ enum status figures_measure(struct study *study, struct figures *f, struct error
 	f->columns = (study->width + f->tile - 1) / f->tile;
 	f->rows = (study->height + f->tile - 1) / f->tile;
 	f->views = calloc(study->views, sizeof *f->views);
-	float *error = malloc((size_t)study->width * study->height * sizeof *error);
-	enum status s = f->views && error ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory for the figures");
+	const size_t pixels = (size_t)study->width * study->height;
+	struct sums *sums = calloc(1, sizeof *sums);
+	if (sums) {
+		sums->error = malloc(pixels * sizeof *sums->error);
+		sums->mean = (struct picture){
+		    .width = study->width, .height = study->height, .rgb = malloc(3 * pixels * sizeof *sums->mean.rgb)};
+	}
+	enum status s = f->views && sums && sums->error && sums->mean.rgb
+			    ? STATUS_OK
+			    : error_set(err, STATUS_MEMORY, "no memory for the figures");
 	for (uint32_t view = 0; view < study->views && s == STATUS_OK; view++)
 		s = read_reference(f, view, err);
 	if (s == STATUS_OK)
-		s = collect(f, STUDY_POINT, &f->points, &f->point_count, error, err);
+		s = collect(f, STUDY_POINT, &f->points, &f->point_count, sums, err);
 	if (s == STATUS_OK)
-		s = collect(f, STUDY_ABLATION, &f->ablations, &f->ablation_count, error, err);
+		s = collect(f, STUDY_ABLATION, &f->ablations, &f->ablation_count, sums, err);
 	if (s == STATUS_OK)
-		s = collect(f, STUDY_COLD, &f->colds, &f->cold_count, error, err);
+		s = collect(f, STUDY_COLD, &f->colds, &f->cold_count, sums, err);
 	if (s == STATUS_OK)
 		s = bias_find(f, err);
 	if (s == STATUS_OK)
 		mark_pareto(f);
-	free(error);
+	if (sums) {
+		free(sums->error);
+		free(sums->mean.rgb);
+	}
+	free(sums);
 	return s;
 }
 

@@ -6,6 +6,9 @@
 // and r independent and E r = t, E (x − r)² = E (x − t)² + E (r − t)². So that is taken off wherever it is known, and what
 // is left is never below 0. Where it is less than the reference's own the point is not resolved: the reference is too noisy
 // to tell its error. RMSE and FLIP stay as they are measured, and so does the signed mean, which noise does not move.
+//
+// Whether a point has noise is seen from its pictures: those of two seeds differ, or they do not. A technique whose error
+// hardly falls with the samples still differs from seed to seed if the seed moves where in a pixel it looks.
 #ifndef CANDIL_REPORT_FIGURES_H
 #define CANDIL_REPORT_FIGURES_H
 
@@ -25,9 +28,9 @@
 // Of a point: is its difference from the reference noise or bias? By Welch's test on the mean luminance of every tile over
 // the seeds (Jung, Hanika, Dachsbacher, "Detecting Bias in Monte Carlo Renderers using Welch's t-test", Journal of Computer
 // Graphics Techniques 9(2), 2020). The second sample is the reference: its mean is the reference image's, its variance that
-// of the same view's picture with the most samples of a technique with noise, over that one's seeds, times the ratio of the
-// samples: variance falls as 1/N. A technique without noise is a sample of one value. Of the tiles told from noise at most
-// BIAS_ALPHA are by chance.
+// of the point with the reference's own technique and settings but fewer samples, over that one's seeds, times the ratio of
+// the samples: variance falls as 1/N. For that point itself both have one variance, of n - 1 degrees. Of the tiles told from
+// noise at most BIAS_ALPHA are by chance.
 struct bias {
 	uint32_t tiles; // 0: there was nothing to tell it from noise by
 	double share; // of the tiles that are biased
@@ -39,18 +42,21 @@ struct bias {
 struct point {
 	struct study_run *runs; // `count` of them, which belong to the study
 	size_t count;
-	const struct study_run *shown; // whose image is shown and whose FLIP it is: the first with an image; NULL: none
-	bool noise; // of its technique
+	const struct study_run *shown; // whose image is shown and whose FLIP it is: the first with an image; NULL: none.
+				       // FLIP is of kind "point" alone, and the images of kind "cold" are not read
+	bool noise; // its seeds' pictures differ
 	size_t seeds; // with an image, each counted once
 	double relmse, relmse_measured; // mean over seeds, corrected and not
-	struct interval relmse_interval; // of the corrected mean; equal to it for a technique without noise
-	bool resolved;
+	struct interval relmse_interval; // of the corrected mean, by its seeds and the reference's own interval
+	struct interval seeds_interval; // by its seeds alone: for points that have the same reference
+	double relmse_noise; // how much of relmse is noise, which the mean of the seeds' pictures tells; NaN: one seed
+	bool resolved; // relmse is above the upper end of the reference's own: only then it takes part in comparisons
 	double rmse, mean_difference, flip, flip_max; // mean over seeds; flip's of `shown` alone
 	double seconds; // median of the warm runs; NaN: there is none
 	struct interval seconds_interval;
 	double cold_seconds; // median of the cold ones
 	size_t warm_runs, cold_runs;
-	double efficiency; // 1 / (relMSE · s)
+	double efficiency; // 1 / (relMSE · s); NaN where noise is less than half of relMSE: then more time buys less
 	struct interval efficiency_interval;
 	bool pareto; // no other point of the view is as accurate and as quick
 	struct bias bias;
@@ -82,15 +88,16 @@ struct figures {
 enum status figures_measure(struct study *study, struct figures *figures, struct error *err);
 void figures_finish(struct figures *figures); // a zeroed one is fine
 
-// Whether a technique's error falls with the samples (protocol/names.h). One that this build does not know has no noise.
-bool figures_noise(const char *technique);
+// Whether a technique's error falls with the samples for good (protocol/names.h): then it has no floor. One that this build
+// does not know has one.
+bool figures_converges(const char *technique);
 
 // Read a run's image, which has the study's size. Failures are those of study_path and picture_read.
 enum status figures_picture(const struct study *study, const struct study_run *run, struct picture *picture,
 			    struct error *err);
 
-// The value that is not to be told from 0 with this reference: below it nothing is resolved; 0 if it is unknown.
-static inline double figures_least(const struct reference *reference)
+// What is taken off for the reference's own error; 0 if it is unknown.
+static inline double figures_own(const struct reference *reference)
 {
 	return reference->relmse > 0 ? reference->relmse : 0;
 }

@@ -19,7 +19,7 @@ static void add_technique(struct judgement *j, struct study *study, const char *
 	if (j->technique_count == JUDGE_TECHNIQUES)
 		study_miss(study, NULL, "technique %.60s: a report has room for %u", name, JUDGE_TECHNIQUES);
 	else
-		j->techniques[j->technique_count++] = (struct judge_technique){name, figures_noise(name)};
+		j->techniques[j->technique_count++] = (struct judge_technique){name, figures_converges(name)};
 }
 
 // In the order of study.json, then those that have points all the same.
@@ -57,43 +57,85 @@ const struct point *judge_best(const struct figures *f, uint32_t view, const cha
 	return best;
 }
 
+// Whether the error of `a` is lower than that of `b` by more than the seeds' and the reference's chance; of unknown
+// intervals never.
+static bool told_below(const struct point *a, const struct point *b)
+{
+	return a->relmse_interval.high < b->relmse_interval.low;
+}
+
 // ---- floors ----
 
-static bool same_but_samples(const struct point *a, const struct point *b)
+// The point with the same settings and the most samples below this one's. NULL: there is none.
+static const struct point *before(const struct figures *f, const struct point *p)
 {
-	json_t *x = json_copy((json_t *)a->runs[0].settings), *y = json_copy((json_t *)b->runs[0].settings);
-	json_object_del(x, "samples");
-	json_object_del(y, "samples");
-	const bool same = json_equal(x, y) && strcmp(a->runs[0].effects, b->runs[0].effects) == 0;
-	json_decref(x);
-	json_decref(y);
-	return same;
-}
-
-static const struct point *find_floor(const struct figures *f, uint32_t view, const char *technique)
-{
-	const struct point *lowest = NULL;
+	const struct point *found = NULL;
 	for (size_t i = 0; i < f->point_count; i++) {
-		const struct point *p = &f->points[i];
-		bool most = p->runs[0].view == view && is_of(p, technique) && isfinite(p->relmse) && !p->noise;
-		for (size_t k = 0; k < f->point_count && most; k++) {
-			const struct point *q = &f->points[k];
-			most = !(q->runs[0].view == view && is_of(q, technique) && isfinite(q->relmse) &&
-				 q->runs[0].samples > p->runs[0].samples && same_but_samples(p, q));
-		}
-		if (most && (!lowest || p->relmse < lowest->relmse))
-			lowest = p;
+		const struct point *q = &f->points[i];
+		if (q->runs[0].view == p->runs[0].view && isfinite(q->relmse) && q->runs[0].samples < p->runs[0].samples &&
+		    study_same_but_samples(&q->runs[0], &p->runs[0]) &&
+		    (!found || q->runs[0].samples > found->runs[0].samples))
+			found = q;
 	}
-	return lowest;
+	return found;
 }
 
-double judge_floor(const struct judgement *j, size_t technique)
+// The reference's own error is the same in both, so that the seeds alone say whether they differ. An error that is mostly
+// noise would fall if there were more samples, whatever wide intervals say.
+static enum judge_fall fall_of(const struct point *p, const struct point *earlier)
+{
+	if (!earlier || !isfinite(p->seeds_interval.high) || !isfinite(earlier->seeds_interval.low))
+		return JUDGE_UNKNOWN;
+	if (p->seeds_interval.high < earlier->seeds_interval.low)
+		return JUDGE_FALLING;
+	return p->relmse_noise >= p->relmse / 2 && p->relmse_noise > 0 ? JUDGE_UNKNOWN : JUDGE_HELD;
+}
+
+static bool has_most_samples(const struct figures *f, const struct point *p, uint32_t view, const char *technique)
+{
+	if (p->runs[0].view != view || !is_of(p, technique) || !isfinite(p->relmse))
+		return false;
+	for (size_t k = 0; k < f->point_count; k++) {
+		const struct point *q = &f->points[k];
+		if (q->runs[0].view == view && isfinite(q->relmse) && q->runs[0].samples > p->runs[0].samples &&
+		    study_same_but_samples(&p->runs[0], &q->runs[0]))
+			return false;
+	}
+	return true;
+}
+
+static struct judge_floor find_floor(const struct figures *f, uint32_t view, const struct judge_technique *technique)
+{
+	struct judge_floor floor = {0};
+	enum judge_fall others = JUDGE_UNKNOWN;
+	for (size_t i = 0; i < f->point_count && !technique->converges; i++) {
+		const struct point *p = &f->points[i];
+		if (!has_most_samples(f, p, view, technique->name))
+			continue;
+		const enum judge_fall fall = fall_of(p, before(f, p));
+		others = others == JUDGE_FALLING || fall == JUDGE_UNKNOWN ? others : fall;
+		if (!floor.point || p->relmse < floor.point->relmse)
+			floor.point = p;
+	}
+	if (!floor.point)
+		return floor;
+	floor.before = before(f, floor.point);
+	floor.fall = fall_of(floor.point, floor.before);
+	if (floor.fall == JUDGE_UNKNOWN)
+		floor.fall = others;
+	return floor;
+}
+
+double judge_level(const struct judge_floor *floor)
+{
+	return floor->point && floor->point->resolved && floor->fall == JUDGE_HELD ? floor->point->relmse : (double)NAN;
+}
+
+double judge_floor_of_all(const struct judgement *j, size_t technique)
 {
 	double sum = 0;
-	for (uint32_t view = 0; view < j->view_count; view++) {
-		const struct point *floor = j->views[view].floors[technique];
-		sum += floor ? floor->relmse : (double)NAN;
-	}
+	for (uint32_t view = 0; view < j->view_count; view++)
+		sum += judge_level(&j->views[view].floors[technique]);
 	return sum / j->view_count;
 }
 
@@ -107,19 +149,34 @@ static int by_seconds(const void *a, const void *b)
 	return (x->relmse > y->relmse) - (x->relmse < y->relmse);
 }
 
+// The most accurate point before `end` seconds of other techniques than a span's, if it is not told apart.
+static const struct point *rival_of(const struct judgement *j, const struct judge_span *span, double end,
+				    const struct point *const *sorted, size_t count)
+{
+	const struct point *rival = NULL;
+	for (size_t i = 0; i < count && sorted[i]->seconds < end; i++)
+		if (!is_of(sorted[i], j->techniques[span->technique].name) && (!rival || sorted[i]->relmse < rival->relmse))
+			rival = sorted[i];
+	return rival && !told_below(span->best, rival) ? rival : NULL;
+}
+
 static void find_spans(const struct judgement *j, struct judge_view *v, const struct point *const *sorted, size_t count)
 {
 	const struct point *best = NULL;
-	for (size_t i = 0; i < count; i++) {
-		if (best && !(sorted[i]->relmse < best->relmse))
+	for (size_t i = 0; i < count && (!best || best->resolved); i++) {
+		if (best && sorted[i]->resolved && !(sorted[i]->relmse < best->relmse))
 			continue;
 		best = sorted[i];
 		const size_t technique = judge_technique_of(j, best->runs[0].technique);
 		struct judge_span *last = v->span_count ? &v->spans[v->span_count - 1] : NULL;
-		if (!last || last->technique != technique)
-			v->spans[v->span_count++] = (struct judge_span){technique, best, best};
+		if (!last || last->technique != technique || !best->resolved)
+			v->spans[v->span_count++] = (struct judge_span){technique, best, best, NULL};
 		else
 			last->best = best;
+	}
+	for (size_t i = 0; i < v->span_count; i++) {
+		const double end = i + 1 < v->span_count ? v->spans[i + 1].first->seconds : (double)INFINITY;
+		v->spans[i].rival = rival_of(j, &v->spans[i], end, sorted, count);
 	}
 }
 
@@ -127,20 +184,23 @@ static void find_overtake(const struct judgement *j, struct judge_view *v, size_
 			  const struct point *const *sorted, size_t count)
 {
 	const char *const names[2] = {j->techniques[winner].name, j->techniques[loser].name};
-	const struct point *since = NULL;
-	double best[2] = {(double)INFINITY, (double)INFINITY};
+	const struct point *since = NULL, *best[2] = {NULL, NULL};
 	for (size_t i = 0; i < count; i++) {
 		const int who = is_of(sorted[i], names[0]) ? 0 : is_of(sorted[i], names[1]) ? 1 : -1;
 		if (who < 0)
 			continue;
-		best[who] = fmin(best[who], sorted[i]->relmse);
-		if (!(best[0] < best[1]))
+		if (who == 1 && !sorted[i]->resolved)
+			return; // how good it is nobody knows
+		if (!best[who] || sorted[i]->relmse < best[who]->relmse)
+			best[who] = sorted[i];
+		if (!best[0] || (best[1] && !told_below(best[0], best[1])))
 			since = NULL;
 		else if (!since)
 			since = sorted[i];
 	}
-	if (isfinite(best[0]) && isfinite(best[1]))
-		v->overtakes[v->overtake_count++] = (struct judge_overtake){winner, loser, since};
+	if (best[0] && best[1])
+		v->overtakes[v->overtake_count++] =
+		    (struct judge_overtake){winner, loser, since, best[0]->relmse < best[1]->relmse};
 }
 
 // ---- rows ----
@@ -162,7 +222,8 @@ static void add_row(const struct judgement *j, struct judge_view *v, bool is_tim
 		// In the order of time: for an equal error the first that is good enough.
 		for (size_t i = 0; i < count; i++) {
 			const struct point *p = sorted[i];
-			if (!is_of(p, j->techniques[t].name) || (is_time ? p->seconds : p->relmse) > row.target || !p->shown)
+			if (!is_of(p, j->techniques[t].name) || (is_time ? p->seconds : p->relmse) > row.target ||
+			    !p->shown || (!is_time && !p->resolved))
 				continue;
 			if (!best || (is_time && p->relmse < best->relmse))
 				best = p;
@@ -199,15 +260,18 @@ static int descending(const void *a, const void *b)
 }
 
 // Errors: the floors, which is where techniques part; without any, those from the worst best to the best of all.
-static void find_equal_errors(const struct figures *f, const struct judgement *j, struct judge_view *v, uint32_t view,
-			      const struct point *const *sorted, size_t count)
+static void find_equal_errors(const struct judgement *j, struct judge_view *v, const struct point *const *sorted,
+			      size_t count)
 {
 	double bests[JUDGE_TECHNIQUES];
 	size_t known = 0;
 	for (size_t t = 0; t < j->technique_count; t++) {
-		const struct point *best = judge_best(f, view, j->techniques[t].name);
-		if (best && best->relmse > 0)
-			bests[known++] = best->relmse;
+		double best = (double)INFINITY;
+		for (size_t i = 0; i < count; i++)
+			if (is_of(sorted[i], j->techniques[t].name) && sorted[i]->resolved)
+				best = fmin(best, sorted[i]->relmse);
+		if (isfinite(best))
+			bests[known++] = best;
 	}
 	qsort(bests, known, sizeof *bests, descending);
 	for (size_t k = 0; k < known && k < JUDGE_TARGETS; k++)
@@ -229,7 +293,7 @@ enum status judge(const struct figures *f, struct judgement *j, struct error *er
 			    judge_technique_of(j, f->points[i].runs[0].technique) < j->technique_count)
 				sorted[count++] = &f->points[i];
 		for (size_t t = 0; t < j->technique_count; t++)
-			v->floors[t] = find_floor(f, view, j->techniques[t].name);
+			v->floors[t] = find_floor(f, view, &j->techniques[t]);
 		v->spans = calloc(count + 1, sizeof *v->spans);
 		if (!v->spans)
 			s = error_set(err, STATUS_MEMORY, "no memory to compare points");
@@ -239,10 +303,10 @@ enum status judge(const struct figures *f, struct judgement *j, struct error *er
 		find_spans(j, v, sorted, count);
 		for (size_t t = 0; t < j->technique_count; t++)
 			for (size_t k = 0; k < j->technique_count; k++)
-				if (j->techniques[t].noise && !j->techniques[k].noise)
+				if (j->techniques[t].converges && !j->techniques[k].converges)
 					find_overtake(j, v, t, k, sorted, count);
 		find_equal_times(j, v, sorted, count);
-		find_equal_errors(f, j, v, view, sorted, count);
+		find_equal_errors(j, v, sorted, count);
 	}
 	free(sorted);
 	return s;

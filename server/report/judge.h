@@ -2,9 +2,13 @@
 // what each technique makes of an equal time or an equal error. Nothing is interpolated: a statement is about points that
 // were rendered. One thread. All pointers lead into the figures.
 //
-// A floor is the error that a technique without noise keeps, whatever time it gets. Of each combination of its settings but
-// the samples, take the point with the most samples; the floor is the least relMSE of these. A technique with noise has
-// none.
+// A floor is the error that a technique which does not converge keeps, whatever time it gets. Of each combination of its
+// settings but the samples, take the point with the most samples; the lowest relMSE of these is its floor if it has stopped
+// falling. It has if the last two sample counts do not differ beyond the intervals of their seeds, and less than half of
+// it is noise. Settings that were rendered with one sample count alone are judged by the others of the technique, and are
+// unknown without any.
+//
+// Errors are told apart only where their intervals do not overlap. Points that are not resolved have no rank.
 #ifndef CANDIL_REPORT_JUDGE_H
 #define CANDIL_REPORT_JUDGE_H
 
@@ -15,23 +19,35 @@
 
 struct judge_technique {
 	const char *name;
-	bool noise;
+	bool converges; // figures_converges
 };
 
-// From `from` seconds on the technique has the least relMSE of all that are done by then; until the next span of the view.
+enum judge_fall { JUDGE_UNKNOWN, JUDGE_FALLING, JUDGE_HELD };
+
+struct judge_floor {
+	const struct point *point; // the lowest; NULL: none
+	const struct point *before; // the same settings with the sample count before; NULL: none
+	enum judge_fall fall;
+};
+
+// From the time of `first` on the technique has the least relMSE of all that are done by then; until the next span of the
+// view. A span whose best point is not resolved is the last: from there on nothing can be said.
 struct judge_span {
 	size_t technique;
 	const struct point *first, *best; // the point that begins the span, and the most accurate by its end
+	const struct point *rival; // the most accurate by then of all others, if it is not told apart from `best`; else NULL
 };
 
-// When a technique with noise is better than one without, and stays so. `point`: the first that does; NULL: none in the
-// study.
+// When a technique that converges is better than one that does not, and stays so within the study. `point`: the first that
+// is told apart; NULL: none is. Then `closer`: the winner's best has the lower error all the same.
 struct judge_overtake {
 	size_t winner, loser;
 	const struct point *point;
+	bool closer;
 };
 
-// For equal times the most accurate point of each technique within the target, for equal errors the quickest; NULL: none.
+// For equal times the most accurate point of each technique within the target, for equal errors the quickest that is
+// resolved; NULL: none.
 struct judge_row {
 	bool is_time; // the target is in seconds, else a relMSE
 	double target;
@@ -39,7 +55,7 @@ struct judge_row {
 };
 
 struct judge_view {
-	const struct point *floors[JUDGE_TECHNIQUES]; // NULL: none
+	struct judge_floor floors[JUDGE_TECHNIQUES];
 	struct judge_span *spans;
 	size_t span_count;
 	struct judge_overtake overtakes[JUDGE_TECHNIQUES * JUDGE_TECHNIQUES / 4];
@@ -65,7 +81,10 @@ size_t judge_technique_of(const struct judgement *judgement, const char *name);
 // The most accurate point of a technique in a view; NULL: none.
 const struct point *judge_best(const struct figures *figures, uint32_t view, const char *technique);
 
+// The level of a floor that is one: resolved, and not falling. Else NaN.
+double judge_level(const struct judge_floor *floor);
+
 // The floor of a technique over all views, as if these were one picture: the mean. NaN unless every view has one.
-double judge_floor(const struct judgement *judgement, size_t technique);
+double judge_floor_of_all(const struct judgement *judgement, size_t technique);
 
 #endif

@@ -72,6 +72,7 @@ static json_t *point_json(const struct point *p)
 	put_interval(point, "seconds", p->seconds, p->seconds_interval);
 	put_interval(point, "relmse", p->relmse, p->relmse_interval);
 	put(point, "relmse_measured", p->relmse_measured);
+	put(point, "relmse_noise", p->relmse_noise);
 	json_object_set_new(point, "resolved", json_boolean(p->resolved));
 	put(point, "rmse", p->rmse);
 	put(point, "mean_difference", p->mean_difference);
@@ -95,9 +96,10 @@ static json_t *point_json(const struct point *p)
 
 static json_t *techniques_json(const struct figures *f, const struct judgement *j)
 {
+	static const char *const falls[] = {"unknown", "falling", "held"};
 	json_t *techniques = json_array();
 	for (size_t t = 0; t < j->technique_count; t++) {
-		json_t *points = json_array(), *colds = json_array(), *floors = json_array();
+		json_t *points = json_array(), *colds = json_array(), *floors = json_array(), *lowest = json_array();
 		for (size_t i = 0; i < f->point_count; i++)
 			if (judge_technique_of(j, f->points[i].runs[0].technique) == t)
 				json_array_append_new(points, point_json(&f->points[i]));
@@ -105,13 +107,18 @@ static json_t *techniques_json(const struct figures *f, const struct judgement *
 			if (judge_technique_of(j, f->colds[i].runs[0].technique) == t)
 				json_array_append_new(colds, point_json(&f->colds[i]));
 		for (uint32_t view = 0; view < j->view_count; view++) {
-			const struct point *floor = j->views[view].floors[t];
-			json_array_append_new(floors, results_number(floor ? floor->relmse : (double)NAN));
+			const struct judge_floor *floor = &j->views[view].floors[t];
+			json_array_append_new(floors, results_number(judge_level(floor)));
+			json_array_append_new(lowest, floor->point ? json_pack("{s:f, s:o, s:s}", "relmse",
+									       floor->point->relmse, "samples",
+									       results_number(floor->point->runs[0].samples),
+									       "with_samples", falls[floor->fall])
+								   : json_null());
 		}
-		json_array_append_new(techniques,
-				      json_pack("{s:s, s:b, s:o, s:o, s:o, s:o}", "name", j->techniques[t].name, "noise",
-						j->techniques[t].noise, "floor", results_number(judge_floor(j, t)), "floors",
-						floors, "points", points, "cold", colds));
+		json_array_append_new(techniques, json_pack("{s:s, s:b, s:o, s:o, s:o, s:o, s:o}", "name",
+							    j->techniques[t].name, "noise", j->techniques[t].converges,
+							    "floor", results_number(judge_floor_of_all(j, t)), "floors",
+							    floors, "lowest", lowest, "points", points, "cold", colds));
 	}
 	return techniques;
 }
@@ -151,16 +158,19 @@ static json_t *view_json(const struct figures *f, const struct judgement *j, uin
 		put(reference, "exposure_ev", r->exposure_ev);
 	}
 	for (size_t i = 0; i < v->span_count; i++)
-		json_array_append_new(spans, json_pack("{s:s, s:f, s:f, s:f}", "technique",
+		json_array_append_new(spans, json_pack("{s:s, s:f, s:f, s:f, s:b, s:s?}", "technique",
 						       j->techniques[v->spans[i].technique].name, "from_seconds",
 						       v->spans[i].first->seconds, "best_seconds", v->spans[i].best->seconds,
-						       "relmse", v->spans[i].best->relmse));
+						       "relmse", v->spans[i].best->relmse, "resolved",
+						       v->spans[i].best->resolved, "not_told_from",
+						       v->spans[i].rival ? v->spans[i].rival->runs[0].technique : NULL));
 	for (size_t i = 0; i < v->overtake_count; i++) {
 		const struct point *p = v->overtakes[i].point;
-		json_array_append_new(overtakes, json_pack("{s:s, s:s, s:o, s:o}", "technique",
+		json_array_append_new(overtakes, json_pack("{s:s, s:s, s:o, s:b, s:o}", "technique",
 							   j->techniques[v->overtakes[i].winner].name, "overtaken",
 							   j->techniques[v->overtakes[i].loser].name, "seconds",
-							   results_number(p ? p->seconds : (double)NAN), "settings",
+							   results_number(p ? p->seconds : (double)NAN), "closer",
+							   v->overtakes[i].closer, "settings",
 							   p ? json_incref((json_t *)p->runs[0].settings) : json_null()));
 	}
 	for (size_t i = 0; i < v->row_count; i++)
@@ -184,7 +194,8 @@ json_t *results_json(const struct figures *f, const struct judgement *j)
 			json_object_set(study, kept[i], value);
 	}
 	json_t *method =
-	    json_pack("{s:s, s:f, s:i, s:i, s:s, s:s, s:s, s:f, s:i}", "interval", "bootstrap over seeds, percentiles",
+	    json_pack("{s:s, s:f, s:i, s:i, s:s, s:s, s:s, s:f, s:i}", "interval",
+		      "over seeds: of 8 or more the studentised bootstrap, of fewer Student's t of the logarithm",
 		      "interval_share", STATISTICS_SHARE, "resamples", (int)STATISTICS_RESAMPLES, "seed",
 		      (int)STATISTICS_SEED, "relmse", "mean((x-r)^2/(r^2+0.01)) less the reference's own, never below 0",
 		      "seconds", "median of warm runs, arrival to last byte", "bias",
@@ -197,9 +208,12 @@ json_t *results_json(const struct figures *f, const struct judgement *j)
 
 // ---- CSV ----
 
+// A spreadsheet takes a text that begins so for a formula, and runs it; after an apostrophe it does not.
 static void csv_text(FILE *out, const char *text)
 {
 	fputc('"', out);
+	if (*text && strchr("=+-@\t\r", *text))
+		fputc('\'', out);
 	for (; *text; text++) {
 		if (*text == '"')
 			fputc('"', out);

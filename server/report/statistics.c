@@ -52,57 +52,105 @@ static double quantile(const double *sorted, size_t count, double q)
 	return i + 1 < count ? sorted[i] + (at - whole) * (sorted[i + 1] - sorted[i]) : sorted[i];
 }
 
-struct interval statistics_bootstrap(statistics_figure figure, const void *context, size_t count)
+// A figure of drawn values, which it may sort; `mean` is that of the values they were drawn from.
+typedef double (*drawn_figure)(double *values, size_t count, double mean);
+
+static double median_of(double *values, size_t count, double mean)
+{
+	(void)mean;
+	return statistics_median(values, count);
+}
+
+static double standard_error(const double *values, size_t count)
+{
+	return sqrt(statistics_variance(values, count) / (double)count);
+}
+
+static double studentised(double *values, size_t count, double mean)
+{
+	const double difference = statistics_mean(values, count) - mean, error = standard_error(values, count);
+	return difference == 0 ? 0 : difference / error; // equal values that were drawn lie infinitely far
+}
+
+// The quantiles of a figure of draws with replacement: the middle STATISTICS_SHARE of it.
+static struct interval resample(drawn_figure figure, const double *values, size_t count)
 {
 	struct interval interval = {(double)NAN, (double)NAN};
-	double *drawn = calloc(STATISTICS_RESAMPLES, sizeof *drawn);
-	size_t *pick = calloc(count ? count : 1, sizeof *pick);
+	double *drawn = calloc(STATISTICS_RESAMPLES, sizeof *drawn), *picked = calloc(count, sizeof *picked);
+	const double mean = statistics_mean(values, count);
 	uint64_t state = STATISTICS_SEED;
-	if (drawn && pick && count > 1) {
+	if (drawn && picked) {
 		for (size_t k = 0; k < STATISTICS_RESAMPLES; k++) {
 			for (size_t i = 0; i < count; i++)
-				pick[i] = (size_t)((double)(next(&state) >> 11) * 0x1p-53 * (double)count);
-			drawn[k] = figure(context, pick, count);
+				picked[i] = values[(size_t)((double)(next(&state) >> 11) * 0x1p-53 * (double)count)];
+			drawn[k] = figure(picked, count, mean);
 		}
 		qsort(drawn, STATISTICS_RESAMPLES, sizeof *drawn, ascending);
 		interval.low = quantile(drawn, STATISTICS_RESAMPLES, (1 - STATISTICS_SHARE) / 2);
 		interval.high = quantile(drawn, STATISTICS_RESAMPLES, (1 + STATISTICS_SHARE) / 2);
 	}
 	free(drawn);
-	free(pick);
+	free(picked);
 	return interval;
 }
 
-static double mean_of_picked(const void *context, const size_t *pick, size_t count)
+// Student's interval of the mean of the logarithms, as values again; `of_mean`: with what makes it that of the mean of the
+// values. Where there is no logarithm it is that of the values themselves.
+static struct interval student_interval(const double *values, size_t count, bool of_mean)
 {
-	const double *values = context;
-	double sum = 0;
+	const double n = (double)count, t = statistics_student_quantile(1 - STATISTICS_SHARE, n - 1);
+	double sum = 0, squares = 0;
+	for (size_t i = 0; i < count; i++) {
+		if (!(values[i] > 0)) {
+			const double mean = statistics_mean(values, count), half = t * standard_error(values, count);
+			return (struct interval){mean - half, mean + half};
+		}
+		sum += log(values[i]);
+	}
 	for (size_t i = 0; i < count; i++)
-		sum += values[pick[i]];
-	return sum / (double)count;
+		squares += (log(values[i]) - sum / n) * (log(values[i]) - sum / n);
+	const double v = squares / (n - 1), middle = sum / n + (of_mean ? v / 2 : 0);
+	const double half = t * sqrt(v / n + (of_mean ? v * v / (2 * (n - 1)) : 0));
+	return (struct interval){exp(middle - half), exp(middle + half)};
 }
 
-static double median_of_picked(const void *context, const size_t *pick, size_t count)
+// Equal values have an interval without width, whatever their logarithms are rounded to.
+static bool all_equal(const double *values, size_t count)
 {
-	const double *values = context;
-	double *picked = calloc(count, sizeof *picked);
-	if (!picked)
-		return (double)NAN;
-	for (size_t i = 0; i < count; i++)
-		picked[i] = values[pick[i]];
-	const double median = statistics_median(picked, count);
-	free(picked);
-	return median;
+	for (size_t i = 1; i < count; i++)
+		if (values[i] != values[0])
+			return false;
+	return true;
 }
 
-struct interval statistics_bootstrap_mean(const double *values, size_t count)
+struct interval statistics_mean_interval(const double *values, size_t count)
 {
-	return statistics_bootstrap(mean_of_picked, values, count);
+	struct interval interval = {(double)NAN, (double)NAN};
+	if (count < 2)
+		return interval;
+	if (all_equal(values, count))
+		return (struct interval){values[0], values[0]};
+	const double mean = statistics_mean(values, count);
+	if (count < STATISTICS_BOOTSTRAP_LEAST) {
+		interval = student_interval(values, count, true);
+	} else {
+		const struct interval t = resample(studentised, values, count);
+		const double error = standard_error(values, count);
+		interval = (struct interval){mean - t.high * error, mean - t.low * error};
+	}
+	if (isnan(interval.low) || isnan(interval.high))
+		return interval;
+	return (struct interval){fmin(interval.low, mean), fmax(interval.high, mean)};
 }
 
-struct interval statistics_bootstrap_median(const double *values, size_t count)
+struct interval statistics_median_interval(const double *values, size_t count)
 {
-	return statistics_bootstrap(median_of_picked, values, count);
+	if (count < 2)
+		return (struct interval){(double)NAN, (double)NAN};
+	if (all_equal(values, count))
+		return (struct interval){values[0], values[0]};
+	return count < STATISTICS_BOOTSTRAP_LEAST ? student_interval(values, count, false)
+						  : resample(median_of, values, count);
 }
 
 // The continued fraction of the incomplete beta function (NIST DLMF 8.17.22), by Lentz's method (Press et al., "Numerical
@@ -147,6 +195,21 @@ static double incomplete_beta(double a, double b, double x)
 double statistics_student(double t, double freedom)
 {
 	return incomplete_beta(freedom / 2, 0.5, freedom / (freedom + t * t));
+}
+
+double statistics_student_quantile(double p, double freedom)
+{
+	double low = 0, high = 1;
+	while (statistics_student(high, freedom) > p && high < 1e12)
+		high *= 2;
+	for (int i = 0; i < 80; i++) {
+		const double middle = (low + high) / 2;
+		if (statistics_student(middle, freedom) > p)
+			low = middle;
+		else
+			high = middle;
+	}
+	return (low + high) / 2;
 }
 
 double statistics_welch(struct sample_mean a, struct sample_mean b)

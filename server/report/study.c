@@ -45,6 +45,23 @@ static struct study_estimate estimate_of(const json_t *object, const char *value
 
 // ---- what is missing ----
 
+char *study_whole_text(char *text)
+{
+	char *to = text;
+	for (const char *from = text; *from;) {
+		const unsigned char lead = (unsigned char)*from;
+		size_t length = lead < 0x80 ? 1 : lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : lead >= 0xc0 ? 2 : 0, i = 1;
+		while (i < length && ((unsigned char)from[i] & 0xc0) == 0x80)
+			i++;
+		if (i == length)
+			for (i = 0; i < length; i++)
+				*to++ = from[i];
+		from += i > 0 ? i : 1;
+	}
+	*to = '\0';
+	return text;
+}
+
 void study_miss(struct study *study, const char *id, const char *format, ...)
 {
 	char why[2 * LIMIT_TEXT];
@@ -52,9 +69,14 @@ void study_miss(struct study *study, const char *id, const char *format, ...)
 	va_start(args, format);
 	vsnprintf(why, sizeof why, format, args);
 	va_end(args);
+	// What study.json misses is often a line of runs.jsonl too; the first reason of a run is the one that counts.
+	if (id && id[0] && json_object_get(study->missed, id))
+		return;
 	if (json_array_size(study->missing) >= LIMIT_STUDY_RUNS)
 		return;
-	json_t *text = json_string(why);
+	if (id && id[0])
+		json_object_set_new(study->missed, id, json_true());
+	json_t *text = json_string(study_whole_text(why));
 	json_array_append_new(study->missing, json_pack("{s:s?, s:o}", "run", id, "why",
 							text ? text : json_string("a reason that is no UTF-8")));
 }
@@ -160,6 +182,19 @@ const char *study_view_name(const struct study *study, uint32_t view, char out[3
 
 // ---- runs ----
 
+bool study_same_but_samples(const struct study_run *a, const struct study_run *b)
+{
+	if (strcmp(a->technique, b->technique) != 0 || strcmp(a->effects, b->effects) != 0)
+		return false;
+	json_t *x = json_copy((json_t *)a->settings), *y = json_copy((json_t *)b->settings);
+	json_object_del(x, "samples");
+	json_object_del(y, "samples");
+	const bool same = json_equal(x, y);
+	json_decref(x);
+	json_decref(y);
+	return same;
+}
+
 static bool settings_hold(const json_t *settings)
 {
 	const char *key;
@@ -175,16 +210,19 @@ static bool settings_hold(const json_t *settings)
 	return true;
 }
 
+// A number that does not say how it is known counts as unknown.
 static void read_error(const json_t *report, struct study_run *run)
 {
-	run->error = estimate_of(report, "estimated_relmse", "relmse_low", "relmse_high", 1);
 	const char *kind = text_of(report, "error_kind");
-	if (!isfinite(run->error.value))
-		run->error_kind = "unknown";
-	else if (kind && strcmp(kind, "predicted") == 0)
-		run->error_kind = "predicted";
-	else
+	run->error = estimate_of(report, "estimated_relmse", "relmse_low", "relmse_high", 1);
+	if (isfinite(run->error.value) && kind && strcmp(kind, "measured") == 0) {
 		run->error_kind = "measured";
+	} else if (isfinite(run->error.value) && kind && strcmp(kind, "predicted") == 0) {
+		run->error_kind = "predicted";
+	} else {
+		run->error_kind = "unknown";
+		run->error = (struct study_estimate){(double)NAN, (double)NAN, (double)NAN};
+	}
 }
 
 static void read_report(json_t *line, struct study_run *run)
@@ -371,7 +409,7 @@ enum status study_read(const char *folder, struct study *study, struct error *er
 	char *text = NULL;
 	size_t bytes = 0;
 	json_error_t why;
-	*study = (struct study){.missing = json_array()};
+	*study = (struct study){.missing = json_array(), .missed = json_object()};
 	study->folder = realpath(folder, NULL);
 	if (!study->folder)
 		return error_errno(err, STATUS_IO, "cannot read %s", folder);
@@ -395,5 +433,6 @@ void study_finish(struct study *study)
 	free(study->folder);
 	json_decref(study->json);
 	json_decref(study->missing);
+	json_decref(study->missed);
 	*study = (struct study){0};
 }

@@ -46,6 +46,7 @@ struct study {
 	struct study_run *runs; // sorted by group, then by seed, then by line
 	size_t run_count;
 	json_t *missing; // [{"run", "why"}]: what study.json misses, failed runs, lines and images that do not hold
+	json_t *missed; // the runs of these, as keys
 };
 
 // Read a study. STATUS_IO: no study.json, or the folder cannot be read; STATUS_BAD_ARGUMENT: study.json is no such thing;
@@ -53,12 +54,19 @@ struct study {
 enum status study_read(const char *folder, struct study *study, struct error *err);
 void study_finish(struct study *study); // a zeroed one is fine
 
-// Note that something is missing: of run `id`, or NULL for the study's own. At most LIMIT_STUDY_RUNS are kept.
+// Note that something is missing: of run `id`, or NULL for the study's own. At most LIMIT_STUDY_RUNS are kept, and one of a
+// run: the first. What is no UTF-8 in the text, such as a character that was cut, is left out.
 void study_miss(struct study *study, const char *id, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+// Leave out the bytes of a text that belong to no whole UTF-8 character, as where it was cut. Returns it.
+char *study_whole_text(char *text);
 
 // The path of a file of the folder that `relative` names, to be freed. NULL, and the reason in `err`: it is absolute, leads
 // out of the folder, also by a link, or is no regular file.
 char *study_path(const struct study *study, const char *relative, struct error *err);
+
+// Whether two runs have the same technique, effects and settings but for the samples.
+bool study_same_but_samples(const struct study_run *a, const struct study_run *b);
 
 // A view's name: study.json's, else "view 1", "view 2"… in `out`.
 const char *study_view_name(const struct study *study, uint32_t view, char out[32]);

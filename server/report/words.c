@@ -90,7 +90,7 @@ static void __attribute__((format(printf, 2, 3))) say(json_t *words, const char 
 	va_list args;
 	va_start(args, format);
 	if (vasprintf(&text, format, args) >= 0)
-		json_array_append_new(words, json_string(text));
+		json_array_append_new(words, json_string(study_whole_text(text)));
 	va_end(args);
 	free(text);
 }
@@ -117,41 +117,67 @@ static void say_spans(const struct judgement *j, const struct judge_view *v, con
 			    "better.",
 			    of, name, from);
 		else if (v->span_count == 1)
-			say(words,
-			    "%s%s is the most accurate at every time, from its first picture after %s on: %s at best.", of,
-			    name, from, point);
+			say(words, "%s%s is the most accurate from its first picture after %s on: %s at best.", of, name,
+			    from, point);
 		else if (i + 1 < v->span_count)
 			say(words, "%s%s is the most accurate %s%s to %s: %s at best.", of, name,
 			    i == 0 ? "from its first picture after " : "from ", from,
 			    words_seconds(v->spans[i + 1].first->seconds, until), point);
 		else
 			say(words, "%s%s is the most accurate from %s on: %s at best.", of, name, from, point);
+		if (!span->best->resolved || !span->rival)
+			continue;
+		say_point(span->rival, point);
+		say(words, "%sIts interval overlaps that of %s, which is not told apart from it: %s.", of,
+		    span->rival->runs[0].technique, point);
 	}
 }
 
-static void say_floors(const struct figures *f, const struct judgement *j, uint32_t view, const char *of, json_t *words)
+// What of a floor's error the map of bias makes.
+static void say_bias(const struct point *p, char out[96])
 {
-	char error[WORDS_NUMBER], share[WORDS_NUMBER];
-	const struct judge_view *v = &j->views[view];
+	char share[WORDS_NUMBER];
+	out[0] = '\0';
+	if (p->bias.tiles > 0 && p->bias.share > 0)
+		snprintf(out, 96, ": that is bias, in %s of the picture's tiles", words_share(p->bias.share, share));
+	else if (p->bias.tiles > 0)
+		snprintf(out, 96, "; no tile of the picture is told from noise");
+}
+
+static void say_floors(const struct judgement *j, const struct judge_view *v, const char *of, json_t *words)
+{
+	char error[WORDS_NUMBER], earlier[WORDS_NUMBER], bias[96];
 	for (size_t t = 0; t < j->technique_count; t++) {
-		const struct point *floor = v->floors[t];
-		if (!floor)
+		const struct judge_floor *floor = &v->floors[t];
+		const struct point *p = floor->point;
+		const char *name = j->techniques[t].name;
+		if (!p)
 			continue;
-		words_error(floor->relmse, error);
-		if (!floor->resolved)
+		words_error(p->relmse, error);
+		say_bias(p, bias);
+		if (!p->resolved)
 			say(words,
 			    "%s%s has no floor that this reference could tell: its error is within the reference's own.", of,
-			    j->techniques[t].name);
-		else if (floor->bias.tiles > 0)
+			    name);
+		else if (floor->fall == JUDGE_HELD && floor->before)
+			say(words, "%s%s gets no lower than relMSE %s, whatever its time%s.", of, name, error, bias);
+		else if (floor->fall == JUDGE_HELD)
 			say(words,
-			    "%s%s gets no lower than relMSE %s, whatever its time: that is bias, in %s of the picture's "
-			    "tiles.",
-			    of, j->techniques[t].name, error, words_share(floor->bias.share, share));
+			    "%s%s gets no lower than relMSE %s%s. Those settings had one sample count; at its others more "
+			    "samples changed nothing.",
+			    of, name, error, bias);
+		else if (floor->fall == JUDGE_FALLING && floor->before)
+			say(words,
+			    "%s%s is still falling with samples %.0f: relMSE %s, after %s with %.0f. Its floor is unknown.",
+			    of, name, p->runs[0].samples, error, words_error(floor->before->relmse, earlier),
+			    floor->before->runs[0].samples);
 		else
-			say(words, "%s%s gets no lower than relMSE %s, whatever its time.", of, j->techniques[t].name,
-			    error);
+			say(words,
+			    "%s%s was at relMSE %s at its lowest, with samples %.0f; whether more samples lower it this "
+			    "study "
+			    "does not say.",
+			    of, name, error, p->runs[0].samples);
 	}
-	(void)f;
 }
 
 static void say_overtakes(const struct judgement *j, const struct judge_view *v, const char *of, json_t *words)
@@ -160,15 +186,14 @@ static void say_overtakes(const struct judgement *j, const struct judge_view *v,
 	for (size_t i = 0; i < v->overtake_count; i++) {
 		const struct judge_overtake *o = &v->overtakes[i];
 		const char *winner = j->techniques[o->winner].name, *loser = j->techniques[o->loser].name;
-		const struct point *floor = v->floors[o->loser];
-		if (!o->point && floor && !floor->resolved)
-			continue; // said of its floor
 		char *settings = o->point ? words_settings(o->point->runs[0].settings) : NULL;
-		if (!o->point)
-			say(words, "%s%s does not overtake %s within this study.", of, winner, loser);
-		else
-			say(words, "%s%s overtakes %s at %s, with %s, for good.", of, winner, loser,
+		if (o->point)
+			say(words, "%s%s overtakes %s at %s, with %s, and stays ahead.", of, winner, loser,
 			    words_seconds(o->point->seconds, seconds), settings ? settings : "?");
+		else if (o->closer)
+			say(words, "%s%s is at best not told apart from %s: their intervals overlap.", of, winner, loser);
+		else
+			say(words, "%s%s does not overtake %s within this study.", of, winner, loser);
 		free(settings);
 	}
 }
@@ -182,7 +207,7 @@ json_t *words_of(const struct figures *f, const struct judgement *j)
 		if (j->view_count > 1)
 			snprintf(of, sizeof of, "In %.60s, ", study_view_name(f->study, view, name));
 		say_spans(j, &j->views[view], of, words);
-		say_floors(f, j, view, of, words);
+		say_floors(j, &j->views[view], of, words);
 		say_overtakes(j, &j->views[view], of, words);
 	}
 	if (words && json_array_size(words) == 0)

@@ -9,7 +9,7 @@ import numpy as np
 import images
 
 PROGRAM = pathlib.Path(os.environ["CANDIL_BUILD"]) / "libexec" / "candil" / "candil-report"
-NOISY, BIASED = "pt", "vct"  # a technique with noise and one without, of protocol/names.h
+NOISY, BIASED = "pt", "vct"  # a technique that converges and one that does not, of protocol/names.h
 
 
 class Study:
@@ -60,7 +60,7 @@ class Study:
             for seed in range(seeds):
                 self.add(f"n-{samples}-{seed}", self.noisy(sigma / samples ** .5), settings={"samples": samples}, seed=seed,
                          seconds=.1 * samples * (1 + .01 * seed))
-        for samples, more in ((1, .3), (4, 0)):
+        for samples, more in ((1, .3), (4, 0), (16, 0)):
             wrong = self.truth.copy()
             wrong[:, self.width // 2:] *= 1 + bias + more
             for seed in range(2):

@@ -1,5 +1,6 @@
 """The figures of candil-report against numpy's: errors, intervals, floors, the Pareto front, bias, who wins, predictions."""
 import csv
+import itertools
 import json
 import os
 import pathlib
@@ -65,19 +66,66 @@ class Figures(unittest.TestCase):
         self.assertEqual(got["relmse"], got["relmse_measured"])
 
     def test_bands_are_the_bootstraps(self):
-        results = self.study.usual().run()
-        reference, random = self.study.pictures["reference"], np.random.default_rng(5)
-        own = results["views"][0]["reference"]["relmse"]
+        """Of eight seeds the studentised bootstrap's, of fewer Student's of the logarithm; never narrower for a stated own error's interval."""
+        study = self.study.usual()
+        own = study.lines[0]["report"]["estimated_relmse"]
+        results = study.run()
+        reference, random = study.pictures["reference"], np.random.default_rng(5)
         for samples in (1, 16):
             got = point(results, NOISY, samples)
             values = np.array(self.seeds(NOISY, samples, lambda x: images.relmse(x, reference)))
-            low, high = np.percentile(values[random.integers(0, 8, (20000, 8))].mean(axis=1), (2.5, 97.5)) - own
-            width = high - low
-            self.assertAlmostEqual(got["relmse_low"], low, delta=.08 * width)
-            self.assertAlmostEqual(got["relmse_high"], high, delta=.08 * width)
-        # Without noise the seeds say the same: no band.
+            drawn = values[random.integers(0, 8, (40000, 8))]
+            error, errors = values.std(ddof=1) / 8 ** .5, drawn.std(axis=1, ddof=1) / 8 ** .5
+            t = (drawn.mean(axis=1) - values.mean())[errors > 0] / errors[errors > 0]
+            low, high = values.mean() - np.percentile(t, (97.5, 2.5)) * error - own
+            self.assertAlmostEqual(got["relmse_low"], low, delta=.12 * (high - low))
+            self.assertAlmostEqual(got["relmse_high"], high, delta=.12 * (high - low))
+        # Equal pictures have no band but for the reference's own interval.
         got = point(results, BIASED, 4)
         self.assertEqual((got["relmse_low"], got["relmse_high"]), (got["relmse"], got["relmse"]))
+        study.lines[0]["report"].update(relmse_low=.5 * own, relmse_high=2 * own)
+        wider = point(study.run(), BIASED, 4)
+        self.assertAlmostEqual(wider["relmse_low"], got["relmse"] - own, delta=1e-8)
+        self.assertAlmostEqual(wider["relmse_high"], got["relmse"] + .5 * own, delta=1e-8)
+
+    def test_a_few_seeds_have_students_band(self):
+        study = self.study.usual(seeds=3)
+        own = study.lines[0]["report"]["estimated_relmse"]
+        got = point(study.run(), NOISY, 4)
+        logs = np.log([images.relmse(study.pictures[f"n-4-{seed}"], study.pictures["reference"]) for seed in range(3)])
+        v = logs.var(ddof=1)
+        half = 4.302652729696142 * (v / 3 + v * v / 4) ** .5
+        self.assertAlmostEqual(got["relmse_low"], np.exp(logs.mean() + v / 2 - half) - own, delta=1e-6 * got["relmse"])
+        self.assertAlmostEqual(got["relmse_high"], np.exp(logs.mean() + v / 2 + half) - own, delta=1e-6 * got["relmse"])
+
+    def test_noise_is_seen_from_the_pictures(self):
+        """A technique that is not said to converge, whose seeds differ and whose mean is right, has a band and no bias."""
+        study = Study(self.study.folder, size=(256, 256), seed=7).usual()
+        for seed in range(3):
+            study.add(f"s-{seed}", study.noisy(.1), technique=BIASED, settings={"samples": 2}, seed=seed)
+        results = study.run()
+        got = point(results, BIASED, 2)
+        self.assertLess(got["relmse_low"], got["relmse"])
+        self.assertLess(got["relmse"], got["relmse_high"])
+        self.assertAlmostEqual(got["relmse_noise"], got["relmse"], delta=.1 * got["relmse"])
+        self.assertAlmostEqual(got["bias"]["share_uncorrected"], .05, delta=.025)
+        self.assertLess(got["bias"]["share"], .01)
+        self.assertAlmostEqual(got["efficiency"], 1 / (got["relmse"] * got["seconds"]), delta=1e-6 * got["efficiency"])
+        # Alone it has no floor: its error is noise, and no bias is said.
+        study.lines = [line for line in study.lines if line["technique"] == NOISY or line["settings"] == {"samples": 2}]
+        results = study.run()
+        self.assertIsNone(technique(results, BIASED)["floor"])
+        self.assertFalse([word for word in results["words"] if "that is bias" in word or "gets no lower" in word])
+
+    def test_the_references_noise_is_that_of_its_own_settings(self):
+        study = self.study.usual()
+        for line in study.lines:
+            if line["kind"] == "point" and line["technique"] == NOISY:
+                line["settings"] = {**line["settings"], "depth": 2}
+        results = study.run()
+        self.assertEqual({p["bias"] is None for t in results["techniques"] for p in t["points"]}, {True})
+        study.lines[0]["settings"] = {"samples": 4096, "depth": 2}
+        self.assertIsNotNone(point(study.run(), BIASED, 4)["bias"])
 
     def test_a_seed_that_ran_twice_counts_once(self):
         study = self.study.usual()
@@ -91,14 +139,18 @@ class Figures(unittest.TestCase):
 
     def test_time_is_the_median_of_the_warm_runs(self):
         study = self.study.usual()
-        study.lines[-1]["report"].update(elapsed_us=9_000_000, cold_us=8_000_000)
+        next(line for line in study.lines if line["id"] == "b-4-1")["report"].update(elapsed_us=9_000_000, cold_us=8_000_000)
         results = study.run()
         self.assertAlmostEqual(point(results, NOISY, 16)["seconds"], 1.6 * 1.035, delta=1e-6)
         got = point(results, BIASED, 4)
         self.assertAlmostEqual(got["seconds"], .2, delta=1e-6)
         self.assertAlmostEqual(got["cold_seconds"], 9, delta=1e-6)
         self.assertEqual(got["stages"][0], {"name": "trace", "seconds": .16})
+        self.assertIsNone(got["efficiency"], "an error that is no noise does not fall with time")
+        got = point(results, NOISY, 16)
         self.assertAlmostEqual(got["efficiency"], 1 / (got["relmse"] * got["seconds"]), delta=1e-6 * got["efficiency"])
+        self.assertLess(got["efficiency_low"], got["efficiency"])
+        self.assertLess(got["efficiency"], got["efficiency_high"])
 
     def test_a_time_that_nobody_measured_is_null(self):
         self.study.usual()
@@ -113,15 +165,25 @@ class Figures(unittest.TestCase):
     def test_floor_is_the_error_at_most_samples(self):
         study = self.study.usual()
         # A finer setting with a lower floor, whose quick point is worse; and one whose quick point alone is good by luck.
-        for samples, factor in ((1, 1.2), (4, 1.05)):
-            study.add(f"fine-{samples}", (study.truth * factor).astype(np.float32), technique=BIASED, settings={"samples": samples, "vct.resolution": 128})
-        for samples, factor in ((1, 1.0), (4, 1.5)):
-            study.add(f"odd-{samples}", (study.truth * factor).astype(np.float32), technique=BIASED, settings={"samples": samples, "vct.resolution": 16})
+        def add(name, resolution, factors):
+            for (samples, factor), seed in itertools.product(factors, range(2)):
+                study.add(f"{name}-{samples}-{seed}", (study.truth * factor).astype(np.float32), technique=BIASED, seed=seed,
+                          settings={"samples": samples, "vct.resolution": resolution})
+        add("fine", 128, ((1, 1.2), (4, 1.05), (16, 1.05)))
+        add("odd", 16, ((1, 1.0), (4, 1.5)))
         results = study.run()
-        expected = next(p for p in technique(results, BIASED)["points"] if p["settings"] == {"samples": 4, "vct.resolution": 128})
+        expected = next(p for p in technique(results, BIASED)["points"] if p["settings"] == {"samples": 16, "vct.resolution": 128})
         self.assertEqual(technique(results, BIASED)["floor"], expected["relmse"])
         self.assertEqual(technique(results, BIASED)["floors"], [expected["relmse"]])
         self.assertIsNone(technique(results, NOISY)["floor"])
+        self.assertTrue(any("gets no lower than" in word and "that is bias" in word for word in results["words"]))
+        # Lower still with more samples: where it ends nobody knows.
+        add("fine", 128, ((64, 1.04),))
+        results = study.run()
+        self.assertIsNone(technique(results, BIASED)["floor"])
+        self.assertEqual(technique(results, BIASED)["lowest"][0]["with_samples"], "falling")
+        self.assertTrue(any("still falling with samples 64" in word for word in results["words"]))
+        self.assertFalse(any("gets no lower" in word or "that is bias" in word for word in results["words"]))
 
     def test_pareto_front_is_what_nothing_dominates(self):
         results = self.study.usual().run()
@@ -136,8 +198,8 @@ class Figures(unittest.TestCase):
         view = results["views"][0]
         self.assertEqual([span["technique"] for span in view["best"]], [BIASED, NOISY])
         floor = technique(results, BIASED)["floor"]
-        expected = next(p for p in technique(results, NOISY)["points"] if p["relmse"] < floor)
-        self.assertEqual(view["overtakes"], [{"technique": NOISY, "overtaken": BIASED, "seconds": expected["seconds"], "settings": expected["settings"]}])
+        expected = next(p for p in technique(results, NOISY)["points"] if p["relmse_high"] < floor)
+        self.assertEqual(view["overtakes"], [{"technique": NOISY, "overtaken": BIASED, "seconds": expected["seconds"], "closer": True, "settings": expected["settings"]}])
         for row in view["equal_time"]:
             for p in row["points"]:
                 self.assertLessEqual(p["seconds"], row["seconds"])
@@ -149,6 +211,35 @@ class Figures(unittest.TestCase):
                 first = min(q["seconds"] for q in technique(results, p["technique"])["points"] if q["relmse"] <= row["relmse"])
                 self.assertEqual(p["seconds"], first)
         self.assertTrue(any(NOISY in word and "overtakes" in word for word in results["words"]))
+        self.assertEqual([span["not_told_from"] for span in view["best"]], [None, None])
+
+    def test_what_intervals_do_not_tell_apart_is_not_ranked(self):
+        study = self.study
+        study.add("reference", study.truth.astype(np.float32), kind="reference", settings={"samples": 4096}, seed=999)
+        for seed, sigma in enumerate((.1, .2, .4)):
+            study.add(f"n-{seed}", study.noisy(sigma), seed=seed)
+            study.add(f"b-{seed}", (study.truth * 1.25).astype(np.float32), technique=BIASED, seed=seed, seconds=.5)
+        results = study.run()
+        view = results["views"][0]
+        best, = [span for span in view["best"] if span["best_seconds"] == min(s["best_seconds"] for s in view["best"])]
+        self.assertEqual(best["technique"], BIASED)
+        self.assertEqual(view["best"][-1]["not_told_from"], NOISY if view["best"][-1]["technique"] == BIASED else BIASED)
+        self.assertIsNone(view["overtakes"][0]["seconds"])
+        self.assertTrue(any("not told apart" in word for word in results["words"]))
+        self.assertFalse(any("overtakes" in word for word in results["words"]))
+
+    def test_what_is_not_resolved_has_no_rank(self):
+        study = self.study.usual()
+        study.lines[0]["report"].update(estimated_relmse=.005, relmse_low=.004, relmse_high=.012)
+        results = study.run()
+        points = [(t["name"], p) for t in results["techniques"] for p in t["points"]]
+        lost = [p for _, p in points if not p["resolved"]]
+        self.assertTrue(lost and len(lost) < len(points))
+        self.assertFalse(any(p["pareto"] for p in lost))
+        for row in results["views"][0]["equal_error"]:
+            self.assertFalse([q for q in row["points"] for p in lost if p["command"] == q["command"]])
+        self.assertFalse(results["views"][0]["best"][-1]["resolved"])
+        self.assertTrue(any("within the reference's own error" in word for word in results["words"]))
 
     def test_noise_is_no_bias_and_bias_is_found_where_it_is(self):
         study = Study(self.study.folder, size=(384, 384), seed=3).usual(bias=.1)
@@ -218,6 +309,17 @@ class Figures(unittest.TestCase):
         row = next(r for r in rows if r["technique"] == NOISY and r["settings"] == "samples 1")
         self.assertAlmostEqual(float(row["relmse"]), point(results, NOISY, 1)["relmse"], delta=1e-8)
         self.assertEqual(row["command"], 'candil render "a, b.gltf"')
+
+    def test_csv_has_no_formula(self):
+        study = self.study.usual()
+        for line, start in zip([line for line in study.lines if line["id"].endswith("-0") and line["technique"] == NOISY], "=+-@"):
+            line["command"] = start + "HYPERLINK(1)"
+        study.json["views"][0]["name"] = "=1+1"
+        study.run()
+        with open(study.folder / "results.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual({row["view"] for row in rows}, {"'=1+1"})
+        self.assertEqual({row["command"] for row in rows if row["technique"] == NOISY}, {f"'{start}HYPERLINK(1)" for start in "=+-@"})
 
     def test_same_folder_same_bytes(self):
         self.study.usual().run()

@@ -54,6 +54,30 @@ class Hostile(unittest.TestCase):
             self.assertIsNone(point(results, NOISY, 1000 + k)["seconds"], k)
             self.assertIsNotNone(point(results, NOISY, 1000 + k)["relmse"], k)
 
+    def test_an_error_that_does_not_say_how_it_is_known_is_unknown(self):
+        for kind in ("unknown", "guessed", None):
+            self.study.lines[0]["report"]["error_kind"] = kind
+            results = self.study.run()
+            self.assertEqual(results["views"][0]["reference"]["kind"], "unknown")
+            self.assertIsNone(results["views"][0]["reference"]["relmse"])
+
+    def test_what_is_missing_counts_once(self):
+        self.study.json["missing"] = [{"run": "lost", "why": "it ran out of time"}, {"run": None, "why": "one"}, {"run": None, "why": "two"}]
+        self.study.add("lost", None, failed={"code": 1, "name": "x", "message": "it ran out of time"})
+        results = self.study.run()
+        self.assertEqual([entry["run"] for entry in results["missing"]], ["lost", None, None])
+        self.assertTrue(any("3 things are missing" in word for word in results["words"]))
+
+    def test_text_that_is_cut_in_a_character_stays_text(self):
+        for line in self.study.lines:
+            line["settings"] = {**line["settings"], "x": "\u00e9\u20ac" * 100}
+        self.study.json["views"][0]["name"] = "a" + "\u00e9" * 60
+        self.study.json["views"].append({"name": "b" + "\u20ac" * 60})
+        self.study.add("lost", None, failed={"code": 1, "name": "x", "message": "\u20ac" * 900})
+        results = self.study.run()
+        self.assertTrue(any("is the most accurate" in word and "\u20ac" in word for word in results["words"]))
+        self.assertFalse([entry for entry in results["missing"] if "no UTF-8" in entry["why"]])
+
     def test_no_path_leads_out(self):
         outside = self.folder.parent / "outside.exr"
         images.write(outside, self.study.noisy(.1))
