@@ -49,7 +49,9 @@ static void write_row(struct html *html, const char *tag, char *const *cells, si
 {
 	html_raw(html, "<tr>");
 	for (size_t i = 0; i < count; i++) {
-		html_put(html, "<%s>", tag);
+		html_raw(html, "<");
+		html_raw(html, tag);
+		html_raw(html, ">");
 		html_text(html, cells[i]);
 	}
 	html_raw(html, "</tr>\n");
@@ -81,7 +83,7 @@ size_t hard_write(struct html *html, const char *text, const struct judgement *j
 			continue;
 		if (!open) {
 			html_put(html, "<div class=\"wide\"><table><caption>%s</caption><thead>", heading ? heading : "");
-			write_row(html, "th", names, columns);
+			write_row(html, "th scope=\"col\"", names, columns);
 			html_raw(html, "</thead><tbody>\n");
 			open = true;
 		}

@@ -83,13 +83,14 @@ static enum status save(const struct study *study, const char *name, const char 
 static enum status save_page(const struct arguments *args, struct page *page, struct error *err)
 {
 	struct study *study = page->figures->study;
-	char *chart = read_text(args->chart), *hard = NULL, *path = NULL, *installed = installed_tables();
+	char *chart = read_text(args->chart), *hard = NULL, *path = NULL, *link, *installed = installed_tables();
 	const char *tables = args->tables ? args->tables : installed;
 	struct error why;
 	if (tables && hard_read(tables, &hard, &why) != STATUS_OK)
 		study_miss(study, NULL, "the page of hard cases: %s", why.text);
 	page->chart = chart;
 	page->hard = hard;
+	page->hard_link = link = hard ? realpath(tables, NULL) : NULL;
 	page->hard_path = args->tables ? args->tables : "tests/hard/TABLE.md";
 	enum status s = asprintf(&path, "%s/report.html", study->folder) < 0
 			    ? error_set(err, STATUS_MEMORY, "no memory for a page")
@@ -98,6 +99,7 @@ static enum status save_page(const struct arguments *args, struct page *page, st
 	free(chart);
 	free(hard);
 	free(installed);
+	free(link);
 	return s;
 }
 

@@ -1,5 +1,6 @@
 #include "server/report/page.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +22,8 @@ static void write_style(struct html *html, const void *context)
 	const struct page *page = context;
 	shot_style(html);
 	html_raw(html, page_report_style);
-	fwrite(page->pictures->css.text, 1, html_size((struct html *)&page->pictures->css), html->out);
+	if (page->brief < PAGE_FRONT_ALONE)
+		fwrite(page->pictures->css.text, 1, html_size((struct html *)&page->pictures->css), html->out);
 }
 
 static void write_words(struct html *html, const void *context)
@@ -41,13 +43,13 @@ static void write_shot(struct html *html, const struct page *page, uint32_t view
 	char seconds[WORDS_NUMBER], error[WORDS_NUMBER], flip[WORDS_NUMBER], caption[192] = "the reference";
 	char *settings = p ? words_settings(p->runs[0].settings) : NULL, *title = NULL;
 	if (p)
-		snprintf(caption, sizeof caption, "%s, relMSE %s, FLIP %s", words_seconds(p->seconds, seconds),
-			 words_error(p->relmse, error), words_error(p->flip, flip));
+		snprintf(caption, sizeof caption, "%s, relMSE %s%s, FLIP %s", words_seconds(p->seconds, seconds),
+			 words_error(p->relmse, error), p->resolved ? "" : " (not resolved)", words_error(p->flip, flip));
 	const double samples = page->figures->views[view].run ? page->figures->views[view].run->samples : (double)NAN;
 	if ((p ? asprintf(&title, "%s, %s", p->runs[0].technique, settings ? settings : "?")
 	       : asprintf(&title, isfinite(samples) ? "reference, samples %.0f" : "reference", samples)) < 0)
 		title = NULL;
-	if (number >= 0 && title)
+	if (number >= 0 && title && page->brief < PAGE_FRONT_ALONE)
 		shot_figure(html, (unsigned)number, page->pictures->width, page->pictures->height, p != NULL, title,
 			    caption);
 	free(settings);
@@ -155,15 +157,26 @@ static void write_bias(struct html *html, const void *context)
 	if (any)
 		pictures_bias_legend(html);
 	else
-		html_raw(
-		    html,
-		    "<p>Unknown: the study has no technique with noise and at least two seeds beside a reference.</p>\n");
+		html_raw(html, "<p>Unknown: beside a reference there must be a point with two seeds, and one with two seeds "
+			       "that was made "
+			       "as the reference was, with fewer samples: it tells the reference's own noise.</p>\n");
 }
 
 static void write_tile(struct html *html, const void *context)
 {
 	const struct page *page = context;
 	html_put(html, "%u x %u", page->figures->tile, page->figures->tile);
+}
+
+// A path as part of an address: what has a meaning there, or none, by its code.
+static void write_path(struct html *html, const char *path)
+{
+	for (; *path; path++) {
+		char code[4] = {*path};
+		if (!isalnum((unsigned char)*path) && !strchr("/-._~", *path))
+			snprintf(code, sizeof code, "%%%02X", (unsigned)(unsigned char)*path);
+		html_raw(html, code);
+	}
 }
 
 static void write_hard(struct html *html, const void *context)
@@ -175,17 +188,46 @@ static void write_hard(struct html *html, const void *context)
 		return;
 	}
 	html_put(html, "<details><summary>the rows of %s</summary>\n", page->hard_path);
+	if (page->hard_link) {
+		html_raw(html, "<p><a href=\"file://");
+		write_path(html, page->hard_link);
+		html_put(html, "\">%s</a>, where it lay when this page was written</p>\n", page->hard_path);
+	}
 	hard_write(html, page->hard, page->judgement);
 	html_raw(html, "</details>\n");
 }
 
+static void forget(json_t *points)
+{
+	static const char *const long_ones[] = {"command", "stages", "cold_stages", "image", "bias"};
+	json_t *point;
+	size_t i;
+	json_array_foreach(points, i, point)
+	{
+		for (size_t k = 0; k < sizeof long_ones / sizeof *long_ones; k++)
+			json_object_del(point, long_ones[k]);
+	}
+}
+
+// What the scripts get: what the page has, and no more.
 static void write_data(struct html *html, const void *context)
 {
 	const struct page *page = context;
-	json_t *shown = json_copy((json_t *)page->results);
+	if (page->brief >= PAGE_FRONT_ALONE) {
+		html_raw(html, "{}");
+		return;
+	}
+	json_t *shown = page->brief >= PAGE_NO_STAGES ? json_deep_copy(page->results) : json_copy((json_t *)page->results);
+	json_t *technique;
+	size_t t;
 	json_object_del(shown, "missing");
-	if (page->brief)
+	if (page->brief >= PAGE_NO_SINGLE_RUNS)
 		json_object_del(shown, "predictions");
+	json_array_foreach(page->brief >= PAGE_NO_STAGES ? json_object_get(shown, "techniques") : NULL, t, technique)
+	{
+		forget(json_object_get(technique, "points"));
+		forget(json_object_get(technique, "cold"));
+	}
 	html_json(html, shown);
 	json_decref(shown);
 }
@@ -193,7 +235,7 @@ static void write_data(struct html *html, const void *context)
 static void write_chart(struct html *html, const void *context)
 {
 	const struct page *page = context;
-	if (page->chart)
+	if (page->chart && page->brief < PAGE_FRONT_ALONE)
 		html_script(html, page->chart, strlen(page->chart));
 }
 
@@ -230,20 +272,23 @@ static const struct html_slot slots[] = {
 
 enum status page_write(struct page *page, const char *path, struct error *err)
 {
-	for (page->brief = false;; page->brief = true) {
+	enum status s = STATUS_LIMIT;
+	for (page->brief = PAGE_WHOLE; page->brief <= PAGE_FRONT_ALONE; page->brief++) {
 		struct html html;
-		enum status s = html_init(&html, err);
+		s = html_init(&html, err);
 		if (s == STATUS_OK)
 			html_template(&html, page_report, slots, page);
 		const size_t bytes = s == STATUS_OK ? html_size(&html) : 0;
-		if (bytes <= LIMIT_REPORT_BYTES && s == STATUS_OK)
+		const bool fits = s == STATUS_OK && bytes <= LIMIT_REPORT_BYTES;
+		if (fits)
 			s = html_save(&html, path, err);
-		else if (s == STATUS_OK && page->brief)
+		else if (s == STATUS_OK)
 			s = error_set(err, STATUS_LIMIT,
 				      "the page has %zu bytes; the limit is %u: study fewer points or views", bytes,
 				      LIMIT_REPORT_BYTES);
 		html_finish(&html);
-		if (s != STATUS_OK || page->brief || bytes <= LIMIT_REPORT_BYTES)
+		if (fits || s != STATUS_LIMIT)
 			return s;
 	}
+	return s;
 }

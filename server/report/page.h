@@ -13,9 +13,17 @@ struct page {
 	const json_t *results; // results_json's
 	const char *chart; // the text of Chart.js; NULL: it is not there
 	const char *hard; // the page of hard cases; NULL: it is not there
-	const char *hard_path;
-	bool brief; // leave out what is large: the rows of hard cases and of single runs, the table of commands
+	const char *hard_path; // as the page names it
+	const char *hard_link; // where it is, absolute; NULL: unknown
+	unsigned brief; // how much is left out, PAGE_…
 };
+
+// What a page leaves out that would be too long, each also what the ones before it do. The files beside it have it all.
+#define PAGE_WHOLE 0u
+#define PAGE_NO_SINGLE_RUNS 1u // the rows of hard cases and of single runs, the table of commands
+#define PAGE_NO_STAGES 2u // stages, and in the plots the commands
+#define PAGE_FRONT_ALONE \
+	3u // points that are not on the Pareto front, the plots, pictures, effects, and a long list of misses
 
 // Write the page to a file, of LIMIT_REPORT_BYTES at most: a longer one becomes brief. STATUS_LIMIT: it is longer all the
 // same; STATUS_IO; STATUS_MEMORY.

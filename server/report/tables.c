@@ -56,10 +56,16 @@ static void name_settings(struct html *html, const char *technique, const json_t
 	free(text);
 }
 
+// `heads`: the columns' names, each after its own "<th>".
 static void open_table(struct html *html, const char *caption, const char *heads)
 {
 	html_put(html, "<div class=\"wide\"><table><caption>%s</caption><thead><tr>", caption);
-	html_raw(html, heads);
+	for (const char *next; *heads; heads = next) {
+		next = strstr(heads + 1, "<th");
+		next = next ? next : heads + strlen(heads);
+		html_put(html, "<th scope=\"col\"");
+		fwrite(heads + 3, 1, (size_t)(next - heads) - 3, html->out);
+	}
 	html_raw(html, "</tr></thead><tbody>\n");
 }
 
@@ -92,7 +98,10 @@ static void row_of_point(struct html *html, const struct point *p)
 	char text[WORDS_NUMBER];
 	html_text(html, words_error(p->mean_difference, text));
 	cell_error(html, p->flip);
-	cell_interval(html, p->efficiency, p->efficiency_interval, words_error);
+	if (isfinite(p->efficiency))
+		cell_interval(html, p->efficiency, p->efficiency_interval, words_error);
+	else
+		html_raw(html, "<td>");
 	cell_share(html, p->bias.tiles ? p->bias.share : (double)NAN);
 	html_put(html, "<td>%zu</tr>\n", p->seeds);
 }
@@ -106,15 +115,19 @@ void table_points(struct html *html, const void *context)
 		open_table(
 		    html,
 		    "Every point, by technique and time. ★: nothing else is as quick and as accurate (the Pareto front). "
-		    "Small "
-		    "figures: 95 % intervals over the seeds.",
-		    "<th>settings<th>time<th>relMSE<th>RMSE<th>signed mean<th>FLIP<th>efficiency<br>1/(relMSE·s)<th>tiles "
+		    "Small figures: 95 % intervals over the seeds and the reference's own error; of two seeds they are "
+		    "wide. "
+		    "Efficiency: where noise is at least half of the error.",
+		    "<th>settings<th>time<th>relMSE<th>RMSE<th>signed<br>mean<th>FLIP<th>efficiency<br>1/"
+		    "(relMSE·s)<th>tiles "
 		    "with<br>bias<th>seeds");
 		for (size_t i = 0; i < f->point_count; i++)
-			if (f->points[i].runs[0].view == view)
+			if (f->points[i].runs[0].view == view && (page->brief < PAGE_FRONT_ALONE || f->points[i].pareto))
 				row_of_point(html, &f->points[i]);
 		close_table(html);
 	}
+	if (page->brief >= PAGE_FRONT_ALONE)
+		html_raw(html, "<p>Only those of the Pareto front find room on this page; results.csv has all.</p>\n");
 }
 
 void table_commands(struct html *html, const void *context)
@@ -125,7 +138,10 @@ void table_commands(struct html *html, const void *context)
 		html_raw(html, "<p>They find no room on this page, and are in results.csv.</p>\n");
 		return;
 	}
-	open_table(html, "", "<th>settings<th class=\"t\">command");
+	html_raw(html,
+		 "<p>They name files as the study was told them: run them where the study's own command was run, which "
+		 "is below.</p>\n");
+	open_table(html, "The command of each point, of its first seed", "<th>settings<th class=\"t\">command");
 	for (size_t i = 0; i < f->point_count; i++) {
 		const struct point *p = &f->points[i];
 		html_raw(html, "<tr><td>");
@@ -184,6 +200,10 @@ void table_stages(struct html *html, const void *context)
 	const struct page *page = context;
 	const json_t *technique, *point;
 	size_t t, i;
+	if (page->brief >= PAGE_NO_STAGES) {
+		html_raw(html, "<p>They find no room on this page, and are in results.json.</p>\n");
+		return;
+	}
 	open_table(html, "Time by stage, the median of the warm runs, and of cold ones, which compile first",
 		   "<th>settings<th class=\"t\">runs<th>time<th class=\"t\">stages");
 	json_array_foreach(json_object_get(page->results, "techniques"), t, technique)
@@ -211,6 +231,10 @@ void table_ablation(struct html *html, const void *context)
 		html_raw(html, "<p>The study has no runs with an effect switched off.</p>\n");
 		return;
 	}
+	if (page->brief >= PAGE_FRONT_ALONE) {
+		html_raw(html, "<p>They find no room on this page, and are in results.json.</p>\n");
+		return;
+	}
 	open_table(html, "With one effect switched off, beside the same settings with all of them",
 		   "<th>settings<th>time<th>time saved<th>relMSE<th>relMSE with all<th>error incurred<th>signed mean");
 	json_array_foreach(ablation, i, row)
@@ -234,8 +258,9 @@ static void rows_of_runs(struct html *html, const json_t *runs)
 {
 	const json_t *run;
 	size_t i;
-	html_raw(html, "<details><summary>every run</summary>\n");
-	open_table(html, "", "<th>run<th class=\"t\">of<th class=\"t\">by<th>said<th>low<th>high<th>true");
+	html_raw(html, "<details data-print><summary>every run</summary>\n");
+	open_table(html, "What was said of each run, and what came out",
+		   "<th>run<th class=\"t\">of<th class=\"t\">by<th>said<th>low<th>high<th>true");
 	json_array_foreach(runs, i, run)
 	{
 		const bool is_time = strcmp(text_of(run, "of"), "seconds") == 0;
@@ -320,12 +345,16 @@ void table_facts(struct html *html, const void *context)
 	html_raw(html, "</dl>\n");
 }
 
-static void list_texts(struct html *html, const json_t *list, const char *who, const char *what)
+static void list_texts(struct html *html, const json_t *list, size_t most, const char *who, const char *what)
 {
 	const json_t *entry;
 	size_t i;
 	json_array_foreach(list, i, entry)
 	{
+		if (i == most) {
+			html_put(html, "<li>%zu more, which results.json names\n", json_array_size(list) - i);
+			break;
+		}
 		if (json_is_string(entry))
 			html_put(html, "<li>%s\n", json_string_value(entry));
 		else
@@ -338,6 +367,7 @@ void table_missing(struct html *html, const void *context)
 	const struct page *page = context;
 	const json_t *study = json_object_get(page->results, "study"), *missing = page->figures->study->missing;
 	const json_t *complete = json_object_get(study, "complete");
+	const size_t most = page->brief >= PAGE_FRONT_ALONE ? 100 : SIZE_MAX;
 	html_raw(html, "<ul>\n");
 	if (json_is_false(complete))
 		html_raw(html, "<li>The study is not complete: the same command goes on with it.\n");
@@ -347,8 +377,8 @@ void table_missing(struct html *html, const void *context)
 			       "figures are in the tables.\n");
 	if (!page->hard)
 		html_raw(html, "<li>The rows of hard cases: candil-report was not told of their page (--tables).\n");
-	list_texts(html, json_object_get(study, "skipped"), "technique", "why");
-	list_texts(html, missing, "run", "why");
-	list_texts(html, json_object_get(study, "notes"), "note", "why");
+	list_texts(html, json_object_get(study, "skipped"), most, "technique", "why");
+	list_texts(html, missing, most, "run", "why");
+	list_texts(html, json_object_get(study, "notes"), most, "note", "why");
 	html_raw(html, "</ul>\n");
 }

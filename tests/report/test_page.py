@@ -66,7 +66,8 @@ class Report(unittest.TestCase):
         for tag, attrs in page.tags:
             for name in ("src", "href", "srcset", "data", "action", "poster"):
                 if name in attrs:
-                    self.assertRegex(attrs[name], r"^(#|data:)", tag)
+                    # What a reader may follow stays on this machine; nothing else is asked for.
+                    self.assertRegex(attrs[name], r"^(#|file:///[\w/.~%-]+$)" if tag == "a" else r"^data:", tag)
             self.assertFalse([name for name in attrs if name.startswith("on")], tag)
             self.assertNotIn(tag, ("link", "iframe", "object", "embed", "base"))
         for url in re.findall(r"url\(([^)]*)\)", text):
@@ -161,6 +162,7 @@ class Report(unittest.TestCase):
         table.write_text("# Hard cases\n\n## Size\n\nWords.\n\n| case | technique | value |\n| --- | --- | ---: |\n| a small room | `pt` | 1 |\n"
                          "| a small room | `direct` | 2 |\n\n## Other\n\n| case | technique | value |\n| --- | --- | ---: |\n| a big room | `direct` | 3 |\n")
         page, _ = self.page(study, "--tables", table)
+        self.assertIn(("a", {"href": table.resolve().as_uri()}), page.tags)
         self.assertIn("Size case technique value a small room pt 1", page.text())
         self.assertNotIn("direct", page.text())
         page, _ = self.page(study)
@@ -176,6 +178,29 @@ class Report(unittest.TestCase):
         page, text = self.page(study)
         self.assertGreater(len(text), 1024 * 1024)
         self.assertIn("background-image", text)
+
+    def test_a_page_that_would_be_too_long_leaves_tables_out(self):
+        """Many points with many stages, then also many words: what is kept is the front, and the page says what is not there."""
+        study = Study(self.folder).usual(seeds=2)
+        line = study.lines[1]
+        stages = [{"name": f"stage {i} " + "x" * 80, "us": 10} for i in range(16)]
+        for k in range(1200):
+            study.lines.append({**line, "id": f"more-{k}", "settings": {"samples": 100 + k}, "image": None,
+                                "report": {**line["report"], "stages": stages}})
+        page, _ = self.page(study)
+        self.assertIn("They find no room on this page, and are in results.json.", page.text())
+        self.assertIn("samples 1000", page.text())
+        for k in range(1200):
+            study.lines.append({**line, "id": f"longer-{k}", "settings": {"samples": 9000 + k, "y": "z" * 1500}, "image": None})
+        page, _ = self.page(study)
+        self.assertIn("Only those of the Pareto front find room on this page", page.text())
+        for p in (p for t in json.loads((self.folder / "results.json").read_text())["techniques"] for p in t["points"] if p["pareto"]):
+            self.assertIn(f"samples {p['settings']['samples']}", page.text())
+
+    def test_every_column_has_a_scope_and_every_table_a_name(self):
+        page, text = self.page(Study(self.folder).usual())
+        self.assertEqual({attrs.get("scope") for tag, attrs in page.tags if tag == "th"}, {"col"})
+        self.assertNotIn("<caption></caption>", text)
 
     def test_a_folder_without_a_run_has_a_report(self):
         study = Study(self.folder)

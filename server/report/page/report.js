@@ -203,7 +203,7 @@
 			const item = items.map((i) => chart.data.datasets[i.datasetIndex].data[i.index]).find((d) => d.point);
 			if (item)
 				chosen.replaceChildren(element("b", {}, `${item.technique}, ${settings(item.point)}`), ` ${seconds(item.point.seconds)}, relMSE ${figure(item.point.relmse)}`,
-					element("code", {class: "command"}, item.point.command));
+					item.point.command ? element("code", {class: "command"}, item.point.command) : "");
 		}
 		const kept = draw(box, configuration, "Error against time of every technique, both axes logarithmic; the table below has the figures");
 		box.append(chosen);
@@ -221,9 +221,9 @@
 	function stages(box) {
 		const bars = [], copy = (list) => list.map((s) => ({...s}));
 		for (const t of data.techniques) {
-			const known = t.points.filter((p) => p.view === 0 && p.relmse > 0 && p.stages.length);
-			const best = known.sort((a, b) => a.relmse - b.relmse)[0] || t.points.find((p) => p.stages.length);
-			const cold = t.cold.find((p) => p.cold_stages.length) || t.points.find((p) => p.cold_stages.length);
+			const known = t.points.filter((p) => p.view === 0 && p.relmse > 0 && p.stages?.length);
+			const best = known.sort((a, b) => a.relmse - b.relmse)[0] || t.points.find((p) => p.stages?.length);
+			const cold = t.cold.find((p) => p.cold_stages?.length) || t.points.find((p) => p.cold_stages?.length);
 			if (best)
 				bars.push({name: `${t.name}, ${settings(best)}`, what: "warm", stages: copy(best.stages)});
 			if (cold)
