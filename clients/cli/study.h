@@ -178,6 +178,8 @@ bool study_add_point(struct study_plan *plan, const struct study_point *point);
 bool study_default_points(struct study *study);
 // Whether two points differ in their samples alone.
 bool study_is_series(const struct study_point *a, const struct study_point *b);
+// Whether a point is the first listed of its series.
+bool study_is_first(const struct study_plan *plan, uint32_t point);
 // Bring the points of a technique together, and those of a series in the order of their samples.
 void study_sort_points(struct study_plan *plan);
 // Whether a point is the technique's own defaults at these samples.
@@ -244,9 +246,9 @@ bool study_command_line(const struct study *study, const struct study_run *run, 
 void study_make_run(struct study *study, enum study_kind kind, uint32_t view, uint32_t point, uint64_t seed,
 		    struct study_run *run);
 // List all runs of the plan: cold ones of points with noise, references, then turns. In each turn every point with noise
-// comes once, in an order of its own, so that a machine that is busy for a while is so for all. A point without noise comes
-// in the first turn, cold, then with all its repeats: they use what the cold one has made of the scene, which the runs of
-// any other settings would throw away. false: too many, or no memory.
+// comes once, in an order of its own, so that a machine that is busy for a while is so for all. A series without noise comes
+// in the first turn, cold, then with all its repeats, its counts of samples by turns: they use what the cold run has made of
+// the scene, which a run of any other settings would throw away. false: too many, or no memory.
 bool study_list_runs(struct study *study);
 
 // ---- study_time.c ---------------------------------------------------------------------------------------------------

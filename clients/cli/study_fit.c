@@ -12,6 +12,7 @@
 #define REFERENCE_SHARE 0.4
 #define ABLATION_SHARE 0.12
 #define EXACT_SHARE 0.5
+#define COUNT_SHARE 0.3 // of these, what one count of samples of the defaults may take
 #define REFERENCE_SAMPLES_MAX 65536u
 #define RUNG 4u // from one number of samples to the next
 #define RUNGS_MIN 2u // a line needs two points
@@ -204,8 +205,8 @@ static double cost_of(const struct study *study, uint32_t point)
 	const struct study_point *p = &study->plan.points[point];
 	double seconds = 0;
 	for (uint32_t v = 0; v < study->plan.view_count; v++)
-		seconds +=
-		    study_predict(study, point, v) * study_seeds_of(&study->plan, p) + study_predict_cold(study, point, v);
+		seconds += study_predict(study, point, v) * study_seeds_of(&study->plan, p) +
+			   (study_is_first(&study->plan, point) ? study_predict_cold(study, point, v) : 0);
 	return seconds;
 }
 
@@ -239,7 +240,7 @@ static uint32_t dearest(const struct study *study, bool plain)
 static void drop_points(struct study *study, double seconds)
 {
 	struct study_plan *plan = &study->plan;
-	for (uint32_t at; (at = dearest(study, true)) < plan->point_count && cost_of(study, at) > 0.5 * seconds;)
+	for (uint32_t at; (at = dearest(study, true)) < plan->point_count && cost_of(study, at) > COUNT_SHARE * seconds;)
 		drop_point(plan, at);
 	for (int plain = 0; plain < 2; plain++)
 		for (uint32_t at; exact_cost(study) > seconds && (at = dearest(study, plain)) < plan->point_count;) {

@@ -72,22 +72,29 @@ static bool put_turn(struct study *study, uint32_t view, uint32_t point, uint32_
 	const uint32_t seeds = study_seeds_of(&study->plan, p);
 	if (study_has_noise(p->technique))
 		return turn >= seeds || put_run(study, p->kind, view, point, turn + 1);
-	// What the scene keeps for a point is made by its first run and used by those right after.
-	bool good = turn > 0 || put_run(study, STUDY_COLD, view, point, 0);
-	for (uint32_t i = 0; good && turn == 0 && i < seeds; i++)
-		good = put_run(study, p->kind, view, point, i + 1);
+	if (turn > 0 || !study_is_first(&study->plan, point))
+		return true;
+	// What the scene keeps for a series is made by its first run and used by those right after, its counts of samples by
+	// turns.
+	bool good = put_run(study, STUDY_COLD, view, point, 0), more = true;
+	for (uint32_t seed = 1; good && more; seed++) {
+		more = false;
+		for (uint32_t i = point; good && i < study->plan.point_count; i++) {
+			const struct study_point *q = &study->plan.points[i];
+			if (!study_is_series(p, q) || seed > study_seeds_of(&study->plan, q))
+				continue;
+			more = true;
+			good = put_run(study, q->kind, view, i, seed);
+		}
+	}
 	return good;
 }
 
 // Put the cold runs of points with noise: one for all numbers of samples, the first that is listed.
 static bool put_cold(struct study *study, uint32_t point)
 {
-	const struct study_point *p = &study->plan.points[point];
-	for (uint32_t i = 0; i < point; i++) {
-		if (study_is_series(&study->plan.points[i], p))
-			return true;
-	}
-	return !study_has_noise(p->technique) || put_run(study, STUDY_COLD, 0, point, 0);
+	return !study_has_noise(study->plan.points[point].technique) || !study_is_first(&study->plan, point) ||
+	       put_run(study, STUDY_COLD, 0, point, 0);
 }
 
 bool study_list_runs(struct study *study)

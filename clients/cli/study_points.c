@@ -31,6 +31,14 @@ bool study_is_series(const struct study_point *a, const struct study_point *b)
 	return a->technique == b->technique && same_settings(a, b) && strcmp(a->effects, b->effects) == 0;
 }
 
+bool study_is_first(const struct study_plan *plan, uint32_t point)
+{
+	for (uint32_t i = 0; i < point; i++)
+		if (study_is_series(&plan->points[i], &plan->points[point]))
+			return false;
+	return true;
+}
+
 bool study_add_point(struct study_plan *plan, const struct study_point *point)
 {
 	for (uint32_t i = 0; i < plan->point_count; i++) {
