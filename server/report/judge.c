@@ -80,15 +80,22 @@ static const struct point *before(const struct figures *f, const struct point *p
 	return found;
 }
 
-// The reference's own error is the same in both, so that the seeds alone say whether they differ. An error that is mostly
-// noise would fall if there were more samples, whatever wide intervals say.
+// Whether an error is known well enough to say that it has stopped falling: less than half of it is noise, which more
+// samples would take away, and its interval holds neither half nor twice of it.
+static bool is_firm(const struct point *p)
+{
+	return p->relmse_noise <= p->relmse / 2 && p->seeds_interval.low >= p->relmse / 2 &&
+	       p->seeds_interval.high <= 2 * p->relmse;
+}
+
+// The reference's own error is the same in both, so that the seeds alone say whether they differ.
 static enum judge_fall fall_of(const struct point *p, const struct point *earlier)
 {
 	if (!earlier || !isfinite(p->seeds_interval.high) || !isfinite(earlier->seeds_interval.low))
 		return JUDGE_UNKNOWN;
 	if (p->seeds_interval.high < earlier->seeds_interval.low)
 		return JUDGE_FALLING;
-	return p->relmse_noise >= p->relmse / 2 && p->relmse_noise > 0 ? JUDGE_UNKNOWN : JUDGE_HELD;
+	return is_firm(p) ? JUDGE_HELD : JUDGE_UNKNOWN;
 }
 
 static bool has_most_samples(const struct figures *f, const struct point *p, uint32_t view, const char *technique)
@@ -121,7 +128,7 @@ static struct judge_floor find_floor(const struct figures *f, uint32_t view, con
 		return floor;
 	floor.before = before(f, floor.point);
 	floor.fall = fall_of(floor.point, floor.before);
-	if (floor.fall == JUDGE_UNKNOWN)
+	if (floor.fall == JUDGE_UNKNOWN && is_firm(floor.point))
 		floor.fall = others;
 	return floor;
 }

@@ -4,9 +4,9 @@
 //
 // A floor is the error that a technique which does not converge keeps, whatever time it gets. Of each combination of its
 // settings but the samples, take the point with the most samples; the lowest relMSE of these is its floor if it has stopped
-// falling. It has if the last two sample counts do not differ beyond the intervals of their seeds, and less than half of
-// it is noise. Settings that were rendered with one sample count alone are judged by the others of the technique, and are
-// unknown without any.
+// falling. It has if the last two sample counts do not differ beyond the intervals of their seeds, less than half of
+// it is noise, and its interval holds neither half nor twice of it. Settings that were rendered with one sample count alone
+// are judged by the others of the technique, and are unknown without any.
 //
 // Errors are told apart only where their intervals do not overlap. Points that are not resolved have no rank.
 #ifndef CANDIL_REPORT_JUDGE_H
