@@ -11,3 +11,14 @@ const char *status_name(unsigned code)
 	}
 	return "unknown";
 }
+
+bool status_is_known(unsigned code)
+{
+	switch (code) {
+#define X(name, number, wire) case number:
+		CANDIL_STATUS_LIST(X)
+#undef X
+		return true;
+	}
+	return false;
+}

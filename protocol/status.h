@@ -3,6 +3,8 @@
 #ifndef CANDIL_PROTOCOL_STATUS_H
 #define CANDIL_PROTOCOL_STATUS_H
 
+#include <stdbool.h>
+
 // X(NAME, number, "name-on-the-wire")
 #define CANDIL_STATUS_LIST(X) \
 	X(OK, 0, "ok") \
@@ -54,5 +56,8 @@ enum status {
 
 // The stable name on the wire; "unknown" for a number that is none of ours.
 const char *status_name(unsigned code);
+
+// Whether a number is one of ours.
+bool status_is_known(unsigned code);
 
 #endif

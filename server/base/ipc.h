@@ -114,7 +114,8 @@ struct ipc_pilot {
 	struct ipc_head head; // `job` is the quote's number
 	uint64_t scene;
 	uint64_t environment; // 0: none
-	uint32_t budget_us; // of work, beside compiling
+	uint32_t budget_us; // of work of each technique, beside compiling
+	uint32_t limit_us; // of all of it: no picture is begun or gone on with past it
 	uint32_t techniques; // bits 1 << candil_Technique
 	candil_Render render; // already checked by the front; its technique does not count
 };

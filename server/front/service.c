@@ -186,7 +186,7 @@ static void on_worker_lost(void *owner, const char *how, bool hopeless)
 {
 	struct service *service = owner;
 	jobs_worker_lost(&service->jobs, how, hopeless);
-	quotes_worker_lost(&service->quotes);
+	quotes_worker_lost(&service->quotes, hopeless);
 }
 
 static const struct worker_events worker_events = {.ready = on_worker_ready,

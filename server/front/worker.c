@@ -134,16 +134,18 @@ void worker_end(struct worker *worker, uint32_t job)
 }
 
 void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
-		  uint32_t techniques, uint32_t budget_us)
+		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us)
 {
 	struct ipc_pilot message = {.head = {.op = IPC_PILOT, .job = pilot},
 				    .scene = scene,
 				    .environment = environment,
 				    .budget_us = budget_us,
+				    .limit_us = limit_us,
 				    .techniques = techniques,
 				    .render = *render};
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
+	worker->pilot = pilot;
 }
 
 // ---- the watchdog ----------------------------------------------------------------------------------------------------
@@ -271,15 +273,18 @@ static bool is_known(double x)
 
 static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
 {
+	bool good = piloted->head.job == worker->pilot && worker->pilot != 0 && status_is_known(piloted->error.code);
 	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++) {
 		struct pilot_result *r = &piloted->results[i];
-		if (!is_known(r->cold_us) || !is_known(r->setup_us) || !is_known(r->fixed_us) || !is_known(r->pixel_us) ||
-		    !is_known(r->sample_us) || !isfinite(r->error.relmse) || !isfinite(r->error.low) ||
-		    !isfinite(r->error.high) || r->pixels > LIMIT_PIXELS || r->samples > LIMIT_SAMPLES) {
+		if (!good || (unsigned)r->error.kind >= ERROR_KIND_COUNT || !is_known(r->cold_us) ||
+		    !is_known(r->setup_us) || !is_known(r->fixed_us) || !is_known(r->pixel_us) || !is_known(r->sample_us) ||
+		    !isfinite(r->error.relmse) || !isfinite(r->error.low) || !isfinite(r->error.high) ||
+		    r->pixels > LIMIT_PIXELS || r->samples > LIMIT_SAMPLES) {
 			kill_for(worker, "it sent nonsense");
 			return;
 		}
 	}
+	worker->pilot = 0;
 	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
 	text_clean(piloted->error.text, sizeof piloted->error.text);
 	worker->events->piloted(worker->owner, piloted->head.job, piloted);
@@ -382,6 +387,7 @@ static void worker_lose(struct worker *worker, const char *how)
 	worker->state = WORKER_DOWN;
 	worker->answers_due = 0;
 	worker->images_due = 0;
+	worker->pilot = 0;
 	worker->device_bytes = 0;
 	worker->killed_for = NULL;
 	watch_over(worker);

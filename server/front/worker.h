@@ -57,6 +57,7 @@ struct worker {
 	uint8_t *inbox; // IPC_MAX_BYTES
 	unsigned answers_due; // of BEGIN and STEP
 	unsigned images_due;
+	uint32_t pilot; // number of the PILOT without an answer; 0: none
 	uint64_t answer_wait_us; // since when the oldest order without an answer is worked on
 	uint64_t image_wait_us; // the same for images
 	const char *killed_for; // why the front killed it; NULL: it did not
@@ -95,10 +96,10 @@ void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t 
 // Work on a job for about budget_us of device time; `stepped` answers.
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
 
-// Look at a scene by the techniques of some bits, 1 << candil_Technique, with so much work for each; `piloted` answers. No
-// STEP and no BEGIN may be outstanding.
+// Look at a scene by the techniques of some bits, 1 << candil_Technique, with so much work for each, and all together
+// within a limit, as of struct ipc_pilot; `piloted` answers. No STEP, no BEGIN and no PILOT may be outstanding.
 void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
-		  uint32_t techniques, uint32_t budget_us);
+		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us);
 
 // Encode the job's picture as it is, `final` for the last time; `image` answers. `predicted`: as of struct ipc_read.
 void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted);

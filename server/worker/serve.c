@@ -399,12 +399,15 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
+	// What its edits took is the pilot's, and no later job's.
+	job->scene->edit_told = true;
 	const struct pilot pilot = {.devices = s->devices,
 				    .scene = job->scene,
 				    .environment = job->environment,
 				    .render = &m->render,
 				    .techniques = m->techniques,
 				    .budget_us = m->budget_us,
+				    .end_us = clock_us() + m->limit_us,
 				    .memory = budget_left(s)};
 	return pilot_run(&pilot, results, err);
 }

@@ -7,12 +7,15 @@
 //   FAKE_STEP_MEMORY_JOBS=N there is memory for N jobs to make their second step
 //   FAKE_MEMORY_PIXELS=N there is memory for jobs of N pixels together
 //   FAKE_SPARSE=N      images from 2^20 pixels on are N zeros a pixel
-//   FAKE_TRACE=FILE    the job of each step is added to it, a line a step
+//   FAKE_TRACE=FILE    the job of each step is added to it, a line a step, and "pilot" for each pilot
 //   FAKE_COUNTS        "stages" or "figures": count more of them than there are; "value": a figure that is no number
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
-//   FAKE_PILOT         "die": be killed on PILOT; "refuse" it; "nonsense": answer with no number
+//   FAKE_PILOT         "die": be killed on PILOT; "refuse" it; "nonsense", "kind", "code", "other": answer with no number,
+//   no kind
+//                      of error, no status, for another pilot
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0)
+//   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
 #include <fcntl.h>
 #include <math.h>
@@ -215,10 +218,16 @@ static void on_pilot(const struct ipc_pilot *message)
 	struct ipc_piloted piloted = {.head = {.op = IPC_PILOTED, .job = message->head.job}};
 	if (!find_scene(message->scene))
 		exit(8);
+	if (trace)
+		fprintf(trace, "pilot\n");
 	if (!strcmp(wrong, "die"))
 		raise(SIGKILL);
 	if (!strcmp(wrong, "refuse"))
 		error_set(&piloted.error, STATUS_BAD_ARGUMENT, "no such option");
+	if (!strcmp(wrong, "code"))
+		piloted.error.code = (enum status)9999;
+	if (!strcmp(wrong, "other"))
+		piloted.head.job++;
 	usleep((useconds_t)fake_number("FAKE_PILOT_US", 0));
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
 		const bool noisy = technique_traits(t) & TECHNIQUE_NOISE;
@@ -230,6 +239,8 @@ static void on_pilot(const struct ipc_pilot *message)
 							     candil_ErrorKind_ERROR_KIND_MEASURED};
 		if (!strcmp(wrong, "nonsense"))
 			piloted.results[t].sample_us = NAN;
+		if (!strcmp(wrong, "kind"))
+			piloted.results[t].error.kind = 77;
 	}
 	answer(&piloted, sizeof piloted, -1);
 }
@@ -275,13 +286,15 @@ int main(void)
 	} inbox;
 	if (getenv("FAKE_EXIT"))
 		return 3;
+	const bool inherited = fake_inherited(IPC_FD);
 	if (getenv("FAKE_TRACE")) {
 		trace = fopen(getenv("FAKE_TRACE"), "ae");
 		setvbuf(trace, NULL, _IOLBF, 0);
 	}
+	usleep((useconds_t)fake_number("FAKE_READY_US", 0));
 	struct ipc_ready ready = {.head = {.op = IPC_READY}};
 	snprintf(ready.build, sizeof ready.build, "%s", getenv("FAKE_OTHER_BUILD") ? "0.0" : ipc_build());
-	snprintf(ready.device, sizeof ready.device, "%s", fake_inherited(IPC_FD) ? "inherited descriptors" : "fake");
+	snprintf(ready.device, sizeof ready.device, "%s", inherited ? "inherited descriptors" : "fake");
 	if (getenv("FAKE_NO_DEVICE"))
 		error_set(&ready.error, STATUS_DEVICE, "there is no device");
 	answer(&ready, sizeof ready, -1);

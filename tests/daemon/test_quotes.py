@@ -15,7 +15,29 @@ def quote(pilot_ms=0, **fields):
     return pb.Quote(render=render(**{**OPEN, **fields}), pilot_ms=pilot_ms)
 
 
+def at(x):
+    """A view of its own."""
+    return pb.Camera(eye=pb.Vec3(x=x), target=pb.Vec3(z=1), vfov_degrees=40)
+
+
 class QuoteCase(FakeCase):
+    def prepare(self):
+        self.trace_file = os.path.join(self.daemon.folder, "trace")
+        self.daemon.environment["FAKE_TRACE"] = self.trace_file
+
+    def trace(self):
+        """What the worker was told, in order: a job's number for a step, "pilot"."""
+        if not os.path.exists(self.trace_file):
+            return []
+        with open(self.trace_file) as file:
+            return file.read().split()
+
+    def quote_of(self, connection, question):
+        """Of a render that has to succeed: its Accepted's quote."""
+        replies = connection.follow(connection.send(wire.RENDER, question))
+        self.assertEqual(replies[-1].kind, wire.DONE, replies[-1])
+        return next(r.body for r in replies if r.kind == wire.ACCEPTED).quote
+
     def answer(self, connection, question):
         reply = connection.ask(wire.QUOTE, question)
         self.assertEqual(reply.kind, wire.QUOTE_REPLY, reply)
@@ -98,6 +120,75 @@ class Busy(QuoteCase):
         self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
 
 
+class Shared(QuoteCase):
+    environment = {"FAKE_STEP_US": "10000", "FAKE_PILOT_US": "300000"}
+
+    def test_after_a_pilot_the_jobs_have_the_device_for_as_long(self):
+        connection, asker = self.with_box(), self.connect()
+        job = connection.send(wire.RENDER, endless())
+        wire.wait_for(lambda: "pilot" not in self.trace() and len(self.trace()) > 2, "the job works")
+        for i in range(4):
+            asker.send(wire.QUOTE, quote(pilot_ms=1, camera=at(i)))
+        wire.wait_for(lambda: self.trace().count("pilot") == 3, "three pilots")
+        steps = " ".join(self.trace()).split("pilot")[1:3]
+        self.assertTrue(all(len(s.split()) >= 30 for s in steps), steps)
+        connection.send(wire.CANCEL, pb.Cancel(request=job))
+        self.assert_error(connection.follow(job)[-1], "cancelled")
+
+    def test_none_before_a_deadline_that_is_near(self):
+        connection, asker = self.with_box(), self.connect()
+        job = connection.send(wire.RENDER, endless(deadline_ms=1500))
+        connection.ask(wire.PING)
+        asked = asker.send(wire.QUOTE, quote(pilot_ms=10))
+        self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
+        answer = asker.receive_for(asked)
+        self.assertEqual(getattr(answer.body, "from"), "pilot")
+        trace = self.trace()
+        self.assertEqual(trace.index("pilot"), len(trace) - 1)
+
+
+class Late(QuoteCase):
+    environment = {"FAKE_PILOT_US": "1500000"}
+
+    def test_a_deadline_that_comes_during_a_pilot(self):
+        connection, asker = self.with_box(), self.connect()
+        asked = asker.send(wire.QUOTE, quote(pilot_ms=10))
+        wire.wait_for(lambda: "pilot" in self.trace(), "the pilot is out")
+        job = connection.send(wire.RENDER, endless(deadline_ms=100))
+        self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
+        self.assertEqual(asker.receive_for(asked).kind, wire.QUOTE_REPLY)
+
+    def test_a_job_that_a_pilot_makes_late_is_rendered(self):
+        connection = self.with_box()
+        # Compiled, and of a view that is not known: there is a pilot.
+        connection.follow(connection.send(wire.RENDER, render()))
+        chosen = self.quote_of(connection, endless(technique=pb.TECHNIQUE_AUTO, deadline_ms=1000, camera=at(1)))
+        self.assertIn("pilot", self.trace())
+        self.assertEqual(getattr(chosen, "from"), "model")
+
+    def test_with_a_deadline_there_is_no_pilot_of_what_is_cold(self):
+        connection = self.with_box()
+        self.quote_of(connection, endless(technique=pb.TECHNIQUE_AUTO, deadline_ms=400))
+        self.assertNotIn("pilot", self.trace())
+
+    def test_jobs_that_are_cancelled_leave_no_quote(self):
+        connection, asker = self.with_box(), self.connect()
+        for i in range(70):
+            job = connection.send(wire.RENDER, render(**{**OPEN, "target_error": 0.1, "camera": at(i)}))
+            connection.ask(wire.CANCEL, pb.Cancel(request=job))
+            self.assert_error(connection.receive_for(job), "cancelled")
+        self.answer(asker, quote(samples=4))
+        self.assertLessEqual(self.trace().count("pilot"), 2)
+
+
+class NoWorker(QuoteCase):
+    environment = {"FAKE_EXIT": "1"}
+
+    def test_a_pilot_that_cannot_be_is_not_waited_for(self):
+        connection = self.with_box()
+        self.assertEqual(getattr(self.answer(connection, quote(pilot_ms=10)), "from"), "model")
+
+
 class Refused(QuoteCase):
     def test_hostile_questions(self):
         connection = self.with_box()
@@ -174,9 +265,12 @@ class Lost(QuoteCase):
         for _ in range(3):
             answer = self.answer(connection, quote(samples=16))
             self.assertEqual(getattr(answer, "from"), "model")
+            self.assertTrue(any("lost with a pilot" in note for note in answer.notes), answer)
+        # What it may have died of is not tried again.
+        self.assertEqual(self.trace(), ["pilot"])
         jobs = [connection.send(wire.RENDER, render(samples=50)) for _ in range(3)]
         for i in range(4):
-            self.answer(connection, quote(samples=4, seed=i, camera=pb.Camera(eye=pb.Vec3(x=i), target=pb.Vec3(z=1), vfov_degrees=40)))
+            self.answer(connection, quote(samples=4, seed=i, options=[pb.Option(name="pt.depth", value=str(i + 1))]))
         for job in jobs:
             self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
 
@@ -192,6 +286,18 @@ class Nonsense(QuoteCase):
         self.assert_serves()
 
 
+class NoKind(Nonsense):
+    environment = {"FAKE_PILOT": "kind"}
+
+
+class NoStatus(Nonsense):
+    environment = {"FAKE_PILOT": "code"}
+
+
+class OfAnother(Nonsense):
+    environment = {"FAKE_PILOT": "other"}
+
+
 class RefusedByTheWorker(QuoteCase):
     environment = {"FAKE_PILOT": "refuse"}
 
@@ -201,6 +307,10 @@ class RefusedByTheWorker(QuoteCase):
 
 
 class Auto(QuoteCase):
+    def test_a_fresh_daemon_looks_first(self):
+        connection = self.with_box()
+        self.assertEqual(getattr(self.quote_of(connection, quote(target_error=0.1).render), "from"), "pilot")
+
     def test_it_is_chosen_by_the_quote_and_says_so(self):
         connection = self.with_box()
         question = quote(target_error=0.1)
@@ -240,6 +350,7 @@ class AutoSlow(QuoteCase):
 
 class Kept(QuoteCase):
     def prepare(self):
+        super().prepare()
         self.state = os.path.join(self.daemon.folder, "state", "deep")
         self.daemon.arguments = [a for a in self.daemon.arguments if a != "--no-state"] + ["--state", self.state]
 
@@ -260,6 +371,11 @@ class Kept(QuoteCase):
         self.learn()
         self.assertEqual(os.stat(self.file()).st_mode & 0o777, 0o600)
         self.assertEqual(os.listdir(self.state), ["quotes"])
+        self.assertGreaterEqual(self.records(), 1)
+
+    def test_a_question_before_the_worker_is_ready(self):
+        self.learn()
+        self.daemon.environment["FAKE_READY_US"] = "1000000"
         self.assertGreaterEqual(self.records(), 1)
 
     def test_a_damaged_file_is_left_aside_with_a_line(self):

@@ -48,7 +48,7 @@ void job_set_end(const struct jobs *jobs, struct job *job)
 {
 	const uint64_t reserve = (uint64_t)handover_us(jobs, job);
 	if (job->deadline_us < UINT64_MAX)
-		job->end_us = job->deadline_us > reserve ? job->deadline_us - reserve : 0;
+		job->end_us = job->deadline_us > reserve ? job->deadline_us - reserve : 1; // 0 is no end
 }
 
 void jobs_learn_handover(struct jobs *jobs, const struct job *job)
@@ -93,7 +93,7 @@ bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now)
 	if (job->deadline_us == UINT64_MAX)
 		return false;
 	if (job->state == JOB_WAITING)
-		return now >= job->deadline_us;
+		return now >= job->deadline_us && !job->spared;
 	return jobs->stepping != job->id && left_us(job, now) < SHORTEST_US;
 }
 
@@ -116,7 +116,7 @@ void jobs_set_deadline_timer(struct jobs *jobs)
 {
 	uint64_t next = UINT64_MAX;
 	for (unsigned i = 0; i < jobs->count; i++)
-		if (jobs->job[i]->state == JOB_WAITING && jobs->job[i]->deadline_us < next)
+		if (jobs->job[i]->state == JOB_WAITING && !jobs->job[i]->spared && jobs->job[i]->deadline_us < next)
 			next = jobs->job[i]->deadline_us;
 	if (next < UINT64_MAX)
 		loop_timer_set(jobs->worker->loop, &jobs->deadline, next, wake_loop, jobs);

@@ -1,10 +1,11 @@
 // Jobs whose technique is chosen by a quote, and what a quote asks of the jobs (jobs_hold, jobs_decide, jobs_queue_us and
-// jobs_image_bytes, in jobs.h).
+// others, in jobs.h).
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "protocol/names.h"
+#include "server/base/clock.h"
 #include "server/front/jobs/table.h"
 
 uint32_t jobs_hold(struct jobs *jobs, const struct session *session, uint32_t request)
@@ -38,6 +39,26 @@ void jobs_decide(struct jobs *jobs, uint32_t id, candil_QuoteReply *reply)
 	job->quote = reply;
 	if (reply)
 		take_choice(&job->render, &reply->choice);
+}
+
+bool jobs_undecided(const struct jobs *jobs, uint32_t id)
+{
+	const struct job *job = jobs_by_id(jobs, id);
+	return job && job->undecided;
+}
+
+uint64_t jobs_first_end_us(const struct jobs *jobs, uint32_t but)
+{
+	uint64_t first = UINT64_MAX;
+	const uint64_t now = clock_us();
+	for (unsigned i = 0; i < jobs->count; i++) {
+		const struct job *job = jobs->job[i];
+		// A finished one that is late waits for its client.
+		const bool goes_on = job->state <= JOB_ACTIVE || (job->state < JOB_SENDING && job->deadline_us > now);
+		if (job->id != but && goes_on && job->end_us < first)
+			first = job->end_us;
+	}
+	return first;
 }
 
 double jobs_queue_us(const struct jobs *jobs, uint32_t but, double us, uint32_t *count)

@@ -23,16 +23,11 @@ static bool device_busy(const struct jobs *jobs, const struct job *but)
 	return false;
 }
 
-static bool is_loaded(const struct job *job)
-{
-	return job->scene->state == SCENE_READY && (!job->environment || job->environment->state == SCENE_READY);
-}
-
 static struct job *next_to_begin(const struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state != JOB_WAITING || job->undecided || !is_loaded(job))
+		if (job->state != JOB_WAITING || job->undecided || !job_is_loaded(job))
 			continue;
 		if (!job->short_of_memory)
 			return job;
@@ -40,6 +35,14 @@ static struct job *next_to_begin(const struct jobs *jobs)
 			return NULL;
 	}
 	return NULL;
+}
+
+bool jobs_want_device(const struct jobs *jobs)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->state == JOB_BEGINNING || jobs->job[i]->state == JOB_ACTIVE)
+			return true;
+	return next_to_begin(jobs) != NULL;
 }
 
 void jobs_begin_next(struct jobs *jobs)
@@ -146,6 +149,7 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	job->fraction = stepped->fraction;
 	job->estimate = stepped->estimate;
 	job->reached = stepped->reached != 0;
+	jobs->device_us += device_us;
 	schedule_charge(&job->turn, device_us);
 	if (job->sweep) {
 		job->sweep->turn = job->turn;

@@ -69,8 +69,19 @@ static void end_late(struct jobs *jobs)
 	jobs_set_deadline_timer(jobs);
 }
 
+// A job that would have begun by now but for a quote or a pilot begins after it, whatever its deadline is.
+static void spare_held(struct jobs *jobs)
+{
+	for (unsigned i = 0; i < jobs->count && jobs->worker->state == WORKER_READY; i++) {
+		struct job *job = jobs->job[i];
+		if (job->state == JOB_WAITING && job_is_loaded(job) && (jobs->piloting || job->undecided))
+			job->spared = true;
+	}
+}
+
 void jobs_dispatch(struct jobs *jobs)
 {
+	spare_held(jobs);
 	end_late(jobs);
 	if (jobs->worker->state != WORKER_READY)
 		return;

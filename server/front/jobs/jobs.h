@@ -53,6 +53,7 @@ struct jobs {
 	struct handover handovers[TECHNIQUE_COUNT][_candil_Format_ARRAYSIZE][HANDOVER_SIZES]; // kept by deadline.c
 	struct loop_timer deadline; // the next deadline of a job that waits
 	uint64_t slices, done, failed, cancelled; // since the start
+	uint64_t device_us; // that slices have had, likewise
 	bool piloting; // a pilot waits for the device or has it: no STEP and no BEGIN is sent. Kept by the quotes
 	bool pilot_out; // the worker has one. Likewise
 	// A frame is sent. And what its error is likely to be, if its technique cannot tell. NULL: nobody knows. Set by
@@ -75,12 +76,22 @@ enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t reques
 		     struct scene *environment, const candil_Render *render, struct error *err);
 
 // Hold back the job of a session's request until its technique is chosen. Returns its number; 0: it has none that is not
-// begun.
+// begun. A job that could have begun is not failed for its deadline meanwhile, nor after that before it begins.
 uint32_t jobs_hold(struct jobs *jobs, const struct session *session, uint32_t request);
 
 // Let the job go on that jobs_hold held, if it is still there, with the choice of `reply`, which is told the client with
 // ACCEPTED. `reply` comes from malloc and is taken over; NULL: as it is.
 void jobs_decide(struct jobs *jobs, uint32_t id, candil_QuoteReply *reply);
+
+// Is job `id` there and held by jobs_hold?
+bool jobs_undecided(const struct jobs *jobs, uint32_t id);
+
+// Is there a job that can be begun, or go on, as soon as the device is free?
+bool jobs_want_device(const struct jobs *jobs);
+
+// When the next job, but for job `but` (0: none), has to leave the device for its deadline, which may be over; UINT64_MAX:
+// none has to. One that is sent does not count.
+uint64_t jobs_first_end_us(const struct jobs *jobs, uint32_t but);
 
 // What jobs under way, but for job `but` (0: none), would add to work of `us` on the device, as far as can be foreseen: each
 // takes turns with it, until it is done. *count: how many they are.

@@ -56,6 +56,11 @@ bool job_is_first(const struct jobs *jobs, const struct job *job)
 	return true;
 }
 
+bool job_is_loaded(const struct job *job)
+{
+	return job->scene->state == SCENE_READY && (!job->environment || job->environment->state == SCENE_READY);
+}
+
 bool job_on_device(const struct job *job)
 {
 	return job->state == JOB_BEGINNING || job->state == JOB_ACTIVE || job->state == JOB_FINISHED;

@@ -50,6 +50,7 @@ struct job {
 	struct estimate predicted; // of its error, where nothing measures it
 	uint64_t deadline_us; // when the last byte of its image should be sent; UINT64_MAX: never
 	uint64_t end_us; // when sampling has to end for that
+	bool spared; // a quote or a pilot kept it from beginning: its deadline does not fail it before
 	bool late; // it ends because of its deadline
 	bool reached; // it ends because its target error is reached
 	uint64_t read_us; // when its last image was asked for
@@ -70,6 +71,9 @@ struct job *jobs_by_id(const struct jobs *jobs, uint32_t id);
 
 // A number that no job has. Never 0.
 uint32_t jobs_new_id(struct jobs *jobs);
+
+// Is its scene there, and the picture of its surroundings?
+bool job_is_loaded(const struct job *job);
 
 // Does the worker hold memory of the device for it?
 bool job_on_device(const struct job *job);

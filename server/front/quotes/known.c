@@ -32,6 +32,22 @@ static void set_warm(struct quote_known *known, const struct rendered *f, const 
 		known->warm[known->warm_count++ % QUOTE_WARM] = quote_warmth_of(f->render, key, f->scene->id);
 }
 
+bool quote_known_lost(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
+{
+	const uint64_t what = quote_warmth_of(f->render, key, f->scene->id);
+	for (uint32_t i = 0; i < QUOTE_LOST && i < known->lost_count; i++)
+		if (known->lost[i] == what)
+			return true;
+	return false;
+}
+
+void quote_known_bar(struct quote_known *known, const struct rendered *f, candil_Technique technique)
+{
+	const struct quote_key key = quote_known_key(known, f, technique);
+	if (!quote_known_lost(known, f, &key))
+		known->lost[known->lost_count++ % QUOTE_LOST] = quote_warmth_of(f->render, &key, f->scene->id);
+}
+
 struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
 				     uint32_t samples)
 {

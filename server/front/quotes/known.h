@@ -10,6 +10,7 @@
 #include "server/front/quotes/store.h"
 
 #define QUOTE_WARM 256u // requests that are remembered to be compiled, the latest
+#define QUOTE_LOST 64u // that a worker was lost with, likewise
 
 // Others may read it, and set warm_count to 0 when the worker is lost.
 struct quote_known {
@@ -18,6 +19,8 @@ struct quote_known {
 	struct quote_store store;
 	uint64_t warm[QUOTE_WARM];
 	uint32_t warm_count; // ever
+	uint64_t lost[QUOTE_LOST];
+	uint32_t lost_count; // ever
 };
 
 // Read what the file of `state` (a folder; "": none is kept) knows, and have the jobs hand their frames here. `jobs` and
@@ -33,6 +36,10 @@ struct quote_key quote_known_key(const struct quote_known *known, const struct r
 bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key);
 struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
 				     uint32_t samples);
+
+// Whether the worker was lost with a pilot of such a request by that technique. And remember that it was.
+bool quote_known_lost(const struct quote_known *known, const struct rendered *f, const struct quote_key *key);
+void quote_known_bar(struct quote_known *known, const struct rendered *f, candil_Technique technique);
 
 // Learn what a pilot of that request says of a technique; result->pixels and samples are above 0.
 void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,

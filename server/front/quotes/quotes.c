@@ -10,36 +10,18 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/front/quotes/choose.h"
+#include "server/front/quotes/pilots.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
 
 #define QUOTE_PATIENCE_MS 900u // from a quote's arrival, or its scene's, to its answer
-#define PILOT_US 150000u // of a pilot that nobody has asked for: half as much more at most, and its first, tiny picture
-#define PILOT_LEAST_US 20000u
-#define DEADLINE_SHARE 10u // of a deadline, that a pilot may take; the answer waits for it twice as long
 
-struct quote {
-	struct quote *next;
-	uint32_t id; // of its pilot; never 0
-	struct session *session; // NULL: nobody waits for the answer
-	uint32_t request;
-	uint32_t job; // that is held back for it; 0: a client's question
-	struct scene *scene; // held
-	struct scene *environment; // held; NULL: none
-	candil_Render render;
-	uint32_t pilot_ms; // as asked for
-	uint32_t budget_us; // of the pilot; 0: the request is only looked over
-	uint32_t techniques; // of the pilot
-	bool started; // the scene is there, and what is to be done is known
-	bool piloted; // the pilot is back
-	uint64_t asked_us;
-	struct loop_timer timer; // its answer is due
-	struct quotes *owner;
-};
-
-static struct rendered frame_of(const struct quote *quote)
+struct quote *quote_by_id(const struct quotes *quotes, uint32_t id)
 {
-	return (struct rendered){.scene = quote->scene, .environment = quote->environment, .render = &quote->render};
+	for (struct quote *q = quotes->first; q; q = q->next)
+		if (q->id == id)
+			return q;
+	return NULL;
 }
 
 // ---- the answer ------------------------------------------------------------------------------------------------------
@@ -56,7 +38,7 @@ static void predict_way(void *user, struct quote_way *way)
 	a->render = a->quote->render;
 	for (unsigned i = 0; i < way->option_count && a->render.options_count < LIMIT_OPTIONS; i++)
 		a->render.options[a->render.options_count++] = way->options[i];
-	struct rendered f = frame_of(a->quote);
+	struct rendered f = quote_frame(a->quote);
 	f.render = &a->render;
 	const struct quote_query q = quote_known_query(&a->quotes->known, &f, way->technique, way->samples);
 	way->said = quote_predict(a->quotes->known.model, &q);
@@ -80,6 +62,8 @@ static void add_notes(const struct quotes *quotes, const struct quote *quote, co
 			 quotes->known.model->count > 0 ? "other scenes" : "nothing but the size");
 	else if (quote->budget_us > 0 && !quote->piloted)
 		add_note(reply, "the pilot is not back yet, so the interval is wide: ask again in a while");
+	if (quote->barred)
+		add_note(reply, "the worker was lost with a pilot of this, so none is made");
 	if (reply->cold_ms > 0)
 		add_note(reply, "the first frame takes about %.1f s more, to compile its programs", reply->cold_ms / 1000);
 	if (reply->jobs > 0)
@@ -183,133 +167,54 @@ static void answer_due(void *owner)
 	quote_answer(quote->owner, quote);
 }
 
-// ---- pilots ----------------------------------------------------------------------------------------------------------
+// ---- its life --------------------------------------------------------------------------------------------------------
 
-// By which techniques the scene is to be looked at, and for how long.
-static void plan_pilot(const struct quotes *quotes, struct quote *quote)
+// Under what a device is known shows when a worker is ready; without one that ever will be, the answer is a guess.
+static bool knows_device(const struct worker *worker)
 {
-	bool noisy_unknown = false, clear_unknown = false;
-	uint32_t noisy = 0, clear = 0;
-	const struct rendered f = frame_of(quote);
-	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
-		const candil_Technique technique = (candil_Technique)t;
-		// The bias of a technique is seen beside the reference, whose options are its own.
-		const bool can = quote_can(&quote->render, technique);
-		if (!can)
-			continue;
-		const struct quote_key key = quote_known_key(&quotes->known, &f, technique);
-		const bool unknown = quote_count_view(quotes->known.model, &key, QUOTE_ERROR) == 0;
-		if (technique_traits(t) & TECHNIQUE_NOISE) {
-			noisy |= 1u << t;
-			noisy_unknown |= unknown;
-		} else if (quote->pilot_ms > 0 || quote_known_warm(&quotes->known, &f, &key)) {
-			clear |= 1u << t;
-			clear_unknown |= unknown;
-		}
-	}
-	if (clear != 0 && noisy == 0)
-		noisy = 1u << TECHNIQUE_OF_AUTO; // for its reference
-	quote->techniques = clear_unknown || quote->pilot_ms > 0 ? noisy | clear : noisy_unknown ? noisy : 0;
-	quote->budget_us = quote->techniques == 0 ? 0 : quote->pilot_ms > 0 ? quote->pilot_ms * 1000 : PILOT_US;
-	const uint64_t share_us = quote->render.deadline_ms * 1000ull / DEADLINE_SHARE;
-	if (quote->job && quote->render.deadline_ms > 0 && share_us < quote->budget_us)
-		quote->budget_us = share_us < PILOT_LEAST_US ? 0 : (uint32_t)share_us;
-	if (quote->budget_us == 0)
-		quote->techniques = 0;
+	return worker->state == WORKER_READY || worker->device[0] || worker->failed_starts > 0;
 }
 
-static bool is_loaded(const struct quote *quote)
-{
-	return quote->scene->state == SCENE_READY && (!quote->environment || quote->environment->state == SCENE_READY);
-}
-
-// Does the worker have to be asked whether it can render this at all?
-static bool is_doubtful(const struct quotes *quotes, const struct quote *quote)
-{
-	const struct rendered f = frame_of(quote);
-	const struct quote_key key =
-	    quote_known_key(&quotes->known, &f, quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO);
-	return !quote->job && quote_count_view(quotes->known.model, &key, QUOTE_SAMPLE) == 0;
-}
-
-// The scene is there. True: the answer is given.
-static bool quote_start(struct quotes *quotes, struct quote *quote)
+// The scene is there.
+static void quote_start(struct quotes *quotes, struct quote *quote)
 {
 	quote->started = true;
-	plan_pilot(quotes, quote);
-	if (quote->techniques == 0 && !is_doubtful(quotes, quote)) {
+	if (!pilot_plan(quotes, quote) || quotes->worker->failed_starts > 0) {
 		quote_answer(quotes, quote);
-		return true;
+		return;
 	}
-	uint64_t wait_us = QUOTE_PATIENCE_MS * 1000ull;
+	// Who asks for a pilot waits for it, but not for ever: jobs with deadlines may leave no room for one.
+	uint64_t wait_us = QUOTE_PATIENCE_MS * 1000ull + (quote->pilot_ms > 0 ? 3ull * quote->limit_us : 0);
+	uint64_t due_us = clock_us() + wait_us;
 	if (quote->job && quote->render.deadline_ms > 0) {
-		const uint64_t share_us = 2 * quote->render.deadline_ms * 1000ull / DEADLINE_SHARE;
-		wait_us = share_us < wait_us ? share_us : wait_us;
+		const uint64_t deadline_us = quote->render.deadline_ms * 1000ull;
+		const uint64_t share_us = clock_us() + 2 * deadline_us / PILOT_DEADLINE_SHARE;
+		due_us = share_us < due_us ? share_us : due_us;
+		due_us = quote->asked_us + deadline_us < due_us ? quote->asked_us + deadline_us : due_us;
 	}
-	// Who asks for a pilot waits for it; the worker's watchdog sees to it that it ends.
-	if (quote->pilot_ms == 0)
-		loop_timer_set(quotes->worker->loop, &quote->timer, clock_us() + wait_us, answer_due, quote);
-	return false;
-}
-
-static struct quote *next_pilot(const struct quotes *quotes)
-{
-	for (struct quote *q = quotes->first; q; q = q->next)
-		if (q->started && !q->piloted && q->session && is_loaded(q))
-			return q;
-	return NULL;
-}
-
-static void send_pilot(struct quotes *quotes, struct quote *quote)
-{
-	quotes->out = quote->id;
-	quotes->jobs->pilot_out = true;
-	worker_pilot(quotes->worker, quote->id, quote->scene->id, quote->environment ? quote->environment->id : 0,
-		     &quote->render, quote->techniques, quote->budget_us);
+	loop_timer_set(quotes->worker->loop, &quote->timer, due_us, answer_due, quote);
 }
 
 void quotes_dispatch(struct quotes *quotes)
 {
 	for (struct quote *q = quotes->first, *next; q; q = next) {
 		next = q->next;
-		if (!q->started && is_loaded(q))
+		if (q->job && !jobs_undecided(quotes->jobs, q->job))
+			quote_leave(quotes, q);
+		else if (!q->started && q->session && quote_is_loaded(q) && knows_device(quotes->worker))
 			quote_start(quotes, q);
 	}
-	struct jobs *jobs = quotes->jobs;
-	if (quotes->out)
-		return;
-	struct quote *quote = quotes->worker->state == WORKER_READY ? next_pilot(quotes) : NULL;
-	// Between two pilots jobs that have the device take a step.
-	uint32_t others = 0;
-	jobs_queue_us(jobs, 0, 0, &others);
-	jobs->piloting = quote && (others == 0 || jobs->slices != quotes->slices);
-	if (jobs->piloting && !jobs->stepping && !jobs->beginning)
-		send_pilot(quotes, quote);
-}
-
-static struct quote *find_by_id(const struct quotes *quotes, uint32_t id)
-{
-	for (struct quote *q = quotes->first; q; q = q->next)
-		if (q->id == id)
-			return q;
-	return NULL;
-}
-
-static void pilot_back(struct quotes *quotes)
-{
-	quotes->out = 0;
-	quotes->slices = quotes->jobs->slices;
-	quotes->jobs->piloting = quotes->jobs->pilot_out = false;
+	pilots_dispatch(quotes);
 }
 
 void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted *piloted)
 {
-	struct quote *quote = find_by_id(quotes, id);
-	pilot_back(quotes);
+	struct quote *quote = quote_by_id(quotes, id);
+	pilots_back(quotes);
 	if (!quote)
 		return;
 	quote->piloted = true;
-	const struct rendered f = frame_of(quote);
+	const struct rendered f = quote_frame(quote);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++)
 		if (piloted->results[t].pixels > 0 && piloted->results[t].samples > 0 &&
 		    technique_traits(t) & TECHNIQUE_RENDERS)
@@ -322,19 +227,36 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 		quote_fail(quotes, quote, &piloted->error);
 }
 
-void quotes_worker_lost(struct quotes *quotes)
+// It may be what the worker died of.
+static void quote_bar(struct quotes *quotes, struct quote *quote)
 {
-	struct quote *quote = find_by_id(quotes, quotes->out);
-	pilot_back(quotes);
+	const struct rendered f = quote_frame(quote);
+	log_line(LOG_WARNING, "the worker was lost with a pilot of %s: no other is made of it", f.scene->info.name);
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
+		const bool own = t == (quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO);
+		if (quote->techniques ? quote->techniques >> t & 1u : own)
+			quote_known_bar(&quotes->known, &f, (candil_Technique)t);
+	}
+	quote->piloted = quote->barred = true;
+}
+
+void quotes_worker_lost(struct quotes *quotes, bool hopeless)
+{
+	struct quote *quote = quote_by_id(quotes, quotes->out);
+	pilots_back(quotes);
 	quotes->known.warm_count = 0;
-	if (!quote)
-		return;
-	// It is not tried again: it may be what the worker died of.
-	quote->piloted = true;
-	if (quote->session)
-		quote_answer(quotes, quote);
-	else
-		quote_destroy(quotes, quote);
+	if (quote) {
+		quote_bar(quotes, quote);
+		if (quote->session)
+			quote_answer(quotes, quote);
+		else
+			quote_destroy(quotes, quote);
+	}
+	for (struct quote *q = quotes->first, *next; hopeless && q; q = next) {
+		next = q->next;
+		if (q->started)
+			quote_answer(quotes, q);
+	}
 }
 
 // ---- coming and going ------------------------------------------------------------------------------------------------
@@ -351,7 +273,7 @@ static enum status quote_create(struct quotes *quotes, struct session *session, 
 		return error_set(err, STATUS_MEMORY, "no memory for a quote");
 	do
 		quotes->last_id++;
-	while (quotes->last_id == 0 || find_by_id(quotes, quotes->last_id));
+	while (quotes->last_id == 0 || quote_by_id(quotes, quotes->last_id));
 	*quote = (struct quote){.id = quotes->last_id,
 				.session = session,
 				.request = request,

@@ -2,9 +2,6 @@
 // known is answered after a pilot in the worker; if that is not back in QUOTE_PATIENCE_MS, from what is known. What pilots
 // and frames tell is kept in the model (model.h) and in a file (store.h).
 //
-// One pilot is out at a time. It begins when no STEP and no BEGIN is outstanding, and none is sent meanwhile; between two
-// pilots the jobs have a turn.
-//
 // For the front's one thread (loop.h). Replies are queued, nothing waits.
 #ifndef CANDIL_FRONT_QUOTES_QUOTES_H
 #define CANDIL_FRONT_QUOTES_QUOTES_H
@@ -22,7 +19,8 @@ struct quotes {
 	unsigned count;
 	uint32_t last_id;
 	uint32_t out; // id of the quote whose pilot the worker has; 0: none
-	uint64_t slices; // jobs' when the last pilot came back
+	uint64_t out_since_us;
+	uint64_t owed_us; // no pilot is sent before the jobs have had so much of the device in all
 };
 
 // No quote yet; what the file of `state` (a folder; "": none is kept) knows is read. `jobs` and `worker` must outlive it,
@@ -60,8 +58,8 @@ void quotes_fail_all(struct quotes *quotes, const struct error *err);
 // jobs_dispatch.
 void quotes_dispatch(struct quotes *quotes);
 
-// The worker's answer to PILOT, and its end.
+// The worker's answer to PILOT, and its end; `hopeless`: no other comes up, and all are answered from what is known.
 void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted *piloted);
-void quotes_worker_lost(struct quotes *quotes);
+void quotes_worker_lost(struct quotes *quotes, bool hopeless);
 
 #endif

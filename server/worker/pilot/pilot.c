@@ -100,11 +100,15 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 	if (t->bytes(pilot->devices, pilot->scene, &plan) > pilot->memory)
 		return error_set(err, STATUS_MEMORY, "a pilot does not fit");
 	const uint64_t start = clock_us();
+	if (start > pilot->end_us)
+		return error_set(err, STATUS_LIMIT, "a pilot takes too long");
 	s = t->begin(pilot->devices, pilot->scene, &plan, &job, err);
 	while (s == STATUS_OK && !result.finished) {
 		result = STEP_RESULT_NOTHING;
 		s = t->step(job, PILOT_SLICE_US, &result, err);
-		if (s == STATUS_OK && !result.finished && clock_us() - start > pilot_patience_us(pilot->budget_us))
+		const uint64_t now = clock_us();
+		const bool late = now > pilot->end_us || now - start > pilot_patience_us(pilot->budget_us);
+		if (s == STATUS_OK && !result.finished && late)
 			s = error_set(err, STATUS_LIMIT, "a pilot takes too long");
 	}
 	if (s == STATUS_OK)

@@ -22,6 +22,7 @@ struct pilot {
 	const candil_Render *render; // a checked one; its technique, samples and end do not count
 	uint32_t techniques; // bits 1 << candil_Technique
 	uint32_t budget_us; // of work of each technique, beside compiling and what is made once for a scene
+	uint64_t end_us; // clock_us() from which on no picture is begun or gone on with
 	uint64_t memory; // bytes of the device that it may take
 };
 

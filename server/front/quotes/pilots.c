@@ -1,0 +1,130 @@
+#include "server/front/quotes/pilots.h"
+
+#include "protocol/names.h"
+#include "server/base/clock.h"
+#include "server/front/quotes/choose.h"
+
+#define PILOT_US 150000u // of work of each technique, if nobody asks for a pilot
+#define PILOT_LEAST_US 20000u
+#define PILOT_OVERRUN 4u // times its work that a technique may take in all
+#define PILOT_EXTRA_US 100000u // beside the work
+#define PILOT_COLD_US 10000000u // for what is to be compiled and built
+
+static uint32_t bit(candil_Technique technique)
+{
+	return 1u << technique;
+}
+
+static void set_limit(struct quote *quote, bool warm)
+{
+	uint64_t us = PILOT_EXTRA_US + (warm ? 0 : PILOT_COLD_US);
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++)
+		us += quote->techniques >> t & 1u ? (uint64_t)PILOT_OVERRUN * quote->budget_us : 0;
+	// The worker is not to look as if it hung.
+	const uint64_t most = LIMIT_STEP_SECONDS * 1000000ull / 2;
+	quote->limit_us = (uint32_t)(us < most ? us : most);
+}
+
+// A job's deadline is not to be missed because of a pilot: what is left of its budget, 0 if that is too short to tell
+// anything.
+static void keep_deadline(struct quote *quote)
+{
+	const uint64_t share_us = quote->render.deadline_ms * 1000ull / PILOT_DEADLINE_SHARE;
+	if (share_us < quote->budget_us)
+		quote->budget_us = share_us < PILOT_LEAST_US ? 0 : (uint32_t)share_us;
+	if (2 * share_us < quote->limit_us)
+		quote->limit_us = (uint32_t)(2 * share_us);
+}
+
+// Does the worker have to be asked whether it can render this at all?
+static bool is_doubtful(const struct quotes *quotes, const struct quote *quote, candil_Technique technique)
+{
+	const struct rendered f = quote_frame(quote);
+	const struct quote_key key = quote_known_key(&quotes->known, &f, technique);
+	return !quote->job && !quote->barred && quote_count_view(quotes->known.model, &key, QUOTE_SAMPLE) == 0;
+}
+
+bool pilot_plan(const struct quotes *quotes, struct quote *quote)
+{
+	bool noisy_unknown = false, clear_unknown = false, all_warm = true;
+	uint32_t noisy = 0, clear = 0;
+	const bool hurried = quote->job && quote->render.deadline_ms > 0;
+	const struct rendered f = quote_frame(quote);
+	const candil_Technique own = quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO;
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
+		const candil_Technique technique = (candil_Technique)t;
+		if (!quote_can(&quote->render, technique))
+			continue;
+		const struct quote_key key = quote_known_key(&quotes->known, &f, technique);
+		const bool warm = quote_known_warm(&quotes->known, &f, &key);
+		const bool unknown = quote_count_view(quotes->known.model, &key, QUOTE_ERROR) == 0;
+		if (quote_known_lost(&quotes->known, &f, &key)) {
+			quote->barred = true;
+			continue;
+		}
+		if (technique_traits(t) & TECHNIQUE_NOISE) {
+			if (hurried && !warm)
+				continue;
+			noisy |= bit(technique);
+			noisy_unknown |= unknown;
+		} else if (quote->pilot_ms > 0 || warm) {
+			clear |= bit(technique);
+			clear_unknown |= unknown;
+		}
+		all_warm = all_warm && warm;
+	}
+	// The bias of a technique is seen beside a reference, whose options are its own.
+	if (clear != 0 && noisy == 0 && !hurried && !quote->barred) {
+		noisy = bit(TECHNIQUE_OF_AUTO);
+		all_warm = false;
+	}
+	if (noisy == 0)
+		clear_unknown = false;
+	quote->techniques = clear_unknown || quote->pilot_ms > 0 ? noisy | clear : noisy_unknown ? noisy : 0;
+	quote->budget_us = quote->techniques == 0 ? 0 : quote->pilot_ms > 0 ? quote->pilot_ms * 1000 : PILOT_US;
+	set_limit(quote, all_warm);
+	if (hurried)
+		keep_deadline(quote);
+	if (quote->budget_us == 0)
+		quote->techniques = 0;
+	return quote->techniques != 0 || is_doubtful(quotes, quote, own);
+}
+
+static struct quote *next_pilot(const struct quotes *quotes)
+{
+	for (struct quote *q = quotes->first; q; q = q->next)
+		if (q->started && !q->piloted && q->session && quote_is_loaded(q) &&
+		    jobs_first_end_us(quotes->jobs, q->job) > clock_us() + q->limit_us)
+			return q;
+	return NULL;
+}
+
+static void send_pilot(struct quotes *quotes, struct quote *quote)
+{
+	quotes->out = quote->id;
+	quotes->out_since_us = clock_us();
+	quotes->jobs->pilot_out = true;
+	worker_pilot(quotes->worker, quote->id, quote->scene->id, quote->environment ? quote->environment->id : 0,
+		     &quote->render, quote->techniques, quote->budget_us, quote->limit_us);
+}
+
+void pilots_dispatch(struct quotes *quotes)
+{
+	struct jobs *jobs = quotes->jobs;
+	if (quotes->out)
+		return;
+	struct quote *quote = quotes->worker->state == WORKER_READY ? next_pilot(quotes) : NULL;
+	if (!jobs_want_device(jobs))
+		quotes->owed_us = jobs->device_us;
+	jobs->piloting = quote && jobs->device_us >= quotes->owed_us;
+	if (jobs->piloting && !jobs->stepping && !jobs->beginning)
+		send_pilot(quotes, quote);
+}
+
+void pilots_back(struct quotes *quotes)
+{
+	if (quotes->out)
+		quotes->owed_us = quotes->jobs->device_us + (clock_us() - quotes->out_since_us);
+	quotes->out = 0;
+	quotes->jobs->piloting = quotes->jobs->pilot_out = false;
+}

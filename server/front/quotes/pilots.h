@@ -1,0 +1,29 @@
+// Which pilot a quote needs, and when it may have the device. The rules:
+//
+// - One pilot is out at a time. It begins when no STEP and no BEGIN is outstanding, and none is sent meanwhile, so that its
+//   times are its own.
+// - It has an end of its own as a whole (struct ipc_pilot's limit_us). None begins while a job's deadline is nearer than
+//   that.
+// - After one the jobs have the device for at least as long as it took, if they can use it.
+// - A job with a deadline gets none of techniques whose programs are still to be compiled.
+// - What was out when the worker was lost is not tried again.
+//
+// For quotes.c alone, and for the front's one thread. Nothing here fails.
+#ifndef CANDIL_FRONT_QUOTES_PILOTS_H
+#define CANDIL_FRONT_QUOTES_PILOTS_H
+
+#include "server/front/quotes/quote.h"
+
+#define PILOT_DEADLINE_SHARE 10u // of a job's deadline, that a pilot may work; its answer waits for it twice as long
+
+// Decide by which techniques the quote's scene is to be looked at, and for how long: its `techniques`, `budget_us`,
+// `limit_us` and `barred`. False: no pilot is needed.
+bool pilot_plan(const struct quotes *quotes, struct quote *quote);
+
+// Send the next one if it may have the device, or make way for it.
+void pilots_dispatch(struct quotes *quotes);
+
+// None is out any more: it came back, or was lost with the worker.
+void pilots_back(struct quotes *quotes);
+
+#endif

@@ -1,0 +1,41 @@
+// One quote under way, for quotes.c and pilots.c alone. For the front's one thread.
+#ifndef CANDIL_FRONT_QUOTES_QUOTE_H
+#define CANDIL_FRONT_QUOTES_QUOTE_H
+
+#include "server/front/quotes/quotes.h"
+
+struct quote {
+	struct quote *next;
+	uint32_t id; // of its pilot; never 0
+	struct session *session; // NULL: nobody waits for the answer
+	uint32_t request;
+	uint32_t job; // that is held back for it; 0: a client's question
+	struct scene *scene; // held
+	struct scene *environment; // held; NULL: none
+	candil_Render render;
+	uint32_t pilot_ms; // as asked for
+	uint32_t budget_us; // of the pilot; 0: the request is only looked over
+	uint32_t limit_us; // of the whole pilot
+	uint32_t techniques; // of the pilot
+	bool started; // the scene is there, and what is to be done is known
+	bool piloted; // the pilot is back, or none will be
+	bool barred; // no pilot, because one like it was lost with the worker
+	uint64_t asked_us;
+	struct loop_timer timer; // its answer is due
+	struct quotes *owner;
+};
+
+static inline struct rendered quote_frame(const struct quote *quote)
+{
+	return (struct rendered){.scene = quote->scene, .environment = quote->environment, .render = &quote->render};
+}
+
+static inline bool quote_is_loaded(const struct quote *quote)
+{
+	return quote->scene->state == SCENE_READY && (!quote->environment || quote->environment->state == SCENE_READY);
+}
+
+// The quote with a number; NULL: there is none.
+struct quote *quote_by_id(const struct quotes *quotes, uint32_t id);
+
+#endif
