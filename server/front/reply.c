@@ -12,6 +12,9 @@
 
 _Static_assert(candil_SceneInfo_size <= REPLY_BYTES, "the longest reply fits the buffer");
 _Static_assert(candil_SceneList_size <= REPLY_BYTES, "the longest reply fits the buffer");
+_Static_assert(candil_Accepted_size <= REPLY_BYTES, "the longest reply fits the buffer");
+_Static_assert(candil_QuoteReply_size <= REPLY_BYTES, "the longest reply fits the buffer");
+_Static_assert(candil_Done_size <= REPLY_BYTES, "the longest reply fits the buffer");
 _Static_assert(REPLY_BYTES <= LIMIT_MESSAGE_BYTES, "no reply is longer than a message may be");
 
 void reply_message(struct session *session, enum message_type type, uint32_t request, const pb_msgdesc_t *fields,

@@ -232,11 +232,12 @@ static enum status check_filter(const candil_Render *r, struct error *err)
 	return STATUS_OK;
 }
 
-static enum status check_end(const candil_Render *r, struct error *err)
+// `asked`: it is only asked about its error, which any technique may be, also one that cannot end by it.
+static enum status check_end(const candil_Render *r, bool asked, struct error *err)
 {
 	if (!(r->target_error >= 0 && isfinite(r->target_error)))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a target error is a relative MSE above 0, or 0 for none");
-	if (r->target_error > 0 && !can(r->technique, TECHNIQUE_NOISE))
+	if (r->target_error > 0 && !asked && !can(r->technique, TECHNIQUE_NOISE))
 		return refuse_trait("a target error", TECHNIQUE_NOISE,
 				    "other techniques do not know their error while they render", err);
 	if (r->deadline_ms > LIMIT_DEADLINE_MS)
@@ -327,7 +328,7 @@ static enum status check_options(const candil_Render *r, struct error *err)
 	return STATUS_OK;
 }
 
-enum status request_check_render(candil_Render *render, struct error *err)
+static enum status check_render(candil_Render *render, bool asked, struct error *err)
 {
 	enum status status = check_name(render->scene, "scene", err);
 	if (status == STATUS_OK)
@@ -341,7 +342,7 @@ enum status request_check_render(candil_Render *render, struct error *err)
 	if (status == STATUS_OK)
 		status = check_filter(render, err);
 	if (status == STATUS_OK)
-		status = check_end(render, err);
+		status = check_end(render, asked, err);
 	if (status == STATUS_OK)
 		status = check_effects(render, err);
 	if (status == STATUS_OK)
@@ -353,6 +354,11 @@ enum status request_check_render(candil_Render *render, struct error *err)
 	if (status == STATUS_OK && render->has_edits)
 		status = request_check_edits(&render->edits, err);
 	return status;
+}
+
+enum status request_check_render(candil_Render *render, struct error *err)
+{
+	return check_render(render, false, err);
 }
 
 enum status request_render(const uint8_t *body, size_t bytes, candil_Render *render, struct error *err)
@@ -372,22 +378,12 @@ bool request_is_open(const candil_Render *r)
 
 enum status request_quote(const uint8_t *body, size_t bytes, candil_Quote *quote, struct error *err)
 {
-	candil_Render *r = &quote->render;
 	enum status status = decode_lists(body, bytes, candil_Quote_fields, quote, err);
 	if (status == STATUS_OK && !quote->has_render)
 		status = error_set(err, STATUS_BAD_ARGUMENT, "a quote is about a render: fill in `render`");
 	if (status == STATUS_OK && quote->pilot_ms > LIMIT_PILOT_MS)
 		status = error_set(err, STATUS_LIMIT, "a pilot takes at most %u ms", LIMIT_PILOT_MS);
-	if (status != STATUS_OK)
-		return status;
-	// Any technique may be asked about its error, also one that cannot end by it.
-	const double target = r->target_error;
-	if (isfinite(target) && target > 0 && (unsigned)r->technique < TECHNIQUE_COUNT &&
-	    !can(r->technique, TECHNIQUE_NOISE))
-		r->target_error = 0;
-	status = request_check_render(r, err);
-	r->target_error = target;
-	return status;
+	return status == STATUS_OK ? check_render(&quote->render, true, err) : status;
 }
 
 // ---- a sweep ---------------------------------------------------------------------------------------------------------

@@ -1,8 +1,9 @@
 // The file in which the model outlives the daemon: STATE/quotes. Its bytes are QUOTE_FILE_MAGIC, a version, the sizes of
 // what follows, a checksum, then habits and records as they are in memory, little-endian. It is written anew and renamed
-// into place, so that it is whole whatever happens; of two daemons' records that of each that writes last is kept together
-// with what it finds there. What is damaged, of another version or of another machine's layout is left aside with a line in
-// the log.
+// into place, so that it is whole if the daemon dies; it is not forced to the disk, and what a loss of power leaves of it is
+// told by its checksum. Of two daemons that share it the one that writes last keeps its own records and as many of those
+// that it finds there as fit: two that have LIMIT_QUOTE_RECORDS each drop the other's. What is damaged, of another version
+// or of another machine's layout is left aside with a line in the log.
 //
 // For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_QUOTES_STORE_H
