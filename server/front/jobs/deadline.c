@@ -23,10 +23,16 @@ static unsigned size_of(const struct job *job)
 	return size < HANDOVER_SIZES ? size : HANDOVER_SIZES - 1;
 }
 
+// The technique that it is rendered by.
+static candil_Technique technique_of(const struct job *job)
+{
+	return job->render.technique ? job->render.technique : TECHNIQUE_OF_AUTO;
+}
+
 // What was learned of such images: by their technique, format and the logarithm of their bytes.
 static const struct handover *learned(const struct jobs *jobs, const struct job *job)
 {
-	return jobs->handovers[job->render.technique][job->render.format];
+	return jobs->handovers[technique_of(job)][job->render.format];
 }
 
 // Microseconds from READ to the last byte, from the nearest size that is known: a larger picture takes longer in proportion,
@@ -53,7 +59,7 @@ void job_set_end(const struct jobs *jobs, struct job *job)
 
 void jobs_learn_handover(struct jobs *jobs, const struct job *job)
 {
-	struct handover *h = &jobs->handovers[job->render.technique][job->render.format][size_of(job)];
+	struct handover *h = &jobs->handovers[technique_of(job)][job->render.format][size_of(job)];
 	const double made = (double)(job->encoded_us - job->read_us), sent = (double)(clock_us() - job->encoded_us);
 	// A client that reads slowly is no reason to trace less for others.
 	const double took = made + fmin(sent, made);
