@@ -87,6 +87,8 @@ void jobs_dispatch(struct jobs *jobs)
 		return;
 	// A pilot has the device to itself, so that its times are its own, and a worker that it ends is no job's fault.
 	if (jobs->piloting) {
+		for (unsigned i = 0; i < jobs->count; i++)
+			jobs->job[i]->crowded = true; // its wait is not its own
 		jobs_read_finished(jobs);
 		return;
 	}

@@ -82,7 +82,16 @@ struct quote_key quote_key_of(const candil_Render *render, candil_Technique tech
 				  .view = hash_view(render, true)};
 }
 
-uint64_t quote_warmth_of(const candil_Render *render, const struct quote_key *key, uint64_t scene)
+uint64_t quote_warmth_of(const candil_Render *render, const struct quote_key *key, uint64_t of)
 {
-	return XXH64(&scene, sizeof scene, key->look ^ hash_view(render, false));
+	return XXH64(&of, sizeof of, key->look ^ hash_view(render, false));
+}
+
+uint64_t quote_facts_of(const candil_SceneInfo *scene, bool environment)
+{
+	XXH64_state_t state;
+	XXH64_reset(&state, environment);
+	for (pb_size_t i = 0; i < scene->facts_count; i++)
+		add_text(&state, scene->facts[i]);
+	return XXH64_digest(&state);
 }

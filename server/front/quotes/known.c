@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "protocol/names.h"
@@ -17,19 +18,39 @@ struct quote_key quote_known_key(const struct quote_known *known, const struct r
 			    known->worker->device);
 }
 
-bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
+static bool has_warm(const struct quote_known *known, uint64_t what)
 {
-	const uint64_t warmth = quote_warmth_of(f->render, key, f->scene->id);
 	for (uint32_t i = 0; i < QUOTE_WARM && i < known->warm_count; i++)
-		if (known->warm[i] == warmth)
+		if (known->warm[i] == what)
 			return true;
 	return false;
 }
 
+// What is made once for a scene, and the programs.
+struct warmth {
+	uint64_t setup, programs;
+};
+
+static struct warmth warmth_of(const struct rendered *f, const struct quote_key *key)
+{
+	return (struct warmth){.setup = quote_warmth_of(f->render, key, f->scene->id),
+			       .programs =
+				   quote_warmth_of(f->render, key, quote_facts_of(&f->scene->info, f->environment != NULL))};
+}
+
+bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
+{
+	const struct warmth w = warmth_of(f, key);
+	return has_warm(known, w.setup) && has_warm(known, w.programs);
+}
+
 static void set_warm(struct quote_known *known, const struct rendered *f, const struct quote_key *key)
 {
-	if (!quote_known_warm(known, f, key))
-		known->warm[known->warm_count++ % QUOTE_WARM] = quote_warmth_of(f->render, key, f->scene->id);
+	const struct warmth w = warmth_of(f, key);
+	if (!has_warm(known, w.setup))
+		known->warm[known->warm_count++ % QUOTE_WARM] = w.setup;
+	if (!has_warm(known, w.programs))
+		known->warm[known->warm_count++ % QUOTE_WARM] = w.programs;
 }
 
 bool quote_known_lost(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
@@ -52,15 +73,15 @@ struct quote_query quote_known_query(const struct quote_known *known, const stru
 				     uint32_t samples)
 {
 	const struct quote_key key = quote_known_key(known, f, technique);
-	const bool warm = quote_known_warm(known, f, &key);
+	const struct warmth w = warmth_of(f, &key);
 	return (struct quote_query){.key = key,
 				    .technique = technique,
 				    .software = known->worker->software,
 				    .pixels = (double)f->render->width * f->render->height,
 				    .samples = samples,
 				    .bytes = (double)jobs_image_bytes(f->render),
-				    .setup = !warm,
-				    .cold = !warm};
+				    .setup = !has_warm(known, w.setup),
+				    .cold = !has_warm(known, w.programs)};
 }
 
 static uint64_t wall_us(void)
@@ -72,8 +93,14 @@ static uint64_t wall_us(void)
 
 static void set_error(struct quote_record *r, const struct estimate *e, double times)
 {
-	if (!(e->relmse > 0) || !(e->low >= 0))
+	if (!(e->relmse >= 0) || !(e->low >= 0))
 		return;
+	if (!(e->relmse > 0)) {
+		// A picture that is rightly black has the least error that a record can tell.
+		quote_set_part(r, QUOTE_ERROR, 0);
+		r->spread = 0.02f;
+		return;
+	}
 	// Where there is no upper end the lower one still says that the error is not small: as far above, and no less than
 	// three times.
 	const double low = fmax(e->low, e->relmse / 10), high = e->high > 0 ? e->high : e->relmse * fmax(e->relmse / low, 3);
@@ -90,10 +117,14 @@ struct account {
 static struct account add_up(const candil_Done *done)
 {
 	struct account a = {0};
+	double sent = 0;
 	for (pb_size_t i = 0; i < done->stages_count; i++) {
 		a.us[stage_kind(done->stages[i].name)] += (double)done->stages[i].us;
 		a.all += (double)done->stages[i].us;
+		sent += strcmp(done->stages[i].name, "send") == 0 ? (double)done->stages[i].us : 0;
 	}
+	// A client that reads slowly is no property of the picture.
+	a.us[STAGE_ENCODE] -= fmax(2 * sent - a.us[STAGE_ENCODE], 0);
 	return a;
 }
 
@@ -115,9 +146,10 @@ static void learn_frame(void *owner, const struct rendered *f)
 	const double fixed = a.us[STAGE_FIXED] + fmax((double)done->elapsed_us - a.all, 0);
 	if (q.setup)
 		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
-	if (cold) {
+	// What was expected to compile and did not is remembered, too.
+	if (q.cold || cold)
 		quote_set_part(&r, QUOTE_COLD, a.us[STAGE_COLD]);
-	} else {
+	if (!cold) {
 		quote_set_part(&r, QUOTE_PIXEL, a.us[STAGE_PIXEL] / q.pixels);
 		quote_set_part(&r, QUOTE_SAMPLE, a.us[STAGE_SAMPLE] / (q.pixels * done->samples));
 		if (f->alone)
@@ -146,16 +178,22 @@ static struct estimate predict_error(void *owner, const struct rendered *f)
 void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
 		       const struct pilot_result *p)
 {
-	const struct quote_query q = quote_known_query(known, f, technique, p->samples);
+	const bool seen = p->pixels > 0 && p->samples > 0;
+	const struct quote_query q = quote_known_query(known, f, technique, seen ? p->samples : 1);
 	struct quote_record r = {.key = q.key,
 				 .stamp = wall_us(),
 				 .technique = technique,
 				 .pilot = 1,
-				 .pixels = p->pixels,
-				 .samples = p->samples};
+				 .pixels = seen ? p->pixels : 1,
+				 .samples = seen ? p->samples : 1};
+	if (!seen) {
+		log_line(LOG_DEBUG, "pilot of %s: %s cannot", f->scene->info.name, technique_name(technique));
+		quote_keep(known->model, &r);
+		return;
+	}
 	if (q.setup)
 		quote_set_part(&r, QUOTE_SETUP, p->setup_us);
-	if (p->cold_us > COLD_US)
+	if (q.cold || p->cold_us > COLD_US)
 		quote_set_part(&r, QUOTE_COLD, p->cold_us);
 	quote_set_part(&r, QUOTE_FIXED, p->fixed_us);
 	quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
@@ -171,6 +209,16 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 	set_warm(known, f, &q.key);
 	quote_learn(known->model, &r, NULL, 0);
 	quote_store_mark(&known->store);
+}
+
+uint32_t quote_known_refused(const struct quote_known *known, const struct rendered *f)
+{
+	uint32_t refused = 0;
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
+		const struct quote_key key = quote_known_key(known, f, (candil_Technique)t);
+		refused |= quote_refused(known->model, &key) ? 1u << t : 0;
+	}
+	return refused;
 }
 
 enum status quote_known_init(struct quote_known *known, struct jobs *jobs, const struct worker *worker, const char *state,

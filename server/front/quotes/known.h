@@ -9,8 +9,8 @@
 #include "server/front/quotes/model.h"
 #include "server/front/quotes/store.h"
 
-#define QUOTE_WARM 256u // requests that are remembered to be compiled, the latest
 #define QUOTE_LOST 64u // that a worker was lost with, likewise
+#define QUOTE_WARM 512u // kinds of programs, and of what is made of a scene, that are remembered to be there, the latest
 
 // Others may read it, and set warm_count to 0 when the worker is lost.
 struct quote_known {
@@ -31,7 +31,8 @@ enum status quote_known_init(struct quote_known *known, struct jobs *jobs, const
 // Write what is new to the file, and free all. A zeroed one is fine.
 void quote_known_finish(struct quote_known *known);
 
-// The key of a request by a technique, whether what it needs is compiled and built, and what to ask the model.
+// The key of a request by a technique, whether what it needs is compiled and built, and what to ask the model. Programs
+// depend on what scenes have, so those of another scene with the same facts are compiled, too.
 struct quote_key quote_known_key(const struct quote_known *known, const struct rendered *f, candil_Technique technique);
 bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key);
 struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
@@ -41,7 +42,10 @@ struct quote_query quote_known_query(const struct quote_known *known, const stru
 bool quote_known_lost(const struct quote_known *known, const struct rendered *f, const struct quote_key *key);
 void quote_known_bar(struct quote_known *known, const struct rendered *f, candil_Technique technique);
 
-// Learn what a pilot of that request says of a technique; result->pixels and samples are above 0.
+// The techniques, bits 1 << candil_Technique, that could not render the scene of a request when it was looked at last.
+uint32_t quote_known_refused(const struct quote_known *known, const struct rendered *f);
+
+// Learn what a pilot of that request says of a technique. One with no pixels says that it could not render it.
 void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
 		       const struct pilot_result *result);
 

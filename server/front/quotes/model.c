@@ -470,8 +470,18 @@ uint32_t quote_count_view(const struct quote_model *m, const struct quote_key *k
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < m->count; i++)
 		count += m->records[i].key.where == key->where && same_view(&m->records[i].key, key) &&
-			 knows(&m->records[i], part);
+			 (m->records[i].pilot || knows(&m->records[i], part));
 	return count;
+}
+
+bool quote_refused(const struct quote_model *m, const struct quote_key *key)
+{
+	for (uint32_t i = 0; i < m->count; i++) {
+		const struct quote_record *r = newest(m, i);
+		if (r->key.where == key->where && r->key.scene == key->scene && r->key.look == key->look)
+			return r->pilot && r->known == 0;
+	}
+	return false;
 }
 
 bool quote_record_holds(const struct quote_record *r)

@@ -56,7 +56,7 @@ struct quote_record {
 	struct quote_key key;
 	uint64_t stamp; // of the clock on the wall, µs: no two records of a daemon have the same
 	uint32_t technique; // candil_Technique, one with TECHNIQUE_RENDERS
-	uint32_t pilot; // 1, or 0: a frame
+	uint32_t pilot; // 1, or 0: a frame. One that knows no part could not render it
 	uint32_t pixels, samples; // above 0
 	uint32_t known; // bits 1 << enum quote_part
 	float part[QUOTE_PARTS]; // those that are known
@@ -114,10 +114,14 @@ void quote_set_part(struct quote_record *record, enum quote_part part, double va
 // the frame without what is cold; query NULL: a pilot. us 0: not known.
 void quote_learn(struct quote_model *model, const struct quote_record *record, const struct quote_query *query, double us);
 
-// How many records of the scene there are, and how many that know a part of that look, and of that view and look.
+// How many records of the scene there are, and how many that know a part of that look, and of that view and look. Of a view
+// a pilot counts whatever it knows: another would tell no more.
 uint32_t quote_count_scene(const struct quote_model *model, const struct quote_key *key);
 uint32_t quote_count_look(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
 uint32_t quote_count_view(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
+
+// Whether the newest record of the look and scene is that of a pilot that knows nothing, for its technique could not.
+bool quote_refused(const struct quote_model *model, const struct quote_key *key);
 
 // Whether a record may be taken from a file.
 bool quote_record_holds(const struct quote_record *record);

@@ -162,7 +162,8 @@ static void merge(struct quote_model *into, const struct quote_model *ours)
 {
 	for (uint32_t i = 0; i < ours->count; i++) {
 		const struct quote_record *r = &ours->records[(ours->oldest + i) % LIMIT_QUOTE_RECORDS];
-		if (!has_record(into, r))
+		// What could not be rendered may be when the daemon is next started.
+		if (r->known != 0 && !has_record(into, r))
 			quote_keep(into, r);
 	}
 	for (unsigned i = 0; i < LIMIT_QUOTE_DEVICES; i++)

@@ -1,0 +1,177 @@
+// What the daemon makes of frames and pilots, without a daemon: what is warm, what a slow client, a black picture or a
+// technique that cannot leave behind.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "server/front/quotes/key.h"
+#include "server/front/quotes/known.h"
+
+#define PT candil_Technique_TECHNIQUE_PT
+#define VCT candil_Technique_TECHNIQUE_VCT
+
+static struct jobs jobs;
+static struct worker worker;
+static struct quote_known known;
+static struct scene room, hall, shop;
+static candil_Render request;
+
+static int set_up(void **state)
+{
+	struct error err;
+	(void)state;
+	snprintf(worker.device, sizeof worker.device, "a device");
+	request = (candil_Render){.technique = PT, .width = 64, .height = 64, .samples = 4};
+	room = (struct scene){.id = 1, .info = {.hash = "room", .facts_count = 1, .facts = {"emitters"}}};
+	hall = (struct scene){.id = 2, .info = {.hash = "hall", .facts_count = 1, .facts = {"emitters"}}};
+	shop = (struct scene){.id = 3, .info = {.hash = "shop", .facts_count = 1, .facts = {"glass"}}};
+	return quote_known_init(&known, &jobs, &worker, "", &err) == STATUS_OK ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	quote_known_finish(&known);
+	return 0;
+}
+
+static struct rendered of(const struct scene *scene)
+{
+	return (struct rendered){.scene = scene, .render = &request, .alone = true};
+}
+
+static void add_stage(candil_Done *done, const char *name, uint64_t us)
+{
+	candil_Stage *stage = &done->stages[done->stages_count++];
+	snprintf(stage->name, sizeof stage->name, "%s", name);
+	stage->us = us;
+	done->elapsed_us += us;
+}
+
+static void render(const struct scene *scene, uint64_t compile_us, uint64_t send_us)
+{
+	candil_Done done = {.samples = 4};
+	struct rendered f = of(scene);
+	add_stage(&done, "compile", compile_us);
+	add_stage(&done, "upload", 9000);
+	add_stage(&done, "path", 40000);
+	add_stage(&done, "encode", 3000);
+	add_stage(&done, "send", send_us);
+	f.done = &done;
+	jobs.rendered(jobs.owner, &f);
+}
+
+static struct quote_query ask(const struct scene *scene, candil_Technique technique)
+{
+	const struct rendered f = of(scene);
+	return quote_known_query(&known, &f, technique, 4);
+}
+
+static void look(const struct scene *scene, candil_Technique technique, uint32_t pixels, struct estimate error)
+{
+	const struct rendered f = of(scene);
+	const struct pilot_result result = {.pixels = pixels,
+					    .samples = pixels ? 4 : 0,
+					    .cold_us = 100,
+					    .fixed_us = 50,
+					    .pixel_us = 10,
+					    .sample_us = 900,
+					    .error = error};
+	quote_known_pilot(&known, &f, technique, &result);
+}
+
+static void programs_are_those_of_scenes_with_the_same_facts(void **state)
+{
+	(void)state;
+	struct quote_query q = ask(&room, PT);
+	assert_true(q.cold && q.setup);
+	render(&room, 2000000, 100);
+	q = ask(&room, PT);
+	assert_true(!q.cold && !q.setup);
+	q = ask(&hall, PT);
+	assert_true(!q.cold && q.setup);
+	q = ask(&shop, PT);
+	assert_true(q.cold && q.setup);
+	assert_true(ask(&room, VCT).cold);
+	const struct rendered in_hall = of(&hall);
+	assert_false(quote_known_warm(&known, &in_hall, &q.key));
+}
+
+static void what_did_not_have_to_be_compiled_is_remembered(void **state)
+{
+	(void)state;
+	render(&room, 0, 100);
+	known.warm_count = 0; // the worker is another
+	const struct quote_query q = ask(&room, PT);
+	assert_true(q.cold);
+	assert_true(quote_predict(known.model, &q).cold_us < 20000);
+}
+
+static void a_client_that_reads_slowly_does_not_make_files_dear(void **state)
+{
+	(void)state;
+	render(&room, 0, 1000);
+	struct quote_query q = ask(&room, PT);
+	const double quick = quote_predict(known.model, &q).us;
+	for (int i = 0; i < 3; i++)
+		render(&hall, 0, 9000000);
+	q = ask(&hall, PT);
+	assert_true(quote_predict(known.model, &q).us < 1.5 * quick);
+}
+
+static void a_view_that_was_looked_at_is_not_looked_at_again(void **state)
+{
+	struct quote_query q = ask(&room, VCT);
+	(void)state;
+	assert_int_equal(quote_count_view(known.model, &q.key, QUOTE_ERROR), 0);
+	look(&room, VCT, 1024, ESTIMATE_UNKNOWN);
+	assert_int_equal(quote_count_view(known.model, &q.key, QUOTE_ERROR), 1);
+	// A frame that could not tell its error is no look.
+	render(&hall, 0, 100);
+	q = ask(&hall, PT);
+	assert_int_equal(quote_count_view(known.model, &q.key, QUOTE_ERROR), 0);
+}
+
+static void a_black_picture_has_no_error_and_says_nothing_of_others(void **state)
+{
+	(void)state;
+	look(&room, PT, 1024, (struct estimate){0, 0, 0, candil_ErrorKind_ERROR_KIND_MEASURED});
+	struct quote_query q = ask(&room, PT);
+	assert_true(quote_predict(known.model, &q).error.high < 1e-9);
+	q = ask(&hall, PT);
+	assert_true(quote_predict(known.model, &q).error.relmse > 0.01);
+}
+
+static void a_technique_that_could_not_is_remembered_until_it_can(void **state)
+{
+	const struct rendered in_room = of(&room), in_hall = of(&hall);
+	(void)state;
+	assert_int_equal(quote_known_refused(&known, &in_room), 0);
+	look(&room, PT, 0, ESTIMATE_UNKNOWN);
+	assert_int_equal(quote_known_refused(&known, &in_room), 1u << PT);
+	assert_int_equal(quote_known_refused(&known, &in_hall), 0);
+	const struct quote_query q = ask(&room, PT);
+	assert_true(isfinite(quote_predict(known.model, &q).us));
+	render(&room, 0, 100);
+	assert_int_equal(quote_known_refused(&known, &in_room), 0);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+	const struct CMUnitTest tests[] = {
+	    TEST(programs_are_those_of_scenes_with_the_same_facts),
+	    TEST(what_did_not_have_to_be_compiled_is_remembered),
+	    TEST(a_client_that_reads_slowly_does_not_make_files_dear),
+	    TEST(a_view_that_was_looked_at_is_not_looked_at_again),
+	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),
+	    TEST(a_technique_that_could_not_is_remembered_until_it_can),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
