@@ -20,9 +20,10 @@ const char *ipc_build(void)
 	static char build[64];
 	// Every call writes the same bytes, so a race is harmless. Besides, callers are single-threaded.
 	if (!build[0])
-		snprintf(build, sizeof build, "%s/%zu.%zu.%zu.%zu.%zu.%zu", CANDIL_VERSION_STRING, sizeof(struct ipc_begin),
-			 sizeof(struct ipc_begun), sizeof(struct ipc_stepped), sizeof(struct ipc_image),
-			 sizeof(struct ipc_loaded), sizeof(struct ipc_piloted));
+		snprintf(build, sizeof build, "%s/%zu.%zu.%zu.%zu.%zu.%zu.%zu.%zu.%zu", CANDIL_VERSION_STRING,
+			 sizeof(struct ipc_begin), sizeof(struct ipc_begun), sizeof(struct ipc_stepped),
+			 sizeof(struct ipc_image), sizeof(struct ipc_loaded), sizeof(struct ipc_piloted),
+			 sizeof(struct ipc_read), sizeof(struct ipc_step), sizeof(struct ipc_pilot));
 	return build;
 }
 

@@ -6,6 +6,7 @@
 // cmocka wants the four above first
 #include <cmocka.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -66,10 +67,26 @@ static void more_than_one_descriptor_is_refused_and_none_is_kept(void **state)
 	close(pair[1]);
 }
 
+static void a_build_tells_the_size_of_every_message_it_may_get_wrong(void **state)
+{
+	const size_t sizes[] = {sizeof(struct ipc_begin), sizeof(struct ipc_read), sizeof(struct ipc_step),
+				sizeof(struct ipc_pilot), sizeof(struct ipc_piloted)};
+	char size[32], build[128];
+	(void)state;
+	snprintf(build, sizeof build, "%s.", ipc_build());
+	for (unsigned i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+		snprintf(size, sizeof size, "%zu.", sizes[i]);
+		assert_non_null(strstr(build, size));
+	}
+	// It fits where messages have it.
+	assert_true(strlen(ipc_build()) < sizeof((struct ipc_loaded *)0)->build - 1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(more_than_one_descriptor_is_refused_and_none_is_kept),
+	    cmocka_unit_test(a_build_tells_the_size_of_every_message_it_may_get_wrong),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

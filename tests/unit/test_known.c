@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "server/front/jobs/table.h"
 #include "server/front/quotes/key.h"
 #include "server/front/quotes/known.h"
 
@@ -162,6 +163,16 @@ static void a_technique_that_could_not_is_remembered_until_it_can(void **state)
 	assert_int_equal(quote_known_refused(&known, &in_room), 0);
 }
 
+static void a_job_that_waits_for_a_pilot_is_not_alone(void **state)
+{
+	struct job job = {.state = JOB_ACTIVE, .deadline_us = UINT64_MAX, .end_us = UINT64_MAX};
+	(void)state;
+	jobs = (struct jobs){.worker = &worker, .job = {&job}, .count = 1, .piloting = true, .stepping = 1};
+	worker.state = WORKER_READY;
+	jobs_dispatch(&jobs);
+	assert_true(job.crowded);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -171,6 +182,7 @@ int main(void)
 	    TEST(a_client_that_reads_slowly_does_not_make_files_dear),
 	    TEST(a_view_that_was_looked_at_is_not_looked_at_again),
 	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),
+	    TEST(a_job_that_waits_for_a_pilot_is_not_alone),
 	    TEST(a_technique_that_could_not_is_remembered_until_it_can),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
