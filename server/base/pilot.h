@@ -10,6 +10,7 @@
 struct pilot_result {
 	uint32_t pixels; // 0: this technique was not looked at, or could not render it
 	uint32_t samples; // that each pixel had
+	uint32_t refused; // not 0: it could not render it, for another reason than that the pilot's time was over
 	double cold_us; // compiling
 	double setup_us; // what is made once for a scene: uploads, trees, voxels
 	double fixed_us; // of a frame, whatever its size

@@ -81,7 +81,7 @@ static void make_reply(struct quotes *quotes, const struct quote *quote, candil_
 	if (render.deadline_ms > 0)
 		render.deadline_ms = render.deadline_ms > gone_ms + 1 ? render.deadline_ms - (uint32_t)gone_ms : 1;
 	jobs_queue_us(quotes->jobs, quote->job, 0, &reply->jobs);
-	const struct rendered asked = frame_of(quote);
+	const struct rendered asked = quote_frame(quote);
 	const struct quote_ask ask = {.render = &render,
 				      .refused = quote_known_refused(&quotes->known, &asked),
 				      .samples_given = render.samples != (noisy ? QUOTE_OPEN_SAMPLES : 1),
@@ -218,7 +218,8 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 	quote->piloted = true;
 	const struct rendered f = quote_frame(quote);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++)
-		if (quote->techniques >> t & 1u && technique_traits(t) & TECHNIQUE_RENDERS)
+		if ((piloted->results[t].pixels > 0 || piloted->results[t].refused) &&
+		    technique_traits(t) & TECHNIQUE_RENDERS)
 			quote_known_pilot(&quotes->known, &f, (candil_Technique)t, &piloted->results[t]);
 	if (!quote->session)
 		quote_destroy(quotes, quote);

@@ -353,8 +353,11 @@ enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TEC
 	// Those with noise first: theirs is the reference.
 	for (uint32_t i = 0; i < 2 * technique_count() && s != STATUS_DEVICE; i++) {
 		const struct technique *t = technique_at(i % technique_count());
-		if (wanted(pilot, t, i < technique_count()))
-			s = look(pilot, t, reference, &results[t->number], err);
+		if (!wanted(pilot, t, i < technique_count()))
+			continue;
+		s = look(pilot, t, reference, &results[t->number], err);
+		if (s != STATUS_OK && s != STATUS_LIMIT && results[t->number].pixels == 0)
+			results[t->number].refused = 1;
 	}
 	frame_destroy(reference[0].frame);
 	frame_destroy(reference[1].frame);

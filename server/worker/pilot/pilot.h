@@ -44,7 +44,7 @@ uint64_t pilot_patience_us(uint32_t budget_us);
 // one has none; of one that is unknown the other's.
 struct estimate pilot_mean(const struct estimate *a, const struct estimate *b);
 
-// Look by each technique. One that cannot render the request, or not within the memory, leaves its result zeroed; so does
+// Look by each technique. One that cannot render the request, or not within the memory, has `refused` alone; zeroed is
 // one whose first, tiny picture is given up. If only the second is, the result is that of the first. The bias of techniques
 // without noise is known only if one with noise is looked at, too. Fails as plan_make does if the request is wrong, and with
 // STATUS_DEVICE.
