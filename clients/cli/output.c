@@ -65,15 +65,16 @@ bool output_open(struct output *output, const char *path)
 	return open_temporary(output);
 }
 
-static bool write_all(int fd, const char *data, size_t bytes)
+bool output_write_all(int fd, const void *data, size_t bytes)
 {
+	const char *next = data;
 	while (bytes > 0) {
-		ssize_t written = write(fd, data, bytes);
+		ssize_t written = write(fd, next, bytes);
 		if (written < 0 && errno == EINTR)
 			continue;
 		if (written < 0)
 			return false;
-		data += written;
+		next += written;
 		bytes -= (size_t)written;
 	}
 	return true;
@@ -83,7 +84,7 @@ bool output_write(struct output *output, const void *data, size_t bytes)
 {
 	if (output->fd < 0 && !(output->can_replace && open_temporary(output)))
 		return false;
-	bool good = write_all(output->fd, data, bytes);
+	bool good = output_write_all(output->fd, data, bytes);
 	int failure = errno;
 	if (close(output->fd) != 0 && good) {
 		good = false;

@@ -26,6 +26,9 @@ bool output_save(const char *path, const void *data, size_t bytes);
 // Whether output_save could write there. false: errno says why. Leaves nothing behind.
 bool output_probe(const char *path);
 
+// Write all bytes to an open file, however many calls that takes. false: errno says why.
+bool output_write_all(int fd, const void *data, size_t bytes);
+
 // Remove the temporary file and free everything. Also due after a failed output_open.
 void output_close(struct output *output);
 

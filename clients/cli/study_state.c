@@ -13,6 +13,7 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include "clients/cli/output.h"
 #include "clients/cli/study.h"
 #include "clients/cli/verify.h"
 #include "clients/libcandil/error.h"
@@ -32,26 +33,12 @@ static enum exit_code refuse_folder(struct study *study, const char *why)
 
 // ---- files -----------------------------------------------------------------------------------------------------------
 
-static bool write_text(int fd, const char *text, size_t bytes)
-{
-	while (bytes > 0) {
-		const ssize_t written = write(fd, text, bytes);
-		if (written < 0 && errno == EINTR)
-			continue;
-		if (written < 0)
-			return false;
-		text += written;
-		bytes -= (size_t)written;
-	}
-	return true;
-}
-
 bool study_save(const struct study *study, int folder, const char *name, const void *data, size_t bytes)
 {
 	// In the study's own folder, not that of the file: images/ has images alone, whenever it is looked at.
 	unlinkat(study->lock, TEMPORARY, 0); // of a session that was killed
 	const int fd = openat(study->lock, TEMPORARY, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-	bool good = fd >= 0 && write_text(fd, data, bytes);
+	bool good = fd >= 0 && output_write_all(fd, data, bytes);
 	int failure = errno;
 	if (fd >= 0 && close(fd) != 0 && good) {
 		good = false;
@@ -139,7 +126,7 @@ static bool end_torn_line(int fd)
 	const off_t end = lseek(fd, 0, SEEK_END);
 	if (end < 0 || (end > 0 && pread(fd, &last, 1, end - 1) != 1))
 		return false;
-	return last == '\n' || write_text(fd, "\n", 1);
+	return last == '\n' || output_write_all(fd, "\n", 1);
 }
 
 enum exit_code study_append(struct study *study, const char *id, json_t *line)
@@ -152,7 +139,7 @@ enum exit_code study_append(struct study *study, const char *id, json_t *line)
 	if (text) {
 		text[bytes] = '\n'; // in the place of the zero
 		fd = openat(study->lock, RUNS_FILE, O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
-		good = fd >= 0 && end_torn_line(fd) && write_text(fd, text, bytes + 1) && fdatasync(fd) == 0;
+		good = fd >= 0 && end_torn_line(fd) && output_write_all(fd, text, bytes + 1) && fdatasync(fd) == 0;
 	}
 	const int failure = errno;
 	if (fd >= 0)

@@ -1,17 +1,18 @@
 "use strict";
+// For the scripts behind this one, too.
+function element(name, attributes = {}, ...children) {
+	const e = document.createElement(name);
+	for (const [key, value] of Object.entries(attributes))
+		e.setAttribute(key, value);
+	e.append(...children);
+	return e;
+}
+
 // Before each strip of pictures stands one place that compares two of them, or their maps: a slider between both, and a button that
 // flips from one to the other.
 (() => {
 	const KINDS = [["picture", "p", "picture"], ["error", "e", "relative error"], ["flip", "f", "FLIP"]];
 	let count = 0;
-
-	function element(name, attributes = {}, ...children) {
-		const e = document.createElement(name);
-		for (const [key, value] of Object.entries(attributes))
-			e.setAttribute(key, value);
-		e.append(...children);
-		return e;
-	}
 
 	function choice(shots, chosen, label) {
 		const select = element("select", {"aria-label": label});

@@ -48,13 +48,6 @@
 		const keys = Object.keys(p.settings).sort((a, b) => (b === "samples") - (a === "samples"));
 		return keys.map((k) => `${k} ${p.settings[k]}`).join(", ") + (p.effects && p.effects !== "auto" ? `, effects ${p.effects}` : "");
 	}
-	function element(name, attributes = {}, ...children) {
-		const e = document.createElement(name);
-		for (const [key, value] of Object.entries(attributes))
-			e.setAttribute(key, value);
-		e.append(...children);
-		return e;
-	}
 	// A logarithmic axis: its decades are told, and where there are few of them also twos and fives.
 	function axis(title, values, text) {
 		const known = values.filter((v) => v > 0 && isFinite(v));
