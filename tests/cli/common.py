@@ -4,6 +4,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unittest
 
 BUILD = os.environ["CANDIL_BUILD"]
 SOURCE = os.environ["CANDIL_SOURCE"]
@@ -84,3 +85,21 @@ class Daemon:
         self.process.terminate()
         self.process.wait(timeout=60)
         self.log.close()
+
+
+class DaemonCase(unittest.TestCase):
+    """A daemon and the small scene for all tests of a class, and a folder for each of them."""
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.scene = write_scene(cls.temporary.name)
+        cls.daemon = Daemon(cls.temporary.name)
+        cls.daemon.__enter__()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.__exit__(None, None, None)
+        cls.temporary.cleanup()
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(dir=self.temporary.name)

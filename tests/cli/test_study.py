@@ -9,12 +9,11 @@ import shlex
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 
 import images
-from common import CANDIL, MTL, OBJ, SOURCE, Daemon, run, skip_without_device, write_scene
+from common import CANDIL, MTL, OBJ, SOURCE, DaemonCase, run, skip_without_device
 
 PLAN = {
     "title": "a tiny study",
@@ -40,21 +39,9 @@ def read(path):
         return file.read()
 
 
-class Study(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.scene = write_scene(cls.temporary.name)
-        cls.daemon = Daemon(cls.temporary.name)
-        cls.daemon.__enter__()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.__exit__(None, None, None)
-        cls.temporary.cleanup()
-
+class Study(DaemonCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(dir=self.temporary.name)
+        super().setUp()
         self.out = os.path.join(self.folder, "study")
 
     def write_plan(self, plan):

@@ -2,7 +2,6 @@
 request made it, shards share; and the edits that sweep and render take."""
 import json
 import os
-import tempfile
 import unittest
 import zlib
 
@@ -10,27 +9,12 @@ import numpy
 
 import images
 import make
-from common import CANDIL, Daemon, run, skip_without_device, write_scene
+from common import CANDIL, DaemonCase, run, skip_without_device, write_scene
 
 SIZE = ("--size", "32x24", "--spp", "4")
 
 
-class Sweep(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.scene = write_scene(cls.temporary.name)
-        cls.daemon = Daemon(cls.temporary.name)
-        cls.daemon.__enter__()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.__exit__(None, None, None)
-        cls.temporary.cleanup()
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp(dir=self.temporary.name)
-
+class Sweep(DaemonCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
