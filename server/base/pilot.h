@@ -10,7 +10,8 @@
 struct pilot_result {
 	uint32_t pixels; // 0: this technique was not looked at, or could not render it
 	uint32_t samples; // that each pixel had
-	uint32_t refused; // not 0: it could not render it, for another reason than that the pilot's time was over
+	uint32_t refused; // not 0: it could not render it, for another reason than want of time or memory
+	uint32_t slowed; // not 0: what compiled had these times, too, so they are no rate
 	double cold_us; // compiling
 	double setup_us; // what is made once for a scene: uploads, trees, voxels
 	double fixed_us; // of a frame, whatever its size

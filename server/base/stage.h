@@ -2,6 +2,9 @@
 #ifndef CANDIL_BASE_STAGE_H
 #define CANDIL_BASE_STAGE_H
 
+// Of STAGE_COLD, µs: from here on a picture's other times are not believed.
+#define STAGE_COLD_US 20000.0
+
 enum stage_kind {
 	STAGE_QUEUE, // with what others do
 	STAGE_COLD, // with nothing: it comes once a device, or a program

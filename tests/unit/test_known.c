@@ -44,7 +44,7 @@ static int tear_down(void **state)
 
 static struct rendered of(const struct scene *scene)
 {
-	return (struct rendered){.scene = scene, .render = &request, .alone = true};
+	return (struct rendered){.scene = scene, .render = &request, .alone = true, .worker = worker.starts};
 }
 
 static void add_stage(candil_Done *done, const char *name, uint64_t us)
@@ -126,6 +126,78 @@ static void a_client_that_reads_slowly_does_not_make_files_dear(void **state)
 	assert_true(quote_predict(known.model, &q).us < 1.5 * quick);
 }
 
+static void send(uint64_t us)
+{
+	candil_Done done = {.samples = 4};
+	struct rendered f = of(&room);
+	add_stage(&done, "path", 40000);
+	add_stage(&done, "encode", 3000);
+	add_stage(&done, "send", us);
+	f.done = &done;
+	jobs.rendered(jobs.owner, &f);
+}
+
+static void a_client_that_reads_slowly_does_not_widen_intervals(void **state)
+{
+	(void)state;
+	for (int i = 0; i < 20; i++)
+		send(3000);
+	const struct quote_query q = ask(&room, PT);
+	const struct quote_prediction before = quote_predict(known.model, &q);
+	for (int i = 0; i < 8; i++)
+		send(9000000);
+	const struct quote_prediction after = quote_predict(known.model, &q);
+	assert_true(log(after.us_high / after.us) < 1.05 * log(before.us_high / before.us));
+}
+
+static void programs_that_were_there_do_not_make_compiling_cheap(void **state)
+{
+	(void)state;
+	request.options_count = 1;
+	snprintf(request.options[0].name, sizeof request.options[0].name, "pt.depth");
+	render(&room, 2000000, 100);
+	// Of other options, whose programs are the same.
+	snprintf(request.options[0].value, sizeof request.options[0].value, "7");
+	assert_true(ask(&room, PT).cold);
+	render(&room, 0, 100);
+	known.warm_count = 0; // the worker is another
+	const struct quote_query q = ask(&room, PT);
+	assert_true(quote_predict(known.model, &q).cold_us > 1000000);
+}
+
+static void a_frame_of_a_worker_that_is_gone_makes_nothing_warm(void **state)
+{
+	candil_Done done = {.samples = 4};
+	struct rendered f = of(&room);
+	(void)state;
+	add_stage(&done, "path", 40000);
+	f.done = &done;
+	worker.starts++;
+	jobs.rendered(jobs.owner, &f);
+	assert_true(ask(&room, PT).cold);
+	f.worker = worker.starts;
+	jobs.rendered(jobs.owner, &f);
+	assert_false(ask(&room, PT).cold);
+}
+
+static void times_of_a_picture_that_compiled_are_no_rate(void **state)
+{
+	const struct rendered f = of(&room);
+	struct pilot_result result = {.pixels = 256, .samples = 1, .cold_us = 2000000, .setup_us = 50, .sample_us = 900000};
+	struct quote_query q = ask(&room, VCT);
+	(void)state;
+	const double before = quote_predict(known.model, &q).us;
+	result.slowed = 1;
+	result.error = ESTIMATE_UNKNOWN;
+	quote_known_pilot(&known, &f, VCT, &result);
+	struct quote_prediction said = quote_predict(known.model, &q);
+	assert_true(said.us <= before && said.cold_us > 1500000);
+	assert_int_equal(quote_known_refused(&known, &f), 0);
+	result.slowed = 0;
+	quote_known_pilot(&known, &f, VCT, &result);
+	assert_true(quote_predict(known.model, &q).us > 10 * before);
+}
+
 static void a_view_that_was_looked_at_is_not_looked_at_again(void **state)
 {
 	struct quote_query q = ask(&room, VCT);
@@ -158,6 +230,7 @@ static void a_technique_that_could_not_is_remembered_until_it_can(void **state)
 	assert_int_equal(quote_known_refused(&known, &in_room), 1u << PT);
 	assert_int_equal(quote_known_refused(&known, &in_hall), 0);
 	const struct quote_query q = ask(&room, PT);
+	assert_int_equal(quote_predict(known.model, &q).records, 0);
 	assert_true(isfinite(quote_predict(known.model, &q).us));
 	render(&room, 0, 100);
 	assert_int_equal(quote_known_refused(&known, &in_room), 0);
@@ -180,6 +253,10 @@ int main(void)
 	    TEST(programs_are_those_of_scenes_with_the_same_facts),
 	    TEST(what_did_not_have_to_be_compiled_is_remembered),
 	    TEST(a_client_that_reads_slowly_does_not_make_files_dear),
+	    TEST(a_client_that_reads_slowly_does_not_widen_intervals),
+	    TEST(programs_that_were_there_do_not_make_compiling_cheap),
+	    TEST(a_frame_of_a_worker_that_is_gone_makes_nothing_warm),
+	    TEST(times_of_a_picture_that_compiled_are_no_rate),
 	    TEST(a_view_that_was_looked_at_is_not_looked_at_again),
 	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),
 	    TEST(a_job_that_waits_for_a_pilot_is_not_alone),

@@ -52,6 +52,7 @@ void jobs_begin_next(struct jobs *jobs)
 		return;
 	job->state = JOB_BEGINNING;
 	job->again_us = clock_us();
+	job->worker = jobs->worker->starts;
 	const struct rendered frame = {.scene = job->scene, .environment = job->environment, .render = &job->render};
 	if (jobs->predict && !(technique_traits(job->render.technique) & TECHNIQUE_NOISE))
 		job->predicted = jobs->predict(jobs->owner, &frame);

@@ -26,6 +26,7 @@ struct rendered {
 	const candil_Render *render; // as it is rendered
 	const candil_Done *done; // NULL: not yet
 	bool alone; // no other job had the device meanwhile
+	uint32_t worker; // starts of the worker up to the one that rendered it
 };
 
 #define HANDOVER_SIZES 34u // powers of two, of bytes

@@ -138,7 +138,8 @@ static void tell_owner(const struct jobs *jobs, const struct job *job)
 				       .environment = job->environment,
 				       .render = &job->render,
 				       .done = &job->done,
-				       .alone = !job->crowded && jobs->count == 1};
+				       .alone = !job->crowded && jobs->count == 1,
+				       .worker = job->worker};
 	if (jobs->rendered)
 		jobs->rendered(jobs->owner, &frame);
 }

@@ -57,6 +57,7 @@ struct job {
 	uint64_t device_us; // that it had
 	uint64_t asked_us, begun_us; // begun_us: the first BEGIN; 0: none yet
 	uint64_t again_us; // the latest BEGIN
+	uint32_t worker; // starts of the worker up to then
 	uint64_t encoded_us; // when the final image came
 	uint64_t progress_us; // when progress was told last
 	bool preview_due; // asked of the worker, not here yet

@@ -10,8 +10,6 @@
 #include "server/base/stage.h"
 #include "server/front/quotes/key.h"
 
-#define COLD_US 20000.0 // of compiling, from which on a frame's other times are not believed
-
 struct quote_key quote_known_key(const struct quote_known *known, const struct rendered *f, candil_Technique technique)
 {
 	return quote_key_of(f->render, technique, f->scene->info.hash, f->environment ? f->environment->info.hash : NULL,
@@ -44,13 +42,23 @@ bool quote_known_warm(const struct quote_known *known, const struct rendered *f,
 	return has_warm(known, w.setup) && has_warm(known, w.programs);
 }
 
-static void set_warm(struct quote_known *known, const struct rendered *f, const struct quote_key *key)
+static void set_warm(struct quote_known *known, const struct rendered *f, candil_Technique technique,
+		     const struct quote_key *key)
 {
 	const struct warmth w = warmth_of(f, key);
+	known->begun = known->warm_count > 0 ? known->begun | 1u << technique : 1u << technique;
 	if (!has_warm(known, w.setup))
 		known->warm[known->warm_count++ % QUOTE_WARM] = w.setup;
 	if (!has_warm(known, w.programs))
 		known->warm[known->warm_count++ % QUOTE_WARM] = w.programs;
+}
+
+// Whether a time of compiling is one. Little of it where it was expected tells of a driver that keeps programs on its disk
+// if the worker had none of the technique, else of programs that were there, of other options say: another worker has none.
+static bool tells_cold(const struct quote_known *known, const struct quote_query *q, double us)
+{
+	const bool begun = known->warm_count > 0 && known->begun >> q->technique & 1u;
+	return us > STAGE_COLD_US || (q->cold && !begun);
 }
 
 bool quote_known_lost(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
@@ -123,8 +131,10 @@ static struct account add_up(const candil_Done *done)
 		a.all += (double)done->stages[i].us;
 		sent += strcmp(done->stages[i].name, "send") == 0 ? (double)done->stages[i].us : 0;
 	}
-	// A client that reads slowly is no property of the picture.
-	a.us[STAGE_ENCODE] -= fmax(2 * sent - a.us[STAGE_ENCODE], 0);
+	// A client that reads slowly is no property of the picture: it is waited for as for a queue.
+	const double waited = fmax(2 * sent - a.us[STAGE_ENCODE], 0);
+	a.us[STAGE_ENCODE] -= waited;
+	a.us[STAGE_QUEUE] += waited;
 	return a;
 }
 
@@ -133,7 +143,8 @@ static void learn_frame(void *owner, const struct rendered *f)
 	struct quote_known *known = owner;
 	const candil_Technique technique = f->render->technique ? f->render->technique : TECHNIQUE_OF_AUTO;
 	const candil_Done *done = f->done;
-	if (done->samples == 0 || done->retries > 0)
+	// A worker that is gone by now took along what was warm, and another's warmth is none of this frame's.
+	if (done->samples == 0 || done->retries > 0 || f->worker != known->worker->starts)
 		return;
 	const struct quote_query q = quote_known_query(known, f, technique, done->samples);
 	const struct account a = add_up(done);
@@ -142,12 +153,11 @@ static void learn_frame(void *owner, const struct rendered *f)
 				 .technique = technique,
 				 .pixels = (uint32_t)q.pixels,
 				 .samples = done->samples};
-	const bool cold = a.us[STAGE_COLD] > COLD_US;
+	const bool cold = a.us[STAGE_COLD] > STAGE_COLD_US;
 	const double fixed = a.us[STAGE_FIXED] + fmax((double)done->elapsed_us - a.all, 0);
 	if (q.setup)
 		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
-	// What was expected to compile and did not is remembered, too.
-	if (q.cold || cold)
+	if (tells_cold(known, &q, a.us[STAGE_COLD]))
 		quote_set_part(&r, QUOTE_COLD, a.us[STAGE_COLD]);
 	if (!cold) {
 		quote_set_part(&r, QUOTE_PIXEL, a.us[STAGE_PIXEL] / q.pixels);
@@ -160,7 +170,7 @@ static void learn_frame(void *owner, const struct rendered *f)
 	    .relmse = done->estimated_relmse, .low = done->relmse_low, .high = done->relmse_high, .kind = done->error_kind};
 	if (e.kind == candil_ErrorKind_ERROR_KIND_MEASURED && technique_traits(technique) & TECHNIQUE_NOISE)
 		set_error(&r, &e, done->samples);
-	set_warm(known, f, &q.key);
+	set_warm(known, f, technique, &q.key);
 	quote_learn(known->model, &r, &q, cold || !f->alone ? 0 : (double)done->elapsed_us - a.us[STAGE_QUEUE]);
 	quote_store_mark(&known->store);
 }
@@ -193,11 +203,13 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 	}
 	if (q.setup)
 		quote_set_part(&r, QUOTE_SETUP, p->setup_us);
-	if (q.cold || p->cold_us > COLD_US)
+	if (tells_cold(known, &q, p->cold_us))
 		quote_set_part(&r, QUOTE_COLD, p->cold_us);
-	quote_set_part(&r, QUOTE_FIXED, p->fixed_us);
-	quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
-	quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples));
+	if (!p->slowed) {
+		quote_set_part(&r, QUOTE_FIXED, p->fixed_us);
+		quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
+		quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples));
+	}
 	set_error(&r, &p->error, technique_traits(technique) & TECHNIQUE_NOISE ? p->samples : 1);
 	log_line(
 	    LOG_DEBUG,
@@ -206,7 +218,7 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 	    f->scene->info.name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us, p->fixed_us,
 	    p->pixel_us / p->pixels, p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low,
 	    p->error.high);
-	set_warm(known, f, &q.key);
+	set_warm(known, f, technique, &q.key);
 	quote_learn(known->model, &r, NULL, 0);
 	quote_store_mark(&known->store);
 }

@@ -19,6 +19,7 @@ struct quote_known {
 	struct quote_store store;
 	uint64_t warm[QUOTE_WARM];
 	uint32_t warm_count; // ever
+	uint32_t begun; // techniques that made something warm, bits 1 << candil_Technique; nothing if warm_count is 0
 	uint64_t lost[QUOTE_LOST];
 	uint32_t lost_count; // ever
 };

@@ -450,7 +450,8 @@ uint32_t quote_count_scene(const struct quote_model *m, const struct quote_key *
 {
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < m->count; i++)
-		count += m->records[i].key.where == key->where && m->records[i].key.scene == key->scene;
+		count += m->records[i].key.where == key->where && m->records[i].key.scene == key->scene &&
+			 m->records[i].known != 0;
 	return count;
 }
 

@@ -114,8 +114,8 @@ void quote_set_part(struct quote_record *record, enum quote_part part, double va
 // the frame without what is cold; query NULL: a pilot. us 0: not known.
 void quote_learn(struct quote_model *model, const struct quote_record *record, const struct quote_query *query, double us);
 
-// How many records of the scene there are, and how many that know a part of that look, and of that view and look. Of a view
-// a pilot counts whatever it knows: another would tell no more.
+// How many records of the scene there are that know anything, and how many that know a part of that look, and of that view
+// and look. Of a view a pilot counts whatever it knows: another would tell no more.
 uint32_t quote_count_scene(const struct quote_model *model, const struct quote_key *key);
 uint32_t quote_count_look(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
 uint32_t quote_count_view(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
