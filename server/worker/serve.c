@@ -389,6 +389,11 @@ static void on_end(struct server *s, const struct ipc_job *m)
 	job_destroy(s, job);
 }
 
+static bool make_room_for_pilot(void *user)
+{
+	return make_room(user);
+}
+
 static enum status look(struct server *s, const struct ipc_pilot *m, struct job *job, struct pilot_result *results,
 			struct error *err)
 {
@@ -408,7 +413,9 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 				    .techniques = m->techniques,
 				    .budget_us = m->budget_us,
 				    .end_us = clock_us() + m->limit_us,
-				    .memory = budget_left(s)};
+				    .memory = budget_left(s),
+				    .make_room = make_room_for_pilot,
+				    .user = s};
 	return pilot_run(&pilot, results, err);
 }
 

@@ -1,4 +1,5 @@
 """More scenes than the memory budget holds: the least recently used leaves the device, and comes back when it is asked for."""
+import json
 import unittest
 
 import make
@@ -53,6 +54,15 @@ class Residency(unittest.TestCase):
             picture = daemon.render("room", size=(32, 32), spp=1, arguments=["--technique", "vct"])
             self.assertGreater(float(picture.radiance.min()), 0)
             self.assertLessEqual(daemon.stats()["device_bytes"], 42 << 20)
+
+    def test_what_nobody_renders_makes_room_for_a_pilot(self):
+        with Daemon("--memory-budget", "40") as daemon:
+            for name, shade in (("a", 60), ("b", 120), ("c", 240)):
+                daemon.candil("load", textured(daemon.folder, name + ".gltf", shade), "--name", name)
+            for name in "ab":
+                daemon.render(name, size=(32, 32), spp=1, arguments=["--background", "1,1,1"])
+            said = json.loads(daemon.candil("quote", "c", "--background", "1,1,1", "--pilot", "50", "--json")[1])
+            self.assertEqual((said["technique"], said["from"]), ("pt", "pilot"), said)
 
     def test_voxels_that_no_job_uses_make_room_for_a_job_of_their_scene(self):
         with Daemon("--memory-budget", "40") as daemon:

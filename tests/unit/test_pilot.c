@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <string.h>
 
 #include "protocol/limits.h"
 #include "server/worker/pilot/pilot.h"
@@ -99,6 +100,22 @@ static void the_halves_have_noise_of_their_own(void **state)
 	assert_memory_equal(&a, &again, sizeof a);
 }
 
+static void a_reference_is_drawn_by_its_own_options(void **state)
+{
+	const struct pilot_picture own = {candil_Technique_TECHNIQUE_VCT, 800, 4, 0},
+				   reference = {candil_Technique_TECHNIQUE_PT, 800, 8, 0};
+	candil_Render asked = {.width = 40, .height = 20, .options_count = 2}, r;
+	(void)state;
+	strcpy(asked.options[0].name, "pt.depth");
+	strcpy(asked.options[1].name, "vct.resolution");
+	pilot_request(&asked, &own, &r);
+	assert_int_equal(r.options_count, 1);
+	assert_string_equal(r.options[0].name, "vct.resolution");
+	pilot_request(&asked, &reference, &r);
+	assert_int_equal(r.options_count, 1);
+	assert_string_equal(r.options[0].name, "pt.depth");
+}
+
 static void two_halves_say_what_both_know(void **state)
 {
 	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_MEASURED;
@@ -131,6 +148,7 @@ int main(void)
 	    cmocka_unit_test(bias_shows_behind_noise),
 	    cmocka_unit_test(one_firefly_is_not_the_picture),
 	    cmocka_unit_test(the_halves_have_noise_of_their_own),
+	    cmocka_unit_test(a_reference_is_drawn_by_its_own_options),
 	    cmocka_unit_test(two_halves_say_what_both_know),
 	    cmocka_unit_test(the_longest_pilot_is_not_given_up),
 	    cmocka_unit_test(no_number_is_no_answer),

@@ -551,6 +551,11 @@ static void keys_know_what_shows(void **state)
 	strcpy(b.options[1].value, "3");
 	y = quote_key_of(&b, PT, "s", "e", "other");
 	assert_true(x.look != y.look && x.scene != y.scene && x.where != y.where);
+	// Those of another technique are none of a reference's.
+	x = quote_key_of(&a, candil_Technique_TECHNIQUE_VCT, "s", NULL, "d");
+	a.options_count = 0;
+	y = quote_key_of(&a, candil_Technique_TECHNIQUE_VCT, "s", NULL, "d");
+	assert_true(x.look == y.look);
 }
 
 int main(void)

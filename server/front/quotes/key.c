@@ -6,6 +6,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "protocol/names.h"
 #include "server/base/ipc.h"
 
 static void add_text(XXH64_state_t *state, const char *text)
@@ -52,10 +53,16 @@ static int compare_options(const void *a, const void *b)
 static uint64_t hash_look(const candil_Render *render, candil_Technique technique)
 {
 	candil_Option options[LIMIT_OPTIONS];
-	const size_t count = render->options_count;
+	size_t count = 0;
 	XXH64_state_t state;
 	XXH64_reset(&state, technique);
-	memcpy(options, render->options, count * sizeof *options);
+	// Those of another technique are what a reference is not drawn by.
+	for (pb_size_t i = 0; i < render->options_count; i++) {
+		const char *name = render->options[i].name;
+		const int of = technique_number(name, strcspn(name, "."));
+		if (of < 0 || of == (int)technique)
+			options[count++] = render->options[i];
+	}
 	qsort(options, count, sizeof *options, compare_options);
 	for (size_t i = 0; i < count; i++) {
 		add_text(&state, options[i].name);

@@ -8,10 +8,12 @@
 
 #include "server/base/clock.h"
 #include "server/base/stage.h"
+#include "server/worker/devices.h"
 #include "server/worker/image/frame.h"
 #include "server/worker/plan/make.h"
 #include "server/worker/scenes/resident.h"
 #include "server/worker/technique/technique.h"
+#include "server/worker/vk/device.h"
 
 #define PILOT_SEED 0x70696c6f74ull // no request's by chance
 #define PILOT_SAMPLES 8u // of each of two halves
@@ -63,6 +65,12 @@ void pilot_request(const candil_Render *asked, const struct pilot_picture *pictu
 	render->width = (uint32_t)fmax(round(render->width * scale), 1);
 	render->height = (uint32_t)fmax(round(render->height * scale), 1);
 	render->technique = picture->technique;
+	const struct option_table *known = technique_find(picture->technique)->options;
+	render->options_count = 0;
+	// What a reference makes its picture by is none of the request's.
+	for (pb_size_t i = 0; i < asked->options_count; i++)
+		if (option_known(known, asked->options[i].name))
+			render->options[render->options_count++] = asked->options[i];
 	render->samples = picture->samples;
 	// More samples of one sequence would fill the gaps of the first: not independent of them.
 	render->first_sample = 0;
@@ -102,10 +110,16 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 	const uint64_t start = clock_us();
 	if (start > pilot->end_us)
 		return error_set(err, STATUS_LIMIT, "a pilot takes too long");
-	s = t->begin(pilot->devices, pilot->scene, &plan, &job, err);
+	do {
+		pilot->devices->vk->wanted = 0;
+		s = t->begin(pilot->devices, pilot->scene, &plan, &job, err);
+	} while (s == STATUS_MEMORY && pilot->make_room(pilot->user));
 	while (s == STATUS_OK && !result.finished) {
 		result = STEP_RESULT_NOTHING;
-		s = t->step(job, PILOT_SLICE_US, &result, err);
+		do {
+			pilot->devices->vk->wanted = 0;
+			s = t->step(job, PILOT_SLICE_US, &result, err);
+		} while (s == STATUS_MEMORY && pilot->make_room(pilot->user));
 		const uint64_t now = clock_us();
 		const bool late = now > pilot->end_us || now - start > pilot_patience_us(pilot->budget_us);
 		if (s == STATUS_OK && !result.finished && late)
@@ -217,6 +231,7 @@ static struct pilot_result result_of(const struct drawing *d)
 {
 	return (struct pilot_result){.pixels = d->frame->width * d->frame->height,
 				     .samples = d->frame->samples,
+				     .slowed = d->cold_us > STAGE_COLD_US,
 				     .fixed_us = d->fixed_us,
 				     .pixel_us = d->pixel_us,
 				     .sample_us = d->sample_us,
@@ -356,7 +371,8 @@ enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TEC
 		if (!wanted(pilot, t, i < technique_count()))
 			continue;
 		s = look(pilot, t, reference, &results[t->number], err);
-		if (s != STATUS_OK && s != STATUS_LIMIT && results[t->number].pixels == 0)
+		// Time and memory may be there the next time, and are no word on the request.
+		if (s != STATUS_OK && s != STATUS_LIMIT && s != STATUS_MEMORY && results[t->number].pixels == 0)
 			results[t->number].refused = 1;
 	}
 	frame_destroy(reference[0].frame);

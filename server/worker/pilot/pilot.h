@@ -4,6 +4,7 @@
 #ifndef CANDIL_WORKER_PILOT_PILOT_H
 #define CANDIL_WORKER_PILOT_PILOT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "candil.pb.h"
@@ -24,6 +25,8 @@ struct pilot {
 	uint32_t budget_us; // of work of each technique, beside compiling and what is made once for a scene
 	uint64_t end_us; // clock_us() from which on no picture is begun or gone on with
 	uint64_t memory; // bytes of the device that it may take
+	bool (*make_room)(void *user); // after STATUS_MEMORY: whether there is more than before, and another try is worth it
+	void *user;
 };
 
 // One of its pictures.
@@ -34,7 +37,8 @@ struct pilot_picture {
 	uint32_t half; // 0 or 1: of one number are the same bits, of the two the noise is independent
 };
 
-// What is rendered for a picture of the request `asked`: as wide for its height, without an end, a target or channels.
+// What is rendered for a picture of the request `asked`: as wide for its height, without an end, a target or channels, and
+// without options that the picture's technique does not know.
 void pilot_request(const candil_Render *asked, const struct pilot_picture *picture, candil_Render *render);
 
 // How long one picture may take before it is given up: what its budget may be overrun by, and 10 s for what is beside it.
@@ -44,10 +48,10 @@ uint64_t pilot_patience_us(uint32_t budget_us);
 // one has none; of one that is unknown the other's.
 struct estimate pilot_mean(const struct estimate *a, const struct estimate *b);
 
-// Look by each technique. One that cannot render the request, or not within the memory, has `refused` alone; zeroed is
-// one whose first, tiny picture is given up. If only the second is, the result is that of the first. The bias of techniques
-// without noise is known only if one with noise is looked at, too. Fails as plan_make does if the request is wrong, and with
-// STATUS_DEVICE.
+// Look by each technique. One that cannot render the request has `refused` alone; zeroed is one whose first, tiny picture is
+// given up, or has no memory, of which another time there may be more. If only the second is, the result is that of the
+// first. The bias of techniques without noise is known only if one with noise is looked at, too. Fails as plan_make does if
+// the request is wrong, and with STATUS_DEVICE.
 enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], struct error *err);
 
 // Two independent pictures by a technique with noise, of as many samples each.
