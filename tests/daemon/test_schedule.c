@@ -54,6 +54,31 @@ static void an_hour_does_not_wait_for_a_minute_to_catch_up(void **state)
 	assert_int_equal(had[1], 50);
 }
 
+// What is foreseen of two jobs is what their turns give.
+static void what_another_job_adds_is_foreseen(void **state)
+{
+	const uint64_t attained[] = {0, 400000, 3600000000u};
+	const double left[] = {100000, 1e9};
+	(void)state;
+	for (int i = 0; i < 12; i++) {
+		struct turn other = {.attained_us = attained[i % 3]}, new = {0};
+		struct turn *turns[] = {&other, &new};
+		const double work = i < 6 ? 600000 : 6000000, foreseen = schedule_delay_us(&other, left[i / 3 % 2], work);
+		uint64_t clock = 0;
+		double waited = 0, done = 0;
+		while (done < work) {
+			const size_t picked = schedule_pick(turns, waited < left[i / 3 % 2] ? 2 : 1, &clock);
+			if (waited >= left[i / 3 % 2] || picked == 1)
+				done += SLICE_US;
+			else
+				waited += SLICE_US;
+			if (waited < left[i / 3 % 2])
+				schedule_charge(turns[picked], SLICE_US);
+		}
+		assert_true(waited >= foreseen - 2 * SLICE_US && waited <= foreseen + 2 * SLICE_US);
+	}
+}
+
 // A new small job comes with every slice, for ever: the large one still gets its share.
 static void a_stream_of_small_jobs_starves_nobody(void **state)
 {
@@ -130,6 +155,7 @@ int main(void)
 	    cmocka_unit_test(a_small_job_does_not_wait_for_a_large_one),
 	    cmocka_unit_test(equals_take_turns),
 	    cmocka_unit_test(an_hour_does_not_wait_for_a_minute_to_catch_up),
+	    cmocka_unit_test(what_another_job_adds_is_foreseen),
 	    cmocka_unit_test(a_stream_of_small_jobs_starves_nobody),
 	    cmocka_unit_test(the_starving_are_served_in_order),
 	    cmocka_unit_test(the_same_calls_give_the_same_answers),

@@ -408,6 +408,7 @@ static void predict(void *user, struct quote_way *way)
 	const bool noisy = technique_traits(way->technique) & TECHNIQUE_NOISE;
 	(void)user;
 	way->said.us = way->samples * (noisy ? 10000.0 : 5000.0) + (double)(int)way->technique;
+	way->said.us_high = 1.5 * way->said.us;
 	way->said.error.relmse = noisy ? 1.0 / way->samples : 0.1 + 0.001 * (int)way->technique;
 	way->said.error.high = 1.2 * way->said.error.relmse;
 	way->said.measured_high = 1.1 * way->said.error.relmse;
@@ -416,7 +417,7 @@ static void predict(void *user, struct quote_way *way)
 
 static candil_QuoteReply choose(const candil_Render *render, bool count_cold)
 {
-	const struct quote_ask ask = {.render = render, .count_cold = count_cold, .share = 1, .predict = predict};
+	const struct quote_ask ask = {.render = render, .count_cold = count_cold, .predict = predict};
 	candil_QuoteReply reply = {0};
 	quote_choose(&ask, &reply);
 	assert_true(reply.has_choice && reply.why[0]);
@@ -474,10 +475,75 @@ static void what_cannot_be_met_says_the_nearest(void **state)
 	assert_true(!a.met && a.choice.technique == PT && a.choice.samples == QUOTE_OPEN_SAMPLES);
 }
 
+static void of_what_misses_the_error_the_nearest_is_in_time(void **state)
+{
+	candil_Render r = {
+	    .width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .target_error = 1e-6, .deadline_ms = 1000};
+	(void)state;
+	candil_QuoteReply a = choose(&r, false);
+	assert_true(!a.met && a.choice.technique == PT && strstr(a.why, "in that time the error is about"));
+	assert_int_equal(a.choice.samples, 99);
+	// Before the first checkpoint, too.
+	r.technique = PT;
+	r.deadline_ms = 45;
+	a = choose(&r, false);
+	assert_true(!a.met && a.choice.samples == 4);
+	r.target_error = 0.5;
+	a = choose(&r, false);
+	assert_true(a.met);
+	// It goes on to the deadline or its first look at the error.
+	r.target_error = 0.9;
+	a = choose(&r, false);
+	assert_true(a.met && a.choice.samples == 4);
+	r.deadline_ms = 100;
+	a = choose(&r, false);
+	assert_true(a.met && a.choice.samples == 8);
+	// Of what is late, the quickest.
+	r = (candil_Render){
+	    .width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .target_error = 1e-6, .deadline_ms = 1};
+	a = choose(&r, false);
+	assert_true(!a.met && a.choice.technique != PT && a.choice.samples == 1);
+}
+
+static void what_is_not_cut_short_is_surely_in_time(void **state)
+{
+	// One sample by what has no noise takes 5 ms, but may take 7.5; the first of pt 10 or 15.
+	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .technique = DIRECT, .deadline_ms = 6};
+	(void)state;
+	candil_QuoteReply a = choose(&r, false);
+	assert_true(!a.met && strstr(a.why, "may take 7.51 ms"));
+	r.deadline_ms = 8;
+	assert_true(choose(&r, false).met);
+	r.technique = PT;
+	r.deadline_ms = 14;
+	a = choose(&r, false);
+	assert_true(!a.met && strstr(a.why, "1 sample of 64 x 64 pixels may take 15 ms"));
+	r.deadline_ms = 21;
+	a = choose(&r, false);
+	assert_true(a.met && a.choice.samples == 2);
+}
+
+// Another job goes first for 30 ms.
+static double others(void *user, double us)
+{
+	(void)user;
+	return fmin(us, 30000);
+}
+
+static void what_others_add_counts(void **state)
+{
+	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .deadline_ms = 1000};
+	const struct quote_ask ask = {.render = &r, .queue_us = others, .predict = predict};
+	candil_QuoteReply a = {0};
+	(void)state;
+	quote_choose(&ask, &a);
+	assert_int_equal(a.choice.samples, 96);
+}
+
 static void what_could_not_render_the_scene_is_not_chosen(void **state)
 {
 	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .deadline_ms = 50};
-	struct quote_ask ask = {.render = &r, .share = 1, .predict = predict};
+	struct quote_ask ask = {.render = &r, .predict = predict};
 	candil_QuoteReply a = {0};
 	(void)state;
 	quote_choose(&ask, &a);
@@ -581,6 +647,9 @@ int main(void)
 	    cmocka_unit_test(the_least_error_within_a_time),
 	    cmocka_unit_test(the_least_time_within_an_error),
 	    cmocka_unit_test(what_cannot_be_met_says_the_nearest),
+	    cmocka_unit_test(of_what_misses_the_error_the_nearest_is_in_time),
+	    cmocka_unit_test(what_is_not_cut_short_is_surely_in_time),
+	    cmocka_unit_test(what_others_add_counts),
 	    cmocka_unit_test(what_could_not_render_the_scene_is_not_chosen),
 	    cmocka_unit_test(this_very_request),
 	    cmocka_unit_test(options_and_lenses_leave_what_takes_them),

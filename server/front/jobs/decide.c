@@ -72,7 +72,7 @@ double jobs_queue_us(const struct jobs *jobs, uint32_t but, double us, uint32_t 
 		++*count;
 		// Of a job that has not begun nothing is known.
 		const double left = job->fraction > 0 ? (double)job->device_us * (1 - job->fraction) / job->fraction : us;
-		all += fmin(left, us);
+		all += schedule_delay_us(&job->turn, left, us);
 	}
 	return all;
 }

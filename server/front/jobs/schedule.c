@@ -1,5 +1,6 @@
 #include "server/front/jobs/schedule.h"
 
+#include <math.h>
 #include <stdbool.h>
 
 static uint64_t turn_weight(const struct turn *turn)
@@ -32,6 +33,14 @@ size_t schedule_pick(struct turn *const *turns, size_t count, uint64_t *clock)
 	turns[picked]->passed_over = 0;
 	turns[picked]->served = ++*clock;
 	return picked;
+}
+
+double schedule_delay_us(const struct turn *other, double left_us, double us)
+{
+	// Until the new one has had as much it goes first, and the other is served for its patience alone. Then they take
+	// turns.
+	const double first_us = fmin((double)turn_weight(other), us);
+	return fmin(left_us, first_us / SCHEDULE_PATIENCE + us - first_us);
 }
 
 void schedule_charge(struct turn *turn, uint64_t device_us)

@@ -27,6 +27,9 @@ struct turn {
 // counts turns; it begins at 0 and belongs to the caller.
 size_t schedule_pick(struct turn *const *turns, size_t count, uint64_t *clock);
 
+// What a job, `left_us` before its end, adds in the mean to work of `us` by a new one, if no others come.
+double schedule_delay_us(const struct turn *other, double left_us, double us);
+
 // The job had a slice of so many microseconds of device time.
 void schedule_charge(struct turn *turn, uint64_t device_us);
 

@@ -49,18 +49,43 @@ bool quote_can(const candil_Render *r, candil_Technique technique)
 
 // ---- the ways --------------------------------------------------------------------------------------------------------
 
-static double time_of(const struct quote_ask *ask, const struct quote_way *way)
+// When a picture is there whose work takes so long.
+static double end_of(const struct quote_ask *ask, const struct quote_way *way, double us)
 {
-	return way->said.us * ask->share + (ask->count_cold ? way->said.cold_us : 0);
+	return us + (ask->queue_us ? ask->queue_us(ask->user, us) : 0) + (ask->count_cold ? way->said.cold_us : 0);
 }
 
-static void add_way(struct ways *ways, const struct quote_ask *ask, candil_Technique technique, uint32_t samples)
+static double time_of(const struct quote_ask *ask, const struct quote_way *way)
 {
-	if (ways->count == WAYS)
-		return;
-	struct quote_way *way = &ways->way[ways->count++];
-	*way = (struct quote_way){.technique = technique, .samples = samples};
+	return end_of(ask, way, way->said.us);
+}
+
+static double sure_time_of(const struct quote_ask *ask, const struct quote_way *way)
+{
+	return end_of(ask, way, way->sure_us);
+}
+
+// What has noise ends at a deadline by itself, with what is there; but its first sample, and what has none, is not cut
+// short.
+static bool is_late(const struct quote_ask *ask, const struct quote_way *way)
+{
+	const double most = ask->render->deadline_ms * 1000.0;
+	return most > 0 && (time_of(ask, way) > most || sure_time_of(ask, way) > most);
+}
+
+static void add_way(struct ways *ways, const struct quote_way *way)
+{
+	if (ways->count < WAYS)
+		ways->way[ways->count++] = *way;
+}
+
+// Predict a way again, with other samples.
+static void predict(const struct quote_ask *ask, uint32_t samples, struct quote_way *way)
+{
+	way->samples = samples;
 	ask->predict(ask->user, way);
+	if (samples == 1 || !has_noise(way->technique))
+		way->sure_us = way->said.us_high;
 }
 
 static uint32_t samples_most(const struct quote_ask *ask, candil_Technique technique)
@@ -85,12 +110,21 @@ static bool ends_by_error(const struct quote_ask *ask, candil_Technique techniqu
 static void add_technique(struct ways *ways, const struct quote_ask *ask, candil_Technique technique)
 {
 	const uint32_t most = samples_most(ask, technique);
-	const bool by_error = ends_by_error(ask, technique);
+	struct quote_way way = {.technique = technique};
+	predict(ask, 1, &way);
+	bool by_error = ends_by_error(ask, technique);
+	if (by_error) {
+		predict(ask, CHECKPOINT_FIRST, &way);
+		by_error = !is_late(ask, &way); // else the deadline ends it before
+	}
 	// What has no noise gains little from two samples over one.
 	for (uint32_t n = by_error ? CHECKPOINT_FIRST : 1; n < most;
-	     n = by_error ? checkpoint_after(n) : n * (has_noise(technique) ? 2 : 4))
-		add_way(ways, ask, technique, n);
-	add_way(ways, ask, technique, most);
+	     n = by_error ? checkpoint_after(n) : n * (has_noise(technique) ? 2 : 4)) {
+		predict(ask, n, &way);
+		add_way(ways, &way);
+	}
+	predict(ask, most, &way);
+	add_way(ways, &way);
 }
 
 static int by_time(const void *a, const void *b)
@@ -116,7 +150,7 @@ static void keep_front(struct ways *ways)
 static bool fits(const struct quote_ask *ask, const struct quote_way *way)
 {
 	const candil_Render *r = ask->render;
-	if (r->deadline_ms > 0 && time_of(ask, way) > r->deadline_ms * 1000.0)
+	if (is_late(ask, way))
 		return false;
 	// What can be measured goes on until the measure's upper end is low enough. Of what cannot the upper end counts:
 	// nothing would mend it.
@@ -127,32 +161,40 @@ static bool fits(const struct quote_ask *ask, const struct quote_way *way)
 // Is `a` nearer to what is asked than `b`?
 static bool is_better(const struct quote_ask *ask, const struct quote_way *a, const struct quote_way *b)
 {
-	const candil_Render *r = ask->render;
 	const bool a_fits = fits(ask, a), b_fits = fits(ask, b);
+	const bool a_late = is_late(ask, a), b_late = is_late(ask, b);
 	if (a_fits != b_fits)
 		return a_fits;
-	// Of what fits: the least time within an error, the least error within a time alone. Of what does not: the nearest.
-	const bool by_error = a_fits ? !(r->target_error > 0) : r->deadline_ms == 0;
-	if (by_error)
-		return a->said.error.relmse < b->said.error.relmse;
-	return time_of(ask, a) < time_of(ask, b);
+	if (a_late != b_late)
+		return b_late;
+	if (a_late)
+		return fmax(time_of(ask, a), sure_time_of(ask, a)) < fmax(time_of(ask, b), sure_time_of(ask, b));
+	// In time: the least time within an error, else the least error.
+	if (a_fits && ask->render->target_error > 0)
+		return time_of(ask, a) < time_of(ask, b);
+	return a->said.error.relmse < b->said.error.relmse;
 }
 
-// The most samples, from those of a way that fits on, that still fit: twice as many do not.
+// Of a way that the deadline ends: the samples that are likely to be there by then.
 static void refine(const struct quote_ask *ask, struct quote_way *way)
 {
-	const uint32_t most = samples_most(ask, way->technique);
-	uint32_t low = way->samples, high = most < 2 * low ? most : 2 * low;
+	uint32_t low = way->samples, high = samples_most(ask, way->technique);
 	struct quote_way tried = *way;
 	while (low < high) {
-		tried.samples = high - (high - low) / 2;
-		ask->predict(ask->user, &tried);
-		if (fits(ask, &tried)) {
+		predict(ask, high - (high - low) / 2, &tried);
+		if (time_of(ask, &tried) <= ask->render->deadline_ms * 1000.0) {
 			*way = tried;
 			low = tried.samples;
 		} else {
 			high = tried.samples - 1;
 		}
+	}
+	// Unless it ends by its error before.
+	for (uint32_t n = CHECKPOINT_FIRST; ends_by_error(ask, way->technique) && n < way->samples;
+	     n = checkpoint_after(n)) {
+		predict(ask, n, &tried);
+		if (tried.said.measured_high <= ask->render->target_error)
+			*way = tried;
 	}
 }
 
@@ -180,11 +222,15 @@ static void say_unmet(const struct quote_ask *ask, const struct quote_way *w, ca
 {
 	const candil_Render *r = ask->render;
 	char because[128];
-	if (r->deadline_ms > 0 && time_of(ask, w) > r->deadline_ms * 1000.0)
-		snprintf(because, sizeof because, "%u sample%s of %u x %u pixels take%s %.3g ms%s", w->samples,
-			 s_of(w->samples), r->width, r->height, w->samples == 1 ? "s" : "", time_of(ask, w) / 1000,
+	if (is_late(ask, w)) {
+		const bool surely = time_of(ask, w) > r->deadline_ms * 1000.0;
+		const uint32_t samples = surely || !has_noise(w->technique) ? w->samples : 1;
+		const char *takes = samples == 1 ? "takes" : "take";
+		snprintf(because, sizeof because, "%u sample%s of %u x %u pixels %s %.3g ms%s", samples, s_of(samples),
+			 r->width, r->height, surely ? takes : "may take",
+			 (surely ? time_of(ask, w) : sure_time_of(ask, w)) / 1000,
 			 ask->count_cold && w->said.cold_us > 0 ? ", with programs to be compiled first" : "");
-	else if (r->deadline_ms > 0)
+	} else if (r->deadline_ms > 0)
 		snprintf(because, sizeof because, "in that time the error is about %.3g", w->said.error.relmse);
 	else if (has_noise(w->technique))
 		snprintf(because, sizeof because, "%u samples, the most of a request, leave an error of %.3g", w->samples,
@@ -255,12 +301,11 @@ void quote_choose(const struct quote_ask *ask, candil_QuoteReply *reply)
 		for (unsigned i = 1; i < ways.count; i++)
 			if (is_better(ask, &ways.way[i], &chosen))
 				chosen = ways.way[i];
-		if (fits(ask, &chosen) && has_noise(chosen.technique) && !ends_by_error(ask, chosen.technique))
+		if (r->deadline_ms > 0 && has_noise(chosen.technique))
 			refine(ask, &chosen);
 	} else {
-		chosen =
-		    (struct quote_way){.technique = r->technique ? r->technique : TECHNIQUE_OF_AUTO, .samples = r->samples};
-		ask->predict(ask->user, &chosen);
+		chosen = (struct quote_way){.technique = r->technique ? r->technique : TECHNIQUE_OF_AUTO};
+		predict(ask, r->samples, &chosen);
 	}
 	keep_front(&ways);
 	reply->met = fits(ask, &chosen);

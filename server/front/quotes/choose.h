@@ -14,6 +14,7 @@ struct quote_way {
 	unsigned option_count;
 	candil_Option options[LIMIT_CHOICE_OPTIONS]; // beside those of the request
 	struct quote_prediction said;
+	double sure_us; // nine times of ten what cannot be cut short is there by then: of noise the first sample, else all
 };
 
 // What is asked, and who knows.
@@ -22,8 +23,9 @@ struct quote_ask {
 	bool samples_given; // by the client, so that no technique is to take more
 	bool count_cold; // what is cold counts against the deadline
 	uint32_t refused; // bits 1 << candil_Technique: could not render the scene when it was looked at
-	double share; // of the device that is others', as times that the work takes longer: 1 if it is idle
 	void *user;
+	// What others add to so much work, which counts against the deadline. NULL: nothing.
+	double (*queue_us)(void *user, double us);
 	// Predict the request by a technique, samples and options. `way->said` is filled in.
 	void (*predict)(void *user, struct quote_way *way);
 };

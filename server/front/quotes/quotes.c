@@ -44,6 +44,13 @@ static void predict_way(void *user, struct quote_way *way)
 	way->said = quote_predict(a->quotes->known.model, &q);
 }
 
+static double queue_us(void *user, double us)
+{
+	const struct asking *a = user;
+	uint32_t jobs;
+	return jobs_queue_us(a->quotes->jobs, a->quote->job, us, &jobs);
+}
+
 static void __attribute__((format(printf, 2, 3))) add_note(candil_QuoteReply *reply, const char *format, ...)
 {
 	va_list args;
@@ -80,13 +87,12 @@ static void make_reply(struct quotes *quotes, const struct quote *quote, candil_
 	const bool noisy = technique_traits(render.technique) & TECHNIQUE_NOISE;
 	if (render.deadline_ms > 0)
 		render.deadline_ms = render.deadline_ms > gone_ms + 1 ? render.deadline_ms - (uint32_t)gone_ms : 1;
-	jobs_queue_us(quotes->jobs, quote->job, 0, &reply->jobs);
 	const struct rendered asked = quote_frame(quote);
 	const struct quote_ask ask = {.render = &render,
 				      .refused = quote_known_refused(&quotes->known, &asked),
 				      .samples_given = render.samples != (noisy ? QUOTE_OPEN_SAMPLES : 1),
 				      .count_cold = quote->job != 0,
-				      .share = quote->job ? 1 + reply->jobs : 1,
+				      .queue_us = quote->job ? queue_us : NULL,
 				      .user = &asking,
 				      .predict = predict_way};
 	quote_choose(&ask, reply);
