@@ -304,9 +304,9 @@ CANDIL_API candil_status candil_sweep(candil_client *client, const struct candil
 // What would that render take, and how good would it be? `request` is one of candil_render. Its target_error asks for the
 // least time within that error, its deadline_ms for the least error within that time, neither for this very request;
 // CANDIL_TECHNIQUE_AUTO leaves the technique open. Nothing is rendered but a small look at a scene that is not known yet,
-// and the answer is there within a second; `pilot_ms` above 0, up to 60000, allows so much device time for that look, by
-// every technique, and as long as it takes. Fails as candil_render does with what is wrong with the request, and with
-// TOO_MANY_JOBS, MEMORY.
+// and the answer is there within a second from the scene; `pilot_ms` above 0, up to 60000, allows so much device time for
+// that look, by every technique: then the answer is waited for as long as the look takes. Fails as candil_render does with
+// what is wrong with the request, and with TOO_MANY_JOBS, MEMORY.
 //
 // Example: as good as can be within 200 ms
 //	struct candil_render_request request;

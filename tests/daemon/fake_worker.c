@@ -7,8 +7,8 @@
 //   FAKE_STEP_MEMORY_JOBS=N there is memory for N jobs to make their second step
 //   FAKE_MEMORY_PIXELS=N there is memory for jobs of N pixels together
 //   FAKE_SPARSE=N      images from 2^20 pixels on are N zeros a pixel
-//   FAKE_TRACE=FILE    the job of each step is added to it, a line a step, and "pilot" for each pilot
-//   FAKE_COUNTS        "stages" or "figures": count more of them than there are; "value": a figure that is no number
+//   FAKE_TRACE=FILE    the job of each step is added to it, a line a step, and "pilot" with its budget and limit for each
+//   pilot FAKE_COUNTS        "stages" or "figures": count more of them than there are; "value": a figure that is no number
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
 //   FAKE_PILOT         "die": be killed on PILOT; "refuse" it; "nonsense", "kind", "code", "other": answer with no number,
@@ -219,7 +219,7 @@ static void on_pilot(const struct ipc_pilot *message)
 	if (!find_scene(message->scene))
 		exit(8);
 	if (trace)
-		fprintf(trace, "pilot\n");
+		fprintf(trace, "pilot %u %u\n", message->budget_us, message->limit_us);
 	if (!strcmp(wrong, "die"))
 		raise(SIGKILL);
 	if (!strcmp(wrong, "refuse"))

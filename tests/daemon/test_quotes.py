@@ -30,7 +30,12 @@ class QuoteCase(FakeCase):
         if not os.path.exists(self.trace_file):
             return []
         with open(self.trace_file) as file:
-            return file.read().split()
+            return [line.split()[0] for line in file]
+
+    def pilots(self):
+        """What each pilot was given: the work of a technique and the whole, in microseconds."""
+        with open(self.trace_file) as file:
+            return [tuple(map(int, line.split()[1:])) for line in file if line.startswith("pilot")]
 
     def quote_of(self, connection, question):
         """Of a render that has to succeed: its Accepted's quote."""
@@ -170,6 +175,13 @@ class Late(QuoteCase):
         connection = self.with_box()
         self.quote_of(connection, endless(technique=pb.TECHNIQUE_AUTO, deadline_ms=400))
         self.assertNotIn("pilot", self.trace())
+
+    def test_a_pilot_has_a_tenth_of_what_is_left(self):
+        connection = self.with_box()
+        connection.follow(connection.send(wire.RENDER, render()))
+        self.quote_of(connection, endless(technique=pb.TECHNIQUE_AUTO, deadline_ms=2000, camera=at(1)))
+        budget, limit = self.pilots()[-1]
+        self.assertTrue(100_000 < limit <= 200_000 and budget <= limit / 2, (budget, limit))
 
     def test_jobs_that_are_cancelled_leave_no_quote(self):
         connection, asker = self.with_box(), self.connect()
@@ -377,6 +389,15 @@ class Kept(QuoteCase):
         self.learn()
         self.daemon.environment["FAKE_READY_US"] = "1000000"
         self.assertGreaterEqual(self.records(), 1)
+
+    def test_an_answer_does_not_wait_for_the_worker(self):
+        """What the file knows is told, of the device that the newest record is of."""
+        self.learn()
+        self.daemon.environment["FAKE_READY_US"] = "20000000"
+        self.daemon.start()
+        connection = self.with_box()
+        self.assertGreaterEqual(self.answer(connection, quote(samples=4)).records, 1)
+        self.assertEqual(connection.stats().device, "")
 
     def test_a_damaged_file_is_left_aside_with_a_line(self):
         self.learn()

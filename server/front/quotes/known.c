@@ -12,8 +12,13 @@
 
 struct quote_key quote_known_key(const struct quote_known *known, const struct rendered *f, candil_Technique technique)
 {
-	return quote_key_of(f->render, technique, f->scene->info.hash, f->environment ? f->environment->info.hash : NULL,
-			    known->worker->device);
+	const struct quote_model *m = known->model;
+	struct quote_key key = quote_key_of(f->render, technique, f->scene->info.hash,
+					    f->environment ? f->environment->info.hash : NULL, known->worker->device);
+	// Until a worker has said what it runs on, that is taken for what the newest record is of.
+	if (!known->worker->device[0] && m->count > 0)
+		key.where = m->records[(m->oldest + m->count - 1) % LIMIT_QUOTE_RECORDS].key.where;
+	return key;
 }
 
 static bool has_warm(const struct quote_known *known, uint64_t what)

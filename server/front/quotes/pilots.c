@@ -5,8 +5,8 @@
 #include "server/front/quotes/choose.h"
 
 #define PILOT_US 150000u // of work of each technique, if nobody asks for a pilot
-#define PILOT_LEAST_US 20000u
-#define PILOT_OVERRUN 4u // times its work that a technique may take in all
+#define PILOT_LEAST_US 20000u // of a deadline's share: less tells nothing
+#define PILOT_ROOM 4u // times its work that a technique may take in all
 #define PILOT_EXTRA_US 100000u // beside the work
 #define PILOT_COLD_US 10000000u // for what is to be compiled and built
 
@@ -17,23 +17,29 @@ static uint32_t bit(candil_Technique technique)
 
 static void set_limit(struct quote *quote, bool warm)
 {
-	uint64_t us = PILOT_EXTRA_US + (warm ? 0 : PILOT_COLD_US);
-	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++)
-		us += quote->techniques >> t & 1u ? (uint64_t)PILOT_OVERRUN * quote->budget_us : 0;
+	const uint64_t count = (uint64_t)__builtin_popcount(quote->techniques);
+	const uint64_t us =
+	    PILOT_EXTRA_US + (warm || count == 0 ? 0 : PILOT_COLD_US) + count * PILOT_ROOM * quote->budget_us;
 	// The worker is not to look as if it hung.
 	const uint64_t most = LIMIT_STEP_SECONDS * 1000000ull / 2;
 	quote->limit_us = (uint32_t)(us < most ? us : most);
 }
 
-// A job's deadline is not to be missed because of a pilot: what is left of its budget, 0 if that is too short to tell
-// anything.
+// A job's deadline is not to be missed because of a pilot, which ends within a share of what is left until then. Half of
+// that is for work.
 static void keep_deadline(struct quote *quote)
 {
-	const uint64_t share_us = quote->render.deadline_ms * 1000ull / PILOT_DEADLINE_SHARE;
-	if (share_us < quote->budget_us)
-		quote->budget_us = share_us < PILOT_LEAST_US ? 0 : (uint32_t)share_us;
-	if (2 * share_us < quote->limit_us)
-		quote->limit_us = (uint32_t)(2 * share_us);
+	const uint64_t count = (uint64_t)__builtin_popcount(quote->techniques), now = clock_us();
+	const uint64_t end_us = quote->asked_us + quote->render.deadline_ms * 1000ull;
+	const uint64_t share_us = end_us > now ? (end_us - now) / PILOT_DEADLINE_SHARE : 0;
+	if (share_us < PILOT_LEAST_US)
+		quote->budget_us = 0;
+	if (count == 0 || quote->budget_us == 0)
+		return;
+	if (share_us < quote->limit_us)
+		quote->limit_us = (uint32_t)share_us;
+	if (quote->limit_us / (2 * count) < quote->budget_us)
+		quote->budget_us = (uint32_t)(quote->limit_us / (2 * count));
 }
 
 // Does the worker have to be asked whether it can render this at all?
@@ -48,7 +54,7 @@ bool pilot_plan(const struct quotes *quotes, struct quote *quote)
 {
 	bool noisy_unknown = false, clear_unknown = false, all_warm = true;
 	uint32_t noisy = 0, clear = 0;
-	const bool hurried = quote->job && quote->render.deadline_ms > 0;
+	const bool hurried = quote_is_hurried(quote);
 	const struct rendered f = quote_frame(quote);
 	const candil_Technique own = quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO;
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
@@ -93,7 +99,7 @@ bool pilot_plan(const struct quotes *quotes, struct quote *quote)
 static struct quote *next_pilot(const struct quotes *quotes)
 {
 	for (struct quote *q = quotes->first; q; q = q->next)
-		if (q->started && !q->piloted && q->session && quote_is_loaded(q) &&
+		if (q->started && !q->piloted && q->session && quote_is_loaded(q) && clock_us() <= q->send_by_us &&
 		    jobs_first_end_us(quotes->jobs, q->job) > clock_us() + q->limit_us)
 			return q;
 	return NULL;

@@ -5,7 +5,8 @@
 // - It has an end of its own as a whole (struct ipc_pilot's limit_us). None begins while a job's deadline is nearer than
 //   that.
 // - After one the jobs have the device for at least as long as it took, if they can use it.
-// - A job with a deadline gets none of techniques whose programs are still to be compiled.
+// - A job with a deadline gets none of techniques whose programs are still to be compiled, none that takes more than a share
+//   of what is left of its time, and none that would not be back when the choice is due.
 // - What was out when the worker was lost is not tried again.
 //
 // For quotes.c alone, and for the front's one thread. Nothing here fails.
@@ -14,7 +15,7 @@
 
 #include "server/front/quotes/quote.h"
 
-#define PILOT_DEADLINE_SHARE 10u // of a job's deadline, that a pilot may work; its answer waits for it twice as long
+#define PILOT_DEADLINE_SHARE 10u // one part of so many of what is left until a job's deadline may be its pilot's
 
 // Decide by which techniques the quote's scene is to be looked at, and for how long: its `techniques`, `budget_us`,
 // `limit_us` and `barred`. False: no pilot is needed.

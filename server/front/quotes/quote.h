@@ -16,11 +16,13 @@ struct quote {
 	uint32_t pilot_ms; // as asked for
 	uint32_t budget_us; // of the pilot; 0: the request is only looked over
 	uint32_t limit_us; // of the whole pilot
+	uint64_t send_by_us; // past it no pilot is sent
 	uint32_t techniques; // of the pilot
 	bool started; // the scene is there, and what is to be done is known
 	bool piloted; // the pilot is back, or none will be
 	bool barred; // no pilot, because one like it was lost with the worker
 	uint64_t asked_us;
+	uint64_t loaded_us; // since when its scene is known to be there; 0: not yet
 	struct loop_timer timer; // its answer is due
 	struct quotes *owner;
 };
@@ -33,6 +35,12 @@ static inline struct rendered quote_frame(const struct quote *quote)
 static inline bool quote_is_loaded(const struct quote *quote)
 {
 	return quote->scene->state == SCENE_READY && (!quote->environment || quote->environment->state == SCENE_READY);
+}
+
+// Does it choose for a job with a deadline?
+static inline bool quote_is_hurried(const struct quote *quote)
+{
+	return quote->job && quote->render.deadline_ms > 0;
 }
 
 // The quote with a number; NULL: there is none.

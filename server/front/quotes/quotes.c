@@ -183,7 +183,18 @@ static bool knows_device(const struct worker *worker)
 	return worker->state == WORKER_READY || worker->device[0] || worker->failed_starts > 0;
 }
 
-// The scene is there.
+// The scene is there, but not yet the worker. A job waits for that itself, and who asks for a pilot waits for it.
+static void quote_wait(struct quotes *quotes, struct quote *quote)
+{
+	if (quote->loaded_us > 0)
+		return;
+	quote->loaded_us = clock_us();
+	if (!quote->job && quote->pilot_ms == 0)
+		loop_timer_set(quotes->worker->loop, &quote->timer, quote->loaded_us + QUOTE_PATIENCE_MS * 1000ull,
+			       answer_due, quote);
+}
+
+// The scene is there, and the worker.
 static void quote_start(struct quotes *quotes, struct quote *quote)
 {
 	quote->started = true;
@@ -191,14 +202,15 @@ static void quote_start(struct quotes *quotes, struct quote *quote)
 		quote_answer(quotes, quote);
 		return;
 	}
+	uint64_t due_us =
+	    (quote->loaded_us > 0 && !quote->job ? quote->loaded_us : clock_us()) + QUOTE_PATIENCE_MS * 1000ull;
+	quote->send_by_us = UINT64_MAX;
 	// Who asks for a pilot waits for it, but not for ever: jobs with deadlines may leave no room for one.
-	uint64_t wait_us = QUOTE_PATIENCE_MS * 1000ull + (quote->pilot_ms > 0 ? 3ull * quote->limit_us : 0);
-	uint64_t due_us = clock_us() + wait_us;
-	if (quote->job && quote->render.deadline_ms > 0) {
-		const uint64_t deadline_us = quote->render.deadline_ms * 1000ull;
-		const uint64_t share_us = clock_us() + 2 * deadline_us / PILOT_DEADLINE_SHARE;
-		due_us = share_us < due_us ? share_us : due_us;
-		due_us = quote->asked_us + deadline_us < due_us ? quote->asked_us + deadline_us : due_us;
+	if (quote->pilot_ms > 0)
+		due_us += 3ull * quote->limit_us;
+	if (quote_is_hurried(quote)) {
+		due_us = clock_us() + 2ull * quote->limit_us;
+		quote->send_by_us = due_us - quote->limit_us;
 	}
 	loop_timer_set(quotes->worker->loop, &quote->timer, due_us, answer_due, quote);
 }
@@ -209,8 +221,12 @@ void quotes_dispatch(struct quotes *quotes)
 		next = q->next;
 		if (q->job && !jobs_undecided(quotes->jobs, q->job))
 			quote_leave(quotes, q);
-		else if (!q->started && q->session && quote_is_loaded(q) && knows_device(quotes->worker))
+		else if (q->started || !q->session || !quote_is_loaded(q))
+			continue;
+		else if (knows_device(quotes->worker))
 			quote_start(quotes, q);
+		else
+			quote_wait(quotes, q);
 	}
 	pilots_dispatch(quotes);
 }
