@@ -88,6 +88,10 @@ static enum status read_reference(struct figures *f, uint32_t view, struct error
 	reference->relmse = reference->run->error.value;
 	reference->low = reference->run->error.low;
 	reference->high = reference->run->error.high;
+	if (isinf(figures_own_high(reference)))
+		study_miss(study, reference->run->id,
+			   "the reference's own error has no upper end, so no error of %s is resolved",
+			   study_view_name(study, view, name));
 	reference->exposure_ev = exposure_of(&reference->picture);
 	reference->tiles = calloc((size_t)f->columns * f->rows, sizeof *reference->tiles);
 	if (!reference->tiles)
@@ -213,7 +217,7 @@ static enum status finish_errors(struct point *p, const struct reference *refere
 {
 	const double own = figures_own(reference);
 	const double own_low = reference->low >= 0 ? reference->low : own;
-	const double own_high = reference->high >= own ? reference->high : own;
+	const double own_high = figures_own_high(reference);
 	p->relmse_measured = statistics_mean(sums->relmse, p->seeds);
 	p->relmse = correct(p->relmse_measured, reference);
 	p->resolved = p->relmse >= own_high && p->relmse > 0;

@@ -12,6 +12,8 @@
 #ifndef CANDIL_REPORT_FIGURES_H
 #define CANDIL_REPORT_FIGURES_H
 
+#include <math.h>
+
 #include "server/compare/picture.h"
 #include "server/report/statistics.h"
 #include "server/report/study.h"
@@ -100,6 +102,16 @@ enum status figures_picture(const struct study *study, const struct study_run *r
 static inline double figures_own(const struct reference *reference)
 {
 	return reference->relmse > 0 ? reference->relmse : 0;
+}
+
+// What the reference's own error is at most: infinite if an interval is stated that has no upper end, as where light may not
+// have been found; the error itself if none is stated.
+static inline double figures_own_high(const struct reference *reference)
+{
+	const double own = figures_own(reference);
+	if (isfinite(reference->high))
+		return fmax(own, reference->high);
+	return isfinite(reference->low) ? (double)INFINITY : own;
 }
 
 #endif

@@ -56,6 +56,19 @@ class Figures(unittest.TestCase):
         self.assertGreater(got["relmse_measured"], got["relmse"])
         self.assertGreaterEqual(got["relmse_low"], 0)
 
+    def test_a_reference_without_an_upper_end_resolves_nothing(self):
+        """A reply whose interval is open above says that light may be missing: then the true error may be anything below what is measured."""
+        study = self.study.usual()
+        own = study.lines[0]["report"]["estimated_relmse"]
+        self.assertTrue(point(study.run(), NOISY, 1)["resolved"], "no interval is stated: the error itself counts")
+        study.lines[0]["report"].update(relmse_low=.5 * own)
+        results = study.run()
+        for p in (p for t in results["techniques"] for p in t["points"]):
+            self.assertFalse(p["resolved"] or p["pareto"])
+            self.assertEqual(p["relmse_low"], 0)
+        self.assertIsNone(technique(results, BIASED)["floor"])
+        self.assertIn("no upper end", next(entry["why"] for entry in results["missing"] if entry["run"] == "reference"))
+
     def test_an_unknown_error_of_the_reference_is_not_taken_off(self):
         self.study.usual()
         self.study.lines[0]["report"].update(error_kind="unknown", estimated_relmse=None, relmse_low=None, relmse_high=None)
