@@ -80,12 +80,26 @@ static const struct point *before(const struct figures *f, const struct point *p
 	return found;
 }
 
-// Whether an error is known well enough to say that it has stopped falling: less than half of it is noise, which more
-// samples would take away, and its interval holds neither half nor twice of it.
+// Noise of which so much of an error consists is as good as none.
+#define NOISE_SHARE 0.05
+
+static double noise_of(const struct point *p)
+{
+	return p->relmse_noise > 0 ? p->relmse_noise : 0;
+}
+
+// What of an error is no noise. More samples would take the noise away.
+static double level_of(const struct point *p)
+{
+	return fmax(0, p->relmse - noise_of(p));
+}
+
+// Whether an error is known well enough to say that it has stopped falling: less than half of it is noise, and the interval
+// of what is left holds neither half nor twice of that.
 static bool is_firm(const struct point *p)
 {
-	return p->relmse_noise <= p->relmse / 2 && p->seeds_interval.low >= p->relmse / 2 &&
-	       p->seeds_interval.high <= 2 * p->relmse;
+	return p->relmse_noise <= p->relmse / 2 && p->seeds_interval.low - noise_of(p) >= level_of(p) / 2 &&
+	       p->seeds_interval.high - noise_of(p) <= 2 * level_of(p);
 }
 
 // The reference's own error is the same in both, so that the seeds alone say whether they differ.
@@ -121,21 +135,29 @@ static struct judge_floor find_floor(const struct figures *f, uint32_t view, con
 			continue;
 		const enum judge_fall fall = fall_of(p, before(f, p));
 		others = others == JUDGE_FALLING || fall == JUDGE_UNKNOWN ? others : fall;
-		if (!floor.point || p->relmse < floor.point->relmse)
+		if (!floor.point || level_of(p) < level_of(floor.point))
 			floor.point = p;
 	}
-	if (!floor.point)
+	const struct point *lowest = floor.point;
+	if (!lowest)
 		return floor;
-	floor.before = before(f, floor.point);
-	floor.fall = fall_of(floor.point, floor.before);
-	if (floor.fall == JUDGE_UNKNOWN && is_firm(floor.point))
+	floor.before = before(f, lowest);
+	floor.fall = fall_of(lowest, floor.before);
+	floor.by_others = floor.fall == JUDGE_UNKNOWN && is_firm(lowest) && noise_of(lowest) <= NOISE_SHARE * lowest->relmse;
+	if (floor.by_others)
 		floor.fall = others;
+	floor.level = level_of(lowest);
+	floor.interval = (struct interval){fmax(0, lowest->relmse_interval.low - noise_of(lowest)),
+					   fmax(0, lowest->relmse_interval.high - noise_of(lowest))};
+	if (isnan(lowest->relmse_interval.low))
+		floor.interval = lowest->relmse_interval;
+	floor.resolved = floor.level > 0 && floor.level >= figures_own_high(&f->views[view]);
 	return floor;
 }
 
 double judge_level(const struct judge_floor *floor)
 {
-	return floor->point && floor->point->resolved && floor->fall == JUDGE_HELD ? floor->point->relmse : (double)NAN;
+	return floor->point && floor->resolved && floor->fall == JUDGE_HELD ? floor->level : (double)NAN;
 }
 
 double judge_floor_of_all(const struct judgement *j, size_t technique)

@@ -2,11 +2,12 @@
 // what each technique makes of an equal time or an equal error. Nothing is interpolated: a statement is about points that
 // were rendered. One thread. All pointers lead into the figures.
 //
-// A floor is the error that a technique which does not converge keeps, whatever time it gets. Of each combination of its
-// settings but the samples, take the point with the most samples; the lowest relMSE of these is its floor if it has stopped
-// falling. It has if the last two sample counts do not differ beyond the intervals of their seeds, less than half of
-// it is noise, and its interval holds neither half nor twice of it. Settings that were rendered with one sample count alone
-// are judged by the others of the technique, and are unknown without any.
+// A floor is the error that a technique which does not converge keeps, whatever samples it gets. Of each combination of its
+// settings but the samples, take the point with the most samples, and of its relMSE the part that is no noise, which more
+// samples would take away: the lowest of these levels is its floor if the error has stopped falling. It has if the last two
+// sample counts do not differ beyond the intervals of their seeds, less than half of it is noise, and the level's interval
+// holds neither half nor twice of it. Settings that were rendered with one sample count alone are judged by the others of
+// the technique if hardly any of it is noise, and are unknown without any.
 //
 // Errors are told apart only where their intervals do not overlap. Points that are not resolved have no rank.
 #ifndef CANDIL_REPORT_JUDGE_H
@@ -25,9 +26,13 @@ struct judge_technique {
 enum judge_fall { JUDGE_UNKNOWN, JUDGE_FALLING, JUDGE_HELD };
 
 struct judge_floor {
-	const struct point *point; // the lowest; NULL: none
+	const struct point *point; // that with the lowest level; NULL: none
 	const struct point *before; // the same settings with the sample count before; NULL: none
 	enum judge_fall fall;
+	bool by_others; // `fall` is that of other settings of the technique, for of its own it is unknown
+	double level; // the point's relMSE less its noise
+	struct interval interval; // of the level, by the seeds and the reference's own interval
+	bool resolved; // the level is above the upper end of the reference's own error
 };
 
 // From the time of `first` on the technique has the least relMSE of all that are done by then; until the next span of the
@@ -81,7 +86,7 @@ size_t judge_technique_of(const struct judgement *judgement, const char *name);
 // The most accurate point of a technique in a view; NULL: none.
 const struct point *judge_best(const struct figures *figures, uint32_t view, const char *technique);
 
-// The level of a floor that is one: resolved, and not falling. Else NaN.
+// The level of a floor that is one: resolved, and held. Else NaN.
 double judge_level(const struct judge_floor *floor);
 
 // The floor of a technique over all views, as if these were one picture: the mean. NaN unless every view has one.

@@ -94,9 +94,17 @@ static json_t *point_json(const struct point *p)
 	return point;
 }
 
-static json_t *techniques_json(const struct figures *f, const struct judgement *j)
+static json_t *lowest_json(const struct judge_floor *floor)
 {
 	static const char *const falls[] = {"unknown", "falling", "held"};
+	json_t *lowest = json_pack("{s:f, s:s}", "relmse", floor->point->relmse, "with_samples", falls[floor->fall]);
+	put(lowest, "samples", floor->point->runs[0].samples);
+	put_interval(lowest, "level", floor->level, floor->interval);
+	return lowest;
+}
+
+static json_t *techniques_json(const struct figures *f, const struct judgement *j)
+{
 	json_t *techniques = json_array();
 	for (size_t t = 0; t < j->technique_count; t++) {
 		json_t *points = json_array(), *colds = json_array(), *floors = json_array(), *lowest = json_array();
@@ -109,11 +117,7 @@ static json_t *techniques_json(const struct figures *f, const struct judgement *
 		for (uint32_t view = 0; view < j->view_count; view++) {
 			const struct judge_floor *floor = &j->views[view].floors[t];
 			json_array_append_new(floors, results_number(judge_level(floor)));
-			json_array_append_new(lowest, floor->point ? json_pack("{s:f, s:o, s:s}", "relmse",
-									       floor->point->relmse, "samples",
-									       results_number(floor->point->runs[0].samples),
-									       "with_samples", falls[floor->fall])
-								   : json_null());
+			json_array_append_new(lowest, floor->point ? lowest_json(floor) : json_null());
 		}
 		json_array_append_new(techniques, json_pack("{s:s, s:b, s:o, s:o, s:o, s:o, s:o}", "name",
 							    j->techniques[t].name, "noise", j->techniques[t].converges,

@@ -144,9 +144,27 @@ static void say_bias(const struct point *p, char out[96])
 		snprintf(out, 96, "; no tile of the picture is told from noise");
 }
 
+// A floor that is one: its level, and by which samples it is known to be one.
+static void say_held(const struct judge_floor *floor, const char *of, const char *name, json_t *words)
+{
+	char level[WORDS_NUMBER], low[WORDS_NUMBER], high[WORDS_NUMBER], interval[3 * WORDS_NUMBER] = "", known[64],
+										      bias[96];
+	if (floor->interval.low < floor->interval.high)
+		snprintf(interval, sizeof interval, " (%s … %s)", words_error(floor->interval.low, low),
+			 words_error(floor->interval.high, high));
+	if (floor->by_others)
+		snprintf(known, sizeof known, "with other settings more samples changed nothing");
+	else
+		snprintf(known, sizeof known, "from samples %.0f to %.0f it did not fall", floor->before->runs[0].samples,
+			 floor->point->runs[0].samples);
+	say_bias(floor->point, bias);
+	say(words, "%s%s gets no lower than relMSE %s%s, noise taken off, with the settings of this study; %s%s.", of, name,
+	    words_error(floor->level, level), interval, known, bias);
+}
+
 static void say_floors(const struct judgement *j, const struct judge_view *v, const char *of, json_t *words)
 {
-	char error[WORDS_NUMBER], earlier[WORDS_NUMBER], bias[96];
+	char error[WORDS_NUMBER], earlier[WORDS_NUMBER], share[WORDS_NUMBER];
 	for (size_t t = 0; t < j->technique_count; t++) {
 		const struct judge_floor *floor = &v->floors[t];
 		const struct point *p = floor->point;
@@ -154,29 +172,23 @@ static void say_floors(const struct judgement *j, const struct judge_view *v, co
 		if (!p)
 			continue;
 		words_error(p->relmse, error);
-		say_bias(p, bias);
-		if (!p->resolved)
+		if (!floor->resolved)
 			say(words,
-			    "%s%s has no floor that this reference could tell: its error is within the reference's own.", of,
-			    name);
-		else if (floor->fall == JUDGE_HELD && floor->before)
-			say(words, "%s%s gets no lower than relMSE %s, whatever its time%s.", of, name, error, bias);
+			    "%s%s has no floor that this reference could tell: without its noise its error is within the "
+			    "reference's own.",
+			    of, name);
 		else if (floor->fall == JUDGE_HELD)
-			say(words,
-			    "%s%s gets no lower than relMSE %s%s. Those settings had one sample count; at its others more "
-			    "samples changed nothing.",
-			    of, name, error, bias);
-		else if (floor->fall == JUDGE_FALLING && floor->before)
+			say_held(floor, of, name, words);
+		else if (floor->fall == JUDGE_FALLING && !floor->by_others)
 			say(words,
 			    "%s%s is still falling with samples %.0f: relMSE %s, after %s with %.0f. Its floor is unknown.",
 			    of, name, p->runs[0].samples, error, words_error(floor->before->relmse, earlier),
 			    floor->before->runs[0].samples);
 		else
 			say(words,
-			    "%s%s was at relMSE %s at its lowest, with samples %.0f; whether more samples lower it this "
-			    "study "
-			    "does not say.",
-			    of, name, error, p->runs[0].samples);
+			    "%s%s was at relMSE %s (noise: %s) with samples %.0f; whether more samples lower the rest "
+			    "this study does not say.",
+			    of, name, error, words_share(p->relmse_noise / p->relmse, share), p->runs[0].samples);
 	}
 }
 

@@ -198,6 +198,39 @@ class Figures(unittest.TestCase):
         self.assertTrue(any("still falling with samples 64" in word for word in results["words"]))
         self.assertFalse(any("gets no lower" in word or "that is bias" in word for word in results["words"]))
 
+    def test_a_floor_is_without_the_noise_of_its_pictures(self):
+        study = self.study.usual()
+        study.lines = [line for line in study.lines if line["technique"] == NOISY]
+        def add(samples, sigma, bias, **settings):
+            for seed in range(8):
+                picture = study.noisy(sigma) + study.truth * bias * (np.arange(study.width) >= study.width // 2)[:, None]
+                study.add(f"f-{samples}-{bias}-{seed}", picture.astype(np.float32), technique=BIASED, seed=seed,
+                          settings={"samples": samples, **settings})
+        # A fifth of it is noise that more samples do not take away: where in a pixel they look is drawn.
+        add(4, .025, .2)
+        add(16, .025, .2)
+        results = study.run()
+        got, lowest = point(results, BIASED, 16), technique(results, BIASED)["lowest"][0]
+        self.assertGreater(got["relmse_noise"], .1 * got["relmse"])
+        floor = technique(results, BIASED)["floor"]
+        self.assertAlmostEqual(floor, got["relmse"] - got["relmse_noise"], delta=1e-9)
+        biased = study.truth * (1 + .2 * (np.arange(study.width) >= study.width // 2)[:, None])
+        self.assertAlmostEqual(floor, images.relmse(biased, study.truth), delta=.03 * floor)
+        self.assertAlmostEqual(lowest["level_low"], got["relmse_low"] - got["relmse_noise"], delta=1e-9)
+        self.assertAlmostEqual(lowest["level_high"], got["relmse_high"] - got["relmse_noise"], delta=1e-9)
+        word, = [word for word in results["words"] if "gets no lower" in word]
+        self.assertIn("with the settings of this study; from samples 4 to 16 it did not fall", word)
+        # A better setting with one count of samples is judged by the others only where hardly any of its error is noise.
+        add(1, .02, .1, **{"vct.resolution": 128})
+        results = study.run()
+        self.assertEqual((technique(results, BIASED)["lowest"][0]["with_samples"], technique(results, BIASED)["floor"]), ("unknown", None))
+        self.assertFalse([word for word in results["words"] if "gets no lower" in word])
+        add(1, .002, .11, **{"vct.resolution": 256})
+        study.lines = [line for line in study.lines if line["settings"].get("vct.resolution") != 128]
+        results = study.run()
+        self.assertEqual(technique(results, BIASED)["lowest"][0]["with_samples"], "held")
+        self.assertTrue([word for word in results["words"] if "gets no lower" in word and "with other settings more samples changed nothing" in word])
+
     def test_pareto_front_is_what_nothing_dominates(self):
         results = self.study.usual().run()
         points = [p for t in results["techniques"] for p in t["points"]]
