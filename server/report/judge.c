@@ -64,6 +64,11 @@ static bool told_below(const struct point *a, const struct point *b)
 	return a->relmse_interval.high < b->relmse_interval.low;
 }
 
+bool judge_comparable(const struct point *a, const struct point *b)
+{
+	return isfinite(a->relmse_interval.high) && isfinite(b->relmse_interval.high);
+}
+
 // ---- floors ----
 
 // The point with the same settings and the most samples below this one's. NULL: there is none.
@@ -213,7 +218,8 @@ static void find_overtake(const struct judgement *j, struct judge_view *v, size_
 			  const struct point *const *sorted, size_t count)
 {
 	const char *const names[2] = {j->techniques[winner].name, j->techniques[loser].name};
-	const struct point *since = NULL, *best[2] = {NULL, NULL};
+	const struct point *best[2] = {NULL, NULL};
+	struct judge_overtake o = {.winner = winner, .loser = loser};
 	for (size_t i = 0; i < count; i++) {
 		const int who = is_of(sorted[i], names[0]) ? 0 : is_of(sorted[i], names[1]) ? 1 : -1;
 		if (who < 0)
@@ -222,14 +228,22 @@ static void find_overtake(const struct judgement *j, struct judge_view *v, size_
 			return; // how good it is nobody knows
 		if (!best[who] || sorted[i]->relmse < best[who]->relmse)
 			best[who] = sorted[i];
-		if (!best[0] || (best[1] && !told_below(best[0], best[1])))
-			since = NULL;
-		else if (!since)
-			since = sorted[i];
+		if (!best[0] || (best[1] && !told_below(best[0], best[1]))) {
+			o.point = NULL;
+		} else if (!o.point) {
+			// The one that came now may be the loser's, and better, but known more closely than its last.
+			o.point = best[0];
+			o.seconds = sorted[i]->seconds;
+			o.from_first = !best[1];
+		}
 	}
-	if (best[0] && best[1])
-		v->overtakes[v->overtake_count++] =
-		    (struct judge_overtake){winner, loser, since, best[0]->relmse < best[1]->relmse};
+	if (!best[0] || !best[1])
+		return;
+	if (!o.point)
+		o.seconds = (double)NAN;
+	o.closer = best[0]->relmse < best[1]->relmse;
+	o.comparable = judge_comparable(best[0], best[1]);
+	v->overtakes[v->overtake_count++] = o;
 }
 
 // ---- rows ----

@@ -43,12 +43,16 @@ struct judge_span {
 	const struct point *rival; // the most accurate by then of all others, if it is not told apart from `best`; else NULL
 };
 
-// When a technique that converges is better than one that does not, and stays so within the study. `point`: the first that
-// is told apart; NULL: none is. Then `closer`: the winner's best has the lower error all the same.
+// When a technique that converges is better than one that does not, and stays so within the study. `point`: the winner's
+// most accurate by then, which is told apart from all that the loser has; NULL: none is. Then `closer`: the winner's best
+// has the lower error all the same.
 struct judge_overtake {
 	size_t winner, loser;
 	const struct point *point;
+	double seconds; // by when both are done that are told apart; NaN: they never are
+	bool from_first; // the loser has no picture by then: the winner is ahead from its own first one
 	bool closer;
+	bool comparable; // the bests of both have intervals
 };
 
 // For equal times the most accurate point of each technique within the target, for equal errors the quickest that is
@@ -85,6 +89,9 @@ size_t judge_technique_of(const struct judgement *judgement, const char *name);
 
 // The most accurate point of a technique in a view; NULL: none.
 const struct point *judge_best(const struct figures *figures, uint32_t view, const char *technique);
+
+// Whether both errors have an interval; without one nothing is told apart.
+bool judge_comparable(const struct point *a, const struct point *b);
 
 // The level of a floor that is one: resolved, and held. Else NaN.
 double judge_level(const struct judge_floor *floor);

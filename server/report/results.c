@@ -169,13 +169,12 @@ static json_t *view_json(const struct figures *f, const struct judgement *j, uin
 						       v->spans[i].best->resolved, "not_told_from",
 						       v->spans[i].rival ? v->spans[i].rival->runs[0].technique : NULL));
 	for (size_t i = 0; i < v->overtake_count; i++) {
-		const struct point *p = v->overtakes[i].point;
-		json_array_append_new(overtakes, json_pack("{s:s, s:s, s:o, s:b, s:o}", "technique",
-							   j->techniques[v->overtakes[i].winner].name, "overtaken",
-							   j->techniques[v->overtakes[i].loser].name, "seconds",
-							   results_number(p ? p->seconds : (double)NAN), "closer",
-							   v->overtakes[i].closer, "settings",
-							   p ? json_incref((json_t *)p->runs[0].settings) : json_null()));
+		const struct judge_overtake *o = &v->overtakes[i];
+		json_t *settings = o->point ? json_incref((json_t *)o->point->runs[0].settings) : json_null();
+		json_array_append_new(
+		    overtakes, json_pack("{s:s, s:s, s:o, s:b, s:b, s:o}", "technique", j->techniques[o->winner].name,
+					 "overtaken", j->techniques[o->loser].name, "seconds", results_number(o->seconds),
+					 "from_first", o->from_first, "closer", o->closer, "settings", settings));
 	}
 	for (size_t i = 0; i < v->row_count; i++)
 		json_array_append_new(v->rows[i].is_time ? times : errors, row_json(j, &v->rows[i]));

@@ -128,8 +128,11 @@ static void say_spans(const struct judgement *j, const struct judge_view *v, con
 		if (!span->best->resolved || !span->rival)
 			continue;
 		say_point(span->rival, point);
-		say(words, "%sIts interval overlaps that of %s, which is not told apart from it: %s.", of,
-		    span->rival->runs[0].technique, point);
+		say(words,
+		    judge_comparable(span->best, span->rival)
+			? "%sIts interval overlaps that of %s, which is not told apart from it: %s."
+			: "%sNo interval is known that would tell %s apart from it: %s.",
+		    of, span->rival->runs[0].technique, point);
 	}
 }
 
@@ -200,10 +203,13 @@ static void say_overtakes(const struct judgement *j, const struct judge_view *v,
 		const char *winner = j->techniques[o->winner].name, *loser = j->techniques[o->loser].name;
 		char *settings = o->point ? words_settings(o->point->runs[0].settings) : NULL;
 		if (o->point)
-			say(words, "%s%s overtakes %s at %s, with %s, and stays ahead.", of, winner, loser,
-			    words_seconds(o->point->seconds, seconds), settings ? settings : "?");
+			say(words,
+			    o->from_first ? "%s%s is ahead of %s from its first picture, at %s with %s, and stays ahead."
+					  : "%s%s overtakes %s at %s, with %s, and stays ahead.",
+			    of, winner, loser, words_seconds(o->seconds, seconds), settings ? settings : "?");
 		else if (o->closer)
-			say(words, "%s%s is at best not told apart from %s: their intervals overlap.", of, winner, loser);
+			say(words, "%s%s is at best not told apart from %s: %s.", of, winner, loser,
+			    o->comparable ? "their intervals overlap" : "no interval is known");
 		else
 			say(words, "%s%s does not overtake %s within this study.", of, winner, loser);
 		free(settings);

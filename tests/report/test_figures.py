@@ -245,7 +245,8 @@ class Figures(unittest.TestCase):
         self.assertEqual([span["technique"] for span in view["best"]], [BIASED, NOISY])
         floor = technique(results, BIASED)["floor"]
         expected = next(p for p in technique(results, NOISY)["points"] if p["relmse_high"] < floor)
-        self.assertEqual(view["overtakes"], [{"technique": NOISY, "overtaken": BIASED, "seconds": expected["seconds"], "closer": True, "settings": expected["settings"]}])
+        self.assertEqual(view["overtakes"], [{"technique": NOISY, "overtaken": BIASED, "seconds": expected["seconds"], "from_first": False,
+                                              "closer": True, "settings": expected["settings"]}])
         for row in view["equal_time"]:
             for p in row["points"]:
                 self.assertLessEqual(p["seconds"], row["seconds"])
@@ -272,6 +273,32 @@ class Figures(unittest.TestCase):
         self.assertEqual(view["best"][-1]["not_told_from"], NOISY if view["best"][-1]["technique"] == BIASED else BIASED)
         self.assertIsNone(view["overtakes"][0]["seconds"])
         self.assertTrue(any("not told apart" in word for word in results["words"]))
+        self.assertFalse(any("overtakes" in word for word in results["words"]))
+        study.lines = [line for line in study.lines if line["seed"] in (0, 999)]
+        results = study.run()
+        self.assertTrue(any("interval is known" in word for word in results["words"]))
+        self.assertFalse(any("overlap" in word for word in results["words"]))
+
+    def test_an_overtaking_is_the_winners_whoever_came_last(self):
+        study = self.study
+        study.add("reference", study.truth.astype(np.float32), kind="reference", settings={"samples": 4096}, seed=999)
+        def add(name, technique, samples, seconds, factors):
+            for seed, factor in enumerate(factors):
+                study.add(f"{name}-{seed}", (study.truth * factor).astype(np.float32), technique=technique, seed=seed, seconds=seconds,
+                          settings={"samples": samples})
+        # The loser's second picture is better than its first, but known so closely that the winner's, made before, is told apart.
+        add("wide", BIASED, 1, .5, (1.1, 1.4))
+        add("noisy", NOISY, 8, 1, (1.1, 1.1))
+        add("close", BIASED, 4, 2, (1.15, 1.15))
+        results = study.run()
+        self.assertEqual(results["views"][0]["overtakes"], [{"technique": NOISY, "overtaken": BIASED, "seconds": 2, "from_first": False,
+                                                             "closer": True, "settings": {"samples": 8}}])
+        self.assertTrue(any(f"{NOISY} overtakes {BIASED} at 2.0 s, with samples 8, and" in word for word in results["words"]))
+        # Without the first there is nothing to overtake.
+        study.lines = [line for line in study.lines if not line["id"].startswith("wide")]
+        results = study.run()
+        self.assertEqual([(o["seconds"], o["from_first"]) for o in results["views"][0]["overtakes"]], [(1, True)])
+        self.assertTrue(any(f"{NOISY} is ahead of {BIASED} from its first picture, at 1.0 s with samples 8, and" in word for word in results["words"]))
         self.assertFalse(any("overtakes" in word for word in results["words"]))
 
     def test_what_is_not_resolved_has_no_rank(self):
