@@ -265,13 +265,15 @@ static void add_row(const struct judgement *j, struct judge_view *v, bool is_tim
 		// In the order of time: for an equal error the first that is good enough.
 		for (size_t i = 0; i < count; i++) {
 			const struct point *p = sorted[i];
-			if (!is_of(p, j->techniques[t].name) || (is_time ? p->seconds : p->relmse) > row.target ||
-			    !p->shown || (!is_time && !p->resolved))
+			if (!is_of(p, j->techniques[t].name) || (is_time ? p->seconds : p->relmse) > row.target || !p->shown)
 				continue;
-			if (!best || (is_time && p->relmse < best->relmse))
+			if (!is_time && !p->resolved)
+				row.unresolved[t] = true;
+			else if (!best || (is_time && p->relmse < best->relmse))
 				best = p;
 		}
 		row.points[t] = best;
+		row.unresolved[t] = row.unresolved[t] && !best;
 		any = any || best;
 	}
 	for (size_t i = 0; i < v->row_count; i++)

@@ -61,6 +61,7 @@ struct judge_row {
 	bool is_time; // the target is in seconds, else a relMSE
 	double target;
 	const struct point *points[JUDGE_TECHNIQUES];
+	bool unresolved[JUDGE_TECHNIQUES]; // there is one, of an equal error, but it is within the reference's own
 };
 
 struct judge_view {

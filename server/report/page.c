@@ -56,21 +56,24 @@ static void write_shot(struct html *html, const struct page *page, uint32_t view
 	free(title);
 }
 
-// The techniques that have nothing to show for a target.
-static void write_absent(struct html *html, const struct judgement *j, const struct judge_row *row)
+// The techniques that have nothing to show for a target, for one of two reasons.
+static void write_absent(struct html *html, const struct judgement *j, const struct judge_row *row, bool unresolved)
 {
 	const char *absent[JUDGE_TECHNIQUES];
 	size_t count = 0;
 	for (size_t t = 0; t < j->technique_count; t++)
-		if (!row->points[t])
+		if (!row->points[t] && row->unresolved[t] == unresolved)
 			absent[count++] = j->techniques[t].name;
 	if (count == 0)
 		return;
 	html_raw(html, "<p class=\"soft\">");
 	for (size_t i = 0; i < count; i++)
 		html_put(html, "%s%s", i == 0 ? "" : i + 1 < count ? ", " : " and ", absent[i]);
-	html_put(html, " %s%s.</p>\n", count == 1 ? "has no picture" : "have no pictures",
-		 row->is_time ? " in this time" : " so accurate");
+	if (unresolved)
+		html_put(html, " %s within the reference's own error.</p>\n", count == 1 ? "has one" : "have some");
+	else
+		html_put(html, " %s%s.</p>\n", count == 1 ? "has no picture" : "have no pictures",
+			 row->is_time ? " in this time" : " so accurate");
 }
 
 static void write_row(struct html *html, const struct page *page, uint32_t view, const struct judge_row *row)
@@ -83,7 +86,8 @@ static void write_row(struct html *html, const struct page *page, uint32_t view,
 	html_put(html,
 		 row->is_time ? "the best of each within %s</h3>\n" : "the quickest of each with relMSE up to %s</h3>\n",
 		 row->is_time ? words_seconds(row->target, target) : words_error(row->target, target));
-	write_absent(html, j, row);
+	write_absent(html, j, row, false);
+	write_absent(html, j, row, true);
 	html_raw(html, "<div class=\"strip\" data-strip>\n");
 	for (size_t t = 0; t < j->technique_count; t++)
 		if (row->points[t])

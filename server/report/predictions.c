@@ -59,9 +59,11 @@ static bool first_of_technique(const struct figures *f, size_t i)
 	return true;
 }
 
-// The predictions of one technique, of three kinds: the reply's error, the quote's error, the quote's time.
-static void add_technique(const struct figures *f, const char *technique, json_t *runs, json_t *summary)
+// The predictions of one technique, of three kinds: the reply's error, the quote's error, the quote's time. Returns how many
+// errors are left out: those of points that are not resolved, for what is left there is the reference's noise.
+static size_t add_technique(const struct figures *f, const char *technique, json_t *runs, json_t *summary)
 {
+	size_t left_out = 0;
 	static const char *const kinds[3][2] = {{"relmse", "reply"}, {"relmse", "quote"}, {"seconds", "quote"}};
 	struct tally *tallies = calloc(3, sizeof *tallies);
 	for (size_t i = 0; tallies && i < f->point_count; i++) {
@@ -70,23 +72,29 @@ static void add_technique(const struct figures *f, const char *technique, json_t
 			continue;
 		for (size_t r = 0; r < p->count; r++) {
 			const struct study_run *run = &p->runs[r];
-			note(runs, &tallies[0], run, kinds[0][0], run->error_kind, &run->error, p->run_relmse[r]);
-			note(runs, &tallies[1], run, kinds[1][0], run->quoted_from, &run->quoted_relmse, p->run_relmse[r]);
+			const double truth = p->resolved ? p->run_relmse[r] : (double)NAN;
+			if (!p->resolved && isfinite(p->run_relmse[r]))
+				left_out +=
+				    (size_t)(isfinite(run->error.value) != 0) + (isfinite(run->quoted_relmse.value) != 0);
+			note(runs, &tallies[0], run, kinds[0][0], run->error_kind, &run->error, truth);
+			note(runs, &tallies[1], run, kinds[1][0], run->quoted_from, &run->quoted_relmse, truth);
 			note(runs, &tallies[2], run, kinds[2][0], run->quoted_from, &run->quoted_seconds, run->seconds);
 		}
 	}
 	for (size_t k = 0; tallies && k < 3; k++)
 		summarise(summary, technique, kinds[k][0], kinds[k][1], &tallies[k]);
 	free(tallies);
+	return left_out;
 }
 
 json_t *predictions_json(const struct figures *f)
 {
 	json_t *runs = json_array(), *summary = json_array();
+	size_t left_out = 0;
 	for (size_t i = 0; i < f->point_count; i++)
 		if (first_of_technique(f, i))
-			add_technique(f, f->points[i].runs[0].technique, runs, summary);
-	return json_pack("{s:o, s:o}", "summary", summary, "runs", runs);
+			left_out += add_technique(f, f->points[i].runs[0].technique, runs, summary);
+	return json_pack("{s:o, s:o, s:I}", "summary", summary, "runs", runs, "not_resolved", (json_int_t)left_out);
 }
 
 // The point with all effects beside which one was switched off.

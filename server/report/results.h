@@ -12,7 +12,8 @@ json_t *results_json(const struct figures *figures, const struct judgement *judg
 // One row a point, after a row of names; RFC 4180. To be freed; NULL: no memory.
 char *results_csv(const struct figures *figures);
 
-// What each reply and each quote said of a run, and what came out; and how often that held. Keys are "runs" and "summary".
+// What each reply and each quote said of a run, and what came out; and how often that held. Keys are "runs", "summary" and
+// "not_resolved": how many errors were predicted of points that are not resolved, and do not count.
 json_t *predictions_json(const struct figures *figures);
 
 // What each effect of the scene costs and what its absence does: an array. `figures` has the points with it switched off.

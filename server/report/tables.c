@@ -280,7 +280,12 @@ void table_predictions(struct html *html, const void *context)
 	const struct page *page = context;
 	const json_t *predictions = json_object_get(page->results, "predictions");
 	const json_t *summary = json_object_get(predictions, "summary"), *row;
+	const double left_out = number_of(predictions, "not_resolved");
 	size_t i;
+	if (left_out > 0)
+		html_put(html,
+			 "<p class=\"soft\">%.0f predictions of an error are left out: their points are not resolved.</p>\n",
+			 left_out);
 	if (json_array_size(summary) == 0) {
 		html_raw(html, "<p>No reply and no quote of this study predicted a figure that is known.</p>\n");
 		return;

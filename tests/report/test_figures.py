@@ -349,6 +349,12 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(summary["relmse", "reply"]["held"], .75, delta=1e-9)
         self.assertAlmostEqual(summary["seconds", "quote"]["median_ratio"], .5, delta=1e-6)
         self.assertAlmostEqual(summary["seconds", "quote"]["factor_90"], 2, delta=1e-6)
+        # Beside a worse reference the most samples are not resolved: what is left of their errors is the reference's noise.
+        study.lines[0]["report"].update(relmse_low=.5 * own, relmse_high=1.01 * point(study.run(), NOISY, 64)["relmse"])
+        predictions = study.run()["predictions"]
+        self.assertEqual(predictions["not_resolved"], 8)
+        self.assertEqual({row["of"]: row["runs"] for row in predictions["summary"]}, {"relmse": 24, "seconds": 32})
+        self.assertIn("8 predictions of an error are left out", (study.folder / "report.html").read_text())
 
     def test_ablation_is_beside_the_point_with_all_effects(self):
         study = self.study.usual()

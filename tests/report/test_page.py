@@ -111,6 +111,14 @@ class Report(unittest.TestCase):
         light = np.where(shown <= .04045, shown / 12.92, ((shown + .055) / 1.055) ** 2.4)
         self.assertAlmostEqual(np.percentile(images.luminance(light), 95), .8, delta=.05)
 
+    def test_a_technique_within_the_references_own_error_is_not_without_a_picture(self):
+        study = Study(self.folder).usual()
+        study.lines[0]["report"].update(estimated_relmse=.005, relmse_low=.004, relmse_high=.012)
+        page, _ = self.page(study)
+        words = page.text().split("At equal error")[1].split("Noise or bias")[0]
+        self.assertIn(f"{NOISY} has one within the reference's own error.", words)
+        self.assertNotIn(f"{NOISY} has no picture so accurate", words)
+
     def test_maps_of_bias_show_where_it_is(self):
         Study(self.folder, size=(64, 64)).usual().run()
         shown = images.rgb(self.folder / "images/b-4-0-bias.png")
