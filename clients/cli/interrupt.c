@@ -1,7 +1,6 @@
 #include "clients/cli/interrupt.h"
 
 #include <errno.h>
-#include <poll.h>
 #include <signal.h>
 #include <time.h>
 
@@ -47,10 +46,15 @@ bool interrupt_seen(void)
 	return seen != 0;
 }
 
+int interrupt_poll(struct pollfd *fds, nfds_t count, long milliseconds)
+{
+	const struct timespec most = {milliseconds / 1000, milliseconds % 1000 * 1000000};
+	return ppoll(fds, count, &most, &mask_before);
+}
+
 void interrupt_pause(long milliseconds)
 {
-	const struct timespec pause = {milliseconds / 1000, milliseconds % 1000 * 1000000};
-	ppoll(NULL, 0, &pause, &mask_before);
+	interrupt_poll(NULL, 0, milliseconds);
 }
 
 bool interrupt_wait(candil_client *client, struct candil_event *event, candil_status *status, struct candil_error *error)

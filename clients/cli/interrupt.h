@@ -3,12 +3,13 @@
 #ifndef CANDIL_CLI_INTERRUPT_H
 #define CANDIL_CLI_INTERRUPT_H
 
+#include <poll.h>
 #include <stdbool.h>
 
 #include "clients/libcandil/candil.h"
 
-// From interrupt_begin on the signals are held back, except in interrupt_wait and interrupt_pause. interrupt_end restores
-// what was before.
+// From interrupt_begin on the signals are held back, except in interrupt_wait, interrupt_pause and interrupt_poll.
+// interrupt_end restores what was before.
 void interrupt_begin(void);
 void interrupt_end(void);
 
@@ -17,6 +18,9 @@ bool interrupt_seen(void);
 
 // Sleep for that long, or until an interrupt.
 void interrupt_pause(long milliseconds);
+
+// poll, which an interrupt ends, too: with EINTR.
+int interrupt_poll(struct pollfd *fds, nfds_t count, long milliseconds);
 
 // Wait for the client's next event. true: *event is filled in. false: the first interrupt came before it, or *status is not
 // CANDIL_STATUS_OK and the connection is over.

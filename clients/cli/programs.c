@@ -11,6 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "clients/cli/interrupt.h"
+
 // The folder of this executable.
 static bool own_folder(char *path, size_t capacity)
 {
@@ -45,14 +47,32 @@ void program_daemon(char *path, size_t capacity)
 	snprintf(path, capacity, "candild");
 }
 
-static int program_start(char *const argv[], int out, int err, pid_t *pid)
+int program_start(char *const argv[], const posix_spawn_file_actions_t *actions, bool own_group, pid_t *pid)
+{
+	posix_spawnattr_t attributes;
+	sigset_t none, ours;
+	sigemptyset(&none);
+	sigemptyset(&ours);
+	sigaddset(&ours, SIGINT);
+	sigaddset(&ours, SIGTERM);
+	posix_spawnattr_init(&attributes);
+	posix_spawnattr_setflags(
+	    &attributes, (short)(POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | (own_group ? POSIX_SPAWN_SETPGROUP : 0)));
+	posix_spawnattr_setsigmask(&attributes, &none);
+	posix_spawnattr_setsigdefault(&attributes, &ours);
+	int failure = posix_spawnp(pid, argv[0], actions, &attributes, argv, environ);
+	posix_spawnattr_destroy(&attributes);
+	return failure;
+}
+
+static int start_piped(char *const argv[], int out, int err, pid_t *pid)
 {
 	posix_spawn_file_actions_t actions;
 	posix_spawn_file_actions_init(&actions);
 	posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
 	posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
 	posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-	int failure = posix_spawnp(pid, argv[0], &actions, NULL, argv, environ);
+	int failure = program_start(argv, &actions, false, pid);
 	posix_spawn_file_actions_destroy(&actions);
 	return failure;
 }
@@ -78,8 +98,9 @@ static bool collect_stream(int fd, char *text, size_t capacity, size_t *used)
 	return got > 0;
 }
 
-// Read both streams until both have ended. false: they have not by the deadline.
-static bool collect_both(int out_fd, int err_fd, long long deadline, char *out, char *err, size_t capacity)
+// Read both streams until both have ended. Returns 0, ETIMEDOUT if they have not by the deadline, or EINTR after an
+// interrupt.
+static int collect_both(int out_fd, int err_fd, long long deadline, char *out, char *err, size_t capacity)
 {
 	size_t used[2] = {0, 0};
 	char *text[2] = {out, err};
@@ -87,16 +108,18 @@ static bool collect_both(int out_fd, int err_fd, long long deadline, char *out, 
 	while (p[0].fd >= 0 || p[1].fd >= 0) {
 		long long left = deadline - now_ms();
 		if (left <= 0)
-			return false;
-		if (poll(p, 2, (int)left) < 0 && errno != EINTR)
-			return false;
+			return ETIMEDOUT;
+		if (interrupt_poll(p, 2, (long)left) < 0 && errno != EINTR)
+			return errno;
+		if (interrupt_seen())
+			return EINTR;
 		for (int i = 0; i < 2; i++) {
 			if (p[i].fd >= 0 && p[i].revents != 0 && !collect_stream(p[i].fd, text[i], capacity, &used[i]))
 				p[i].fd = -1;
 			p[i].revents = 0;
 		}
 	}
-	return true;
+	return 0;
 }
 
 int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t capacity)
@@ -107,19 +130,18 @@ int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t
 	if (pipe2(out_pipe, O_CLOEXEC) != 0 || pipe2(err_pipe, O_CLOEXEC) != 0) {
 		failure = errno;
 	} else {
-		failure = program_start(argv, out_pipe[1], err_pipe[1], &pid);
+		failure = start_piped(argv, out_pipe[1], err_pipe[1], &pid);
 		close(out_pipe[1]);
 		close(err_pipe[1]);
 		out_pipe[1] = err_pipe[1] = -1;
 		if (failure == 0) {
 			int status;
-			bool ended = collect_both(out_pipe[0], err_pipe[0], now_ms() + timeout_ms, out, err, capacity);
-			if (!ended)
+			failure = collect_both(out_pipe[0], err_pipe[0], now_ms() + timeout_ms, out, err, capacity);
+			if (failure != 0)
 				kill(pid, SIGKILL);
 			while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
 				;
-			failure = ended ? 0 : ETIMEDOUT;
-			if (ended)
+			if (failure == 0)
 				result = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 		}
 	}

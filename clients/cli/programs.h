@@ -3,6 +3,7 @@
 #ifndef CANDIL_CLI_PROGRAMS_H
 #define CANDIL_CLI_PROGRAMS_H
 
+#include <spawn.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/types.h>
@@ -16,9 +17,14 @@ bool program_libexec(const char *name, char *path, size_t capacity);
 // The path of candild beside this executable; if there is none, the bare name, which is looked for in PATH.
 void program_daemon(char *path, size_t capacity);
 
+// Start a program, which is looked for in PATH if argv[0] has no slash, without the interrupts that are held back here. In a
+// process group of its own a Ctrl-C in the terminal does not reach it. Returns errno's value, 0 if it was started.
+int program_start(char *const argv[], const posix_spawn_file_actions_t *actions, bool own_group, pid_t *pid);
+
 // Run a program with empty standard input; it is looked for in PATH if argv[0] has no slash. `out` and `err` get the first
 // `capacity` - 1 bytes of each stream and a zero. The program is killed after `timeout_ms`. Returns its exit status, or 128
-// plus the signal that ended it, or -1 with errno if it could not be started or did not end in time (ETIMEDOUT).
+// plus the signal that ended it, or -1 with errno if it could not be started, did not end in time (ETIMEDOUT), or was killed
+// for an interrupt (EINTR; interrupt.h).
 int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t capacity);
 
 #endif

@@ -186,6 +186,8 @@ static enum exit_code do_study(struct study *study)
 	// What was made so far can be looked at, whatever ended it; but who presses Ctrl-C wants no more of it now.
 	if (code != EXIT_CANCELLED)
 		study_make_report(study);
+	if (code == EXIT_DONE && interrupt_seen() && !study->report_made)
+		code = job_fail_between(&study->job);
 	return code == EXIT_DONE ? study_say_end(study) : code;
 }
 

@@ -219,6 +219,9 @@ static enum exit_code make_once(struct study *study, struct study_run *run, bool
 	*again = false;
 	study_say_progress(study, run);
 	ask_quote(study, run);
+	// The run would be seen through to its end: an interrupt cancels the request alone that it comes in.
+	if (interrupt_seen())
+		return job_fail_between(&study->job);
 	const double before = study_clock();
 	const bool primed = is_primed(study, run);
 	code = ask(study, run, &taken, &status, &error);

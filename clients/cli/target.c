@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -53,22 +52,11 @@ static int spawn_private(int fd, pid_t *pid)
 	program_daemon(path, sizeof(path));
 	char *argv[] = {path, option, number, NULL};
 	posix_spawn_file_actions_t actions;
-	posix_spawnattr_t attributes;
-	sigset_t none, ours;
-	sigemptyset(&none);
-	sigemptyset(&ours);
-	sigaddset(&ours, SIGINT);
-	sigaddset(&ours, SIGTERM);
 	posix_spawn_file_actions_init(&actions);
 	posix_spawn_file_actions_adddup2(&actions, fd, PRIVATE_FD);
 	posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-	posix_spawnattr_init(&attributes);
-	posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-	posix_spawnattr_setsigmask(&attributes, &none);
-	posix_spawnattr_setsigdefault(&attributes, &ours);
 	setenv("CANDIL_LOG", "error", 0);
-	int failure = posix_spawnp(pid, path, &actions, &attributes, argv, environ);
-	posix_spawnattr_destroy(&attributes);
+	int failure = program_start(argv, &actions, true, pid);
 	posix_spawn_file_actions_destroy(&actions);
 	return failure;
 }

@@ -274,6 +274,35 @@ class Study(DaemonCase):
         self.assertTrue(self.study(plan=plan)["complete"])
         self.assertTrue(read(self.path("runs.jsonl")).startswith(before), "what was done is as it was")
 
+    def elsewhere(self, report=None):
+        """The command of a small study, by a client that is installed elsewhere and has this program for a report."""
+        tree = os.path.join(self.folder, "tree")
+        os.makedirs(os.path.join(tree, "bin"), exist_ok=True)
+        shutil.copy(CANDIL, os.path.join(tree, "bin"))
+        if report:
+            program = os.path.join(tree, "libexec", "candil", "candil-report")
+            os.makedirs(os.path.dirname(program), exist_ok=True)
+            with open(program, "w", encoding="utf-8") as file:
+                file.write(report)
+            os.chmod(program, 0o755)
+        small = dict(PLAN, points=PLAN["points"][2:3], reference=False)
+        return [os.path.join(tree, "bin", "candil"), *self.command("--json", plan=small)[1:]]
+
+    def test_an_interrupt_ends_the_report_too(self):
+        mark = os.path.join(self.folder, "started")
+        command = self.elsewhere(f"#!/bin/sh\ngrep SigBlk /proc/$$/status >{mark}.tmp\nmv {mark}.tmp {mark}\nexec sleep 60\n")
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        self.addCleanup(process.kill)
+        while not os.path.exists(mark):
+            self.assertIsNone(process.poll())
+            time.sleep(0.01)
+        # Not to the whole group, as from a terminal: the report is the study's to end.
+        process.send_signal(signal.SIGINT)
+        out = process.communicate(timeout=30)[0]
+        self.assertEqual(process.returncode, 8, out)
+        self.assertEqual(json.loads(out)["exit"], 8)
+        self.assertRegex(read(mark), rb"^SigBlk:\s*0+$")
+
     def test_a_worker_that_is_killed_costs_no_study(self):
         plan = dict(PLAN, seeds=40)
         process = self.start(plan)
