@@ -169,8 +169,8 @@ static enum exit_code do_study(struct study *study)
 		return code;
 	study_say_plan(study);
 	const bool idle = study->made == 0 && study_left(study) == 0 && study_is_ended(study);
-	if (!idle)
-		code = study_write_state(study);
+	if (!idle && !study_write_state(study))
+		code = job_fail_output(&study->job, "study.json");
 	if (code == EXIT_DONE)
 		code = make_runs(study);
 	if (study->made > 0 || !idle) {
@@ -180,8 +180,9 @@ static enum exit_code do_study(struct study *study)
 			snprintf(study->ended_why, sizeof(study->ended_why), "an error ended the study before");
 		add_end_notes(study);
 		write_utc(study->ended_at);
-		const enum exit_code written = study_write_state(study);
-		code = code == EXIT_DONE ? written : code;
+		// What ended the study has been told: a full disk once.
+		if (!study_write_state(study) && code == EXIT_DONE)
+			code = job_fail_output(&study->job, "study.json");
 	}
 	// What was made so far can be looked at, whatever ended it; but who presses Ctrl-C wants no more of it now.
 	if (code != EXIT_CANCELLED)

@@ -221,7 +221,8 @@ enum exit_code study_append(struct study *study, const char *id, json_t *line);
 // Take the plan of plan.json if it was made for `key`. false: there is none.
 bool study_read_own_plan(struct study *study, const char *key);
 enum exit_code study_write_plan(struct study *study);
-enum exit_code study_write_state(struct study *study);
+// false: errno says why study.json cannot be written.
+bool study_write_state(struct study *study);
 // Whether study.json says that all is there.
 bool study_is_ended(const struct study *study);
 // Runs that are not there, [{"run", "why"}], and techniques without a run, [{"technique", "why"}].

@@ -70,7 +70,8 @@ void study_make_report(struct study *study)
 {
 	char path[PROGRAM_PATH];
 	if (!program_libexec(REPORT_PROGRAM, path, sizeof(path)) || access(path, X_OK) != 0) {
-		study_note(study, REPORT_PROGRAM " is not installed: there are runs, images and times, and no figures");
+		snprintf(study->report_why, sizeof(study->report_why),
+			 REPORT_PROGRAM " is not installed: there are runs, images and times, and no figures");
 		return;
 	}
 	json_t *what = describe(study, path), *before = study_read_report_of(study);

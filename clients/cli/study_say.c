@@ -120,7 +120,7 @@ static void say_missing(const json_t *missing)
 		       json_string_value(json_object_get(one, "why")));
 	}
 	if (i < json_array_size(missing))
-		printf("missing    %zu more, which study.json lists\n", json_array_size(missing) - i);
+		printf("missing    %zu more\n", json_array_size(missing) - i);
 }
 
 enum exit_code study_say_end(struct study *study)

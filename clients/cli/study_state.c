@@ -20,6 +20,8 @@
 
 #define RUNS_FILE "runs.jsonl"
 #define OTHERS_FILE "others.jsonl"
+#define PLAN_FILE "plan.json"
+#define MISSING_MAX 400u // runs that study.json names, whose sentences are long: the reader takes 1 MiB of it at most
 #define TEMPORARY ".candil-study.tmp" // the lock keeps others away from it
 #define RUNS_BYTES (256L << 20) // of runs.jsonl at most
 #define LINE_BYTES (1u << 20) // of one line that counts
@@ -214,7 +216,7 @@ enum exit_code study_prune(struct study *study)
 static bool is_ours(const struct study *study)
 {
 	char path[PATH_MAX];
-	static const char *const names[] = {"plan.json", RUNS_FILE, "study.json"};
+	static const char *const names[] = {PLAN_FILE, RUNS_FILE, "study.json"};
 	for (size_t i = 0; i < sizeof(names) / sizeof(*names); i++)
 		if (study_path(study, names[i], path, sizeof(path)) && access(path, F_OK) == 0)
 			return true;
@@ -252,8 +254,8 @@ enum exit_code study_open_folder(struct study *study)
 	return code == EXIT_DONE ? read_runs(study, RUNS_FILE) : code;
 }
 
-// Write an object to a file of the folder, whole or not at all. The object is released.
-static enum exit_code write_object(struct study *study, const char *name, json_t *object)
+// Write an object to a file of the folder, whole or not at all. The object is released. false: errno says why.
+static bool write_object(struct study *study, const char *name, json_t *object)
 {
 	char *text = object ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) : NULL;
 	errno = ENOMEM;
@@ -262,7 +264,7 @@ static enum exit_code write_object(struct study *study, const char *name, json_t
 	free(text);
 	json_decref(object);
 	errno = failure;
-	return good ? EXIT_DONE : job_fail_output(&study->job, name);
+	return good;
 }
 
 bool study_read_own_plan(struct study *study, const char *key)
@@ -272,7 +274,7 @@ bool study_read_own_plan(struct study *study, const char *key)
 	struct study_plan plan = study->plan;
 	plan.points = NULL;
 	plan.point_count = 0;
-	if (!study_path(study, "plan.json", path, sizeof(path)) ||
+	if (!study_path(study, PLAN_FILE, path, sizeof(path)) ||
 	    study_plan_read(path, ~0u, &plan, &error) != CANDIL_STATUS_OK || strcmp(plan.key, key) != 0) {
 		free(plan.points);
 		return false;
@@ -284,7 +286,8 @@ bool study_read_own_plan(struct study *study, const char *key)
 
 enum exit_code study_write_plan(struct study *study)
 {
-	return write_object(study, "plan.json", study_plan_json(&study->plan));
+	return write_object(study, PLAN_FILE, study_plan_json(&study->plan)) ? EXIT_DONE
+									     : job_fail_output(&study->job, PLAN_FILE);
 }
 
 static json_t *read_state(const struct study *study)
@@ -398,7 +401,19 @@ json_t *study_skipped_json(const struct study *study)
 	return skipped;
 }
 
-enum exit_code study_write_state(struct study *study)
+// Name so many of the runs that are missing, and say how many more there are.
+static void cap_missing(json_t *missing)
+{
+	const size_t count = json_array_size(missing);
+	if (count <= MISSING_MAX)
+		return;
+	for (size_t i = count; i > MISSING_MAX; i--)
+		json_array_remove(missing, i - 1);
+	json_array_append_new(
+	    missing, json_pack("{s:n,s:o}", "run", "why", json_sprintf("%zu more runs are missing", count - MISSING_MAX)));
+}
+
+bool study_write_state(struct study *study)
 {
 	const struct study_plan *plan = &study->plan;
 	const struct candil_scene_info *info = &study->job.target.info;
@@ -422,6 +437,7 @@ enum exit_code study_write_state(struct study *study)
 		      cli_json_u64(info->materials), "textures", cli_json_u64(info->textures), "emissive_triangles",
 		      cli_json_u64(info->emissive_triangles), "punctual_lights", cli_json_u64(info->punctual_lights));
 	const bool complete = json_array_size(missing) == 0 && study->ended_at[0];
+	cap_missing(missing);
 	json_t *o = json_pack(
 	    "{s:i,s:o,s:o,s:s,s:o,s:o,s:s,s:o,s:[o,o],s:o,s:o,s:o,s:o,s:f,s:o,s:b,s:b,s:o,s:o,s:o,s:o}", "version", 1,
 	    "scene", scene, "command", cli_json_text(study->command), "candil", CANDIL_VERSION_STRING, "device",

@@ -274,6 +274,14 @@ class Study(DaemonCase):
         self.assertTrue(self.study(plan=plan)["complete"])
         self.assertTrue(read(self.path("runs.jsonl")).startswith(before), "what was done is as it was")
 
+    def test_of_many_missing_runs_study_json_names_some(self):
+        process = self.start(dict(PLAN, seeds=1000))
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+        missing = self.state()["missing"]
+        self.assertEqual((len(missing), missing[-1]["run"]), (401, None))
+        self.assertRegex(missing[-1]["why"], r"^2\d\d\d more runs are missing$")
+
     def elsewhere(self, report=None):
         """The command of a small study, by a client that is installed elsewhere and has this program for a report."""
         tree = os.path.join(self.folder, "tree")
@@ -287,6 +295,13 @@ class Study(DaemonCase):
             os.chmod(program, 0o755)
         small = dict(PLAN, points=PLAN["points"][2:3], reference=False)
         return [os.path.join(tree, "bin", "candil"), *self.command("--json", plan=small)[1:]]
+
+    def test_a_missing_report_program_is_why_there_is_no_report(self):
+        result = run(*self.elsewhere())
+        self.assertEqual(result.returncode, 1, result)
+        answer = json.loads(result.stdout)
+        self.assertEqual((answer["complete"], answer["report"]), (True, None))
+        self.assertIn("not installed", answer["why"])
 
     def test_an_interrupt_ends_the_report_too(self):
         mark = os.path.join(self.folder, "started")
@@ -320,13 +335,20 @@ class Study(DaemonCase):
         self.assertTrue(self.study(plan=plan)["complete"])
 
     def test_a_full_disk_is_said_and_resumed(self):
-        def limit():
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
-        result = subprocess.run(self.command("--json"), preexec_fn=limit, capture_output=True, timeout=300, check=False)
-        self.assertEqual(result.returncode, 1, result)
-        self.assertIn(b"cannot write", result.stderr)
-        self.assertEqual(json.loads(result.stdout)["exit"], 1)
+        def study(most):
+            def limit():
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+            result = subprocess.run(self.command("--json"), preexec_fn=limit, capture_output=True, timeout=300, check=False)
+            self.assertEqual(result.returncode, 1, result)
+            self.assertIn(b"cannot write", result.stderr)
+            self.assertEqual(json.loads(result.stdout)["exit"], 1)
+        study(6000)
+        # The same once more, where at the end study.json has no room either: it is longer than at the start.
+        written = os.stat(self.path("study.json")).st_size
+        self.assertLess(written, 6000)
+        shutil.rmtree(self.out)
+        study(written - 60)
         self.assertTrue(self.study()["complete"])
         self.assertEqual(len(self.lines()), RUNS)
 
