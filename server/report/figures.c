@@ -208,9 +208,9 @@ static enum status find_noise(struct point *p, const struct reference *reference
 		sums->mean.rgb[i] /= (float)n;
 	const enum status s =
 	    metrics_compare(&sums->mean, &reference->picture, (double)INFINITY, &metrics, sums->error, err);
-	if (s == STATUS_OK)
-		p->relmse_noise = fmax(0, (p->relmse_measured - metrics.relmse) * n / (n - 1));
-	return s;
+	// Where every pixel is no number in one seed or the other, their mean has none.
+	p->relmse_noise = s == STATUS_OK ? fmax(0, (p->relmse_measured - metrics.relmse) * n / (n - 1)) : (double)NAN;
+	return s == STATUS_MEMORY ? s : STATUS_OK;
 }
 
 static enum status finish_errors(struct point *p, const struct reference *reference, struct sums *sums, struct error *err)

@@ -108,6 +108,15 @@ class Hostile(unittest.TestCase):
         self.assertIsNone(point(results, NOISY, 7)["relmse"])
         self.assertIsNotNone(point(results, NOISY, 8)["relmse"])
 
+    def test_seeds_that_have_no_pixel_in_common_cost_the_noise_alone(self):
+        for seed in range(2):
+            broken = self.study.noisy(.1)
+            broken[:, seed * self.study.width // 2:][:, :self.study.width // 2] = np.nan
+            self.study.add(f"half-{seed}", broken, settings={"samples": 8}, seed=seed)
+        got = point(self.study.run(), NOISY, 8)
+        self.assertIsNotNone(got["relmse"])
+        self.assertIsNone(got["relmse_noise"])
+
     def test_a_reference_that_is_lost_costs_the_errors_alone(self):
         (self.folder / "images" / "reference.exr").unlink()
         results = self.study.run()
