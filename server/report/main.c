@@ -75,7 +75,7 @@ static enum status save(const struct study *study, const char *name, const char 
 	char *path = NULL;
 	if (!text || asprintf(&path, "%s/%s", study->folder, name) < 0)
 		return error_set(err, STATUS_MEMORY, "no memory for %s", name);
-	const enum status s = replace_file(path, text, strlen(text), err);
+	const enum status s = replace_file(path, 0666, text, strlen(text), err);
 	free(path);
 	return s;
 }

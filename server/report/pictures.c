@@ -93,7 +93,7 @@ static void write_png(const struct figures *f, const struct study_run *run, cons
 	if (s == STATUS_OK)
 		s = picture_encode("png", width, height, codes, &bytes, &size, &err);
 	if (s == STATUS_OK)
-		s = replace_file(path, bytes, size, &err);
+		s = replace_file(path, 0666, bytes, size, &err);
 	if (s != STATUS_OK)
 		study_miss(f->study, run->id, "no PNG was written: %s", err.text);
 	free(path);

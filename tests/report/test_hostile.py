@@ -93,6 +93,20 @@ class Hostile(unittest.TestCase):
             self.assertIn(f"out-{k}", self.missing(results))
         self.assertEqual([path.name for path in self.folder.parent.iterdir() if path.suffix == ".png"], [])
 
+    def test_links_at_the_names_of_its_temporaries_are_not_followed(self):
+        outside = self.folder.parent / "outside"
+        outside.write_text("years of work")
+        self.study.write()
+        names = ("results.json", "results.csv", "report.html", "images/reference.png")
+        plant = "".join(f'ln -s "$1" "$2/{os.path.dirname(name)}/.$$-{os.path.basename(name)}"\n' for name in names)
+        done = subprocess.run(["sh", "-c", f'{plant}exec "$0" "$2"', PROGRAM, outside, self.folder], capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(outside.read_text(), "years of work")
+        for name in names:
+            self.assertFalse((self.folder / name).is_symlink(), name)
+            self.assertGreater((self.folder / name).stat().st_size, 100)
+        self.assertEqual([path for path in self.folder.rglob(".*")], [])
+
     def test_images_that_are_none_or_have_another_size(self):
         (self.folder / "images" / "text.exr").write_text("no picture")
         images.write(self.folder / "images" / "small.exr", np.ones((8, 8, 3)))

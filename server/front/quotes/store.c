@@ -12,6 +12,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/replace.h"
 
 #define QUOTE_FILE_MAGIC 0x544F5551u // "QUOT" read as little-endian
 #define QUOTE_FILE_VERSION 2u
@@ -96,9 +97,9 @@ enum status quote_store_decode(const uint8_t *data, size_t bytes, struct quote_m
 
 // ---- the file --------------------------------------------------------------------------------------------------------
 
-static bool file_name(const struct quote_store *store, const char *ending, char out[PATH_MAX])
+static bool file_name(const struct quote_store *store, char out[PATH_MAX])
 {
-	const int length = snprintf(out, PATH_MAX, "%s/quotes%s", store->folder, ending);
+	const int length = snprintf(out, PATH_MAX, "%s/quotes", store->folder);
 	return length > 0 && length < PATH_MAX;
 }
 
@@ -134,7 +135,7 @@ static bool read_model(const struct quote_store *store, struct quote_model *mode
 	char name[PATH_MAX];
 	struct error err;
 	size_t bytes;
-	if (!store->folder[0] || !file_name(store, "", name))
+	if (!store->folder[0] || !file_name(store, name))
 		return false;
 	uint8_t *data = read_file(name, &bytes);
 	if (!data) {
@@ -185,43 +186,20 @@ static bool make_folders(const char *folder)
 	return mkdir(path, 0700) == 0 || errno == EEXIST;
 }
 
-static bool write_all(int fd, const uint8_t *data, size_t bytes)
+static enum status write_file(const struct quote_store *store, const uint8_t *data, size_t bytes, struct error *err)
 {
-	while (bytes > 0) {
-		const ssize_t sent = write(fd, data, bytes);
-		if (sent < 0 && errno == EINTR)
-			continue;
-		if (sent <= 0)
-			return false;
-		data += sent;
-		bytes -= (size_t)sent;
-	}
-	return true;
-}
-
-static bool write_file(const struct quote_store *store, const uint8_t *data, size_t bytes)
-{
-	char name[PATH_MAX], next[PATH_MAX];
-	char ending[32];
-	snprintf(ending, sizeof ending, ".%ld", (long)getpid());
-	if (!file_name(store, "", name) || !file_name(store, ending, next) || !make_folders(store->folder))
-		return false;
-	const int fd = open(next, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
-	if (fd < 0)
-		return false;
-	const bool written = write_all(fd, data, bytes);
-	const bool closed = close(fd) == 0;
-	if (written && closed && rename(next, name) == 0)
-		return true;
-	const int failure = errno;
-	unlink(next);
-	errno = failure;
-	return false;
+	char name[PATH_MAX];
+	if (!file_name(store, name))
+		return error_set(err, STATUS_IO, "its name is too long");
+	if (!make_folders(store->folder))
+		return error_errno(err, STATUS_IO, "cannot make the folder");
+	return replace_file(name, 0600, data, bytes, err);
 }
 
 static void save(void *owner)
 {
 	struct quote_store *store = owner;
+	struct error err = {.text = "there is no memory"};
 	size_t bytes = 0;
 	struct quote_model *both = calloc(1, sizeof *both);
 	if (!both)
@@ -230,11 +208,9 @@ static void save(void *owner)
 	merge(both, store->model);
 	uint8_t *data = quote_store_encode(both, &bytes);
 	free(both);
-	errno = ENOMEM;
-	if (!data || !write_file(store, data, bytes)) {
+	if (!data || write_file(store, data, bytes, &err) != STATUS_OK) {
 		if (!store->failed)
-			log_line(LOG_WARNING, "what is known of times and errors cannot be kept in %.180s: %s",
-				 store->folder, strerror(errno));
+			log_line(LOG_WARNING, "what is known of times and errors cannot be kept: %s", err.text);
 		store->failed = true;
 	}
 	free(data);
