@@ -14,12 +14,15 @@ struct pilot_result {
 	uint32_t slowed; // not 0: what compiled had these times, too, so they are no rate
 	double cold_us; // compiling
 	double setup_us; // what is made once for a scene: uploads, trees, voxels
-	double fixed_us; // of a frame, whatever its size
-	double pixel_us; // of all pixels together, whatever the samples
+	double pixel_us; // of all pixels together, whatever the samples, with what no stage has
 	double sample_us; // of all samples of all pixels together
-	// Of a technique with noise, the relMSE at so many samples. Of another, its bias: the relMSE of its picture beside
-	// that of the reference, which `path` samples made; unknown if nothing made a reference.
-	struct estimate error;
+	struct estimate error; // of a technique with noise, the relMSE at so many samples
+	// Of another, its bias: the relMSE of smaller pictures beside those of the reference, which `path` samples made, of
+	// one sample and of more, by which edges are smoothed.
+	struct pilot_bias {
+		uint32_t pixels, samples; // 0: none
+		struct estimate error;
+	} bias[2];
 };
 
 #endif

@@ -271,15 +271,22 @@ static bool is_known(double x)
 	return isfinite(x) && x >= 0;
 }
 
+static bool estimate_holds(const struct estimate *e)
+{
+	return (unsigned)e->kind < ERROR_KIND_COUNT && isfinite(e->relmse) && isfinite(e->low) && isfinite(e->high);
+}
+
 static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
 {
 	bool good = piloted->head.job == worker->pilot && worker->pilot != 0 && status_is_known(piloted->error.code);
 	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++) {
 		struct pilot_result *r = &piloted->results[i];
-		if (!good || (unsigned)r->error.kind >= ERROR_KIND_COUNT || !is_known(r->cold_us) ||
-		    !is_known(r->setup_us) || !is_known(r->fixed_us) || !is_known(r->pixel_us) || !is_known(r->sample_us) ||
-		    !isfinite(r->error.relmse) || !isfinite(r->error.low) || !isfinite(r->error.high) ||
-		    r->pixels > LIMIT_PIXELS || r->samples > LIMIT_SAMPLES) {
+		for (unsigned b = 0; b < sizeof r->bias / sizeof *r->bias; b++)
+			good = good && estimate_holds(&r->bias[b].error) && r->bias[b].pixels <= LIMIT_PIXELS &&
+			       r->bias[b].samples <= LIMIT_SAMPLES;
+		if (!good || !estimate_holds(&r->error) || !is_known(r->cold_us) || !is_known(r->setup_us) ||
+		    !is_known(r->pixel_us) || !is_known(r->sample_us) || r->pixels > LIMIT_PIXELS ||
+		    r->samples > LIMIT_SAMPLES) {
 			kill_for(worker, "it sent nonsense");
 			return;
 		}

@@ -233,8 +233,7 @@ static void on_pilot(const struct ipc_pilot *message)
 		const bool noisy = technique_traits(t) & TECHNIQUE_NOISE;
 		if (!(message->techniques >> t & 1u))
 			continue;
-		piloted.results[t] =
-		    (struct pilot_result){.pixels = 100, .samples = 10, .fixed_us = 1000, .sample_us = 1000};
+		piloted.results[t] = (struct pilot_result){.pixels = 100, .samples = 10, .pixel_us = 10, .sample_us = 1000};
 		piloted.results[t].error = (struct estimate){noisy ? 0.1 : 0.25, noisy ? 0.09 : 0.2, noisy ? 0.11 : 0.3,
 							     candil_ErrorKind_ERROR_KIND_MEASURED};
 		if (!strcmp(wrong, "nonsense"))

@@ -77,13 +77,8 @@ static struct quote_query ask(const struct scene *scene, candil_Technique techni
 static void look(const struct scene *scene, candil_Technique technique, uint32_t pixels, struct estimate error)
 {
 	const struct rendered f = of(scene);
-	const struct pilot_result result = {.pixels = pixels,
-					    .samples = pixels ? 4 : 0,
-					    .cold_us = 100,
-					    .fixed_us = 50,
-					    .pixel_us = 10,
-					    .sample_us = 900,
-					    .error = error};
+	const struct pilot_result result = {
+	    .pixels = pixels, .samples = pixels ? 4 : 0, .cold_us = 100, .pixel_us = 10, .sample_us = 900, .error = error};
 	quote_known_pilot(&known, &f, technique, &result);
 }
 
@@ -198,6 +193,32 @@ static void times_of_a_picture_that_compiled_are_no_rate(void **state)
 	assert_true(quote_predict(known.model, &q).us > 10 * before);
 }
 
+static void the_bias_of_few_samples_is_more_than_that_of_many(void **state)
+{
+	const struct rendered f = of(&room);
+	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
+	// Of a village seen from afar, measured.
+	const struct pilot_result result = {
+	    .pixels = 4096,
+	    .samples = 1,
+	    .sample_us = 9000,
+	    .error = ESTIMATE_UNKNOWN,
+	    .bias = {{1024, 4, {0.021, 0.018, 0.024, kind}}, {1024, 1, {0.0585, 0.053, 0.064, kind}}}};
+	(void)state;
+	quote_known_pilot(&known, &f, VCT, &result);
+	struct quote_query q = ask(&room, VCT);
+	q.samples = 4;
+	struct estimate e = quote_predict(known.model, &q).error;
+	assert_true(e.low < 0.021 && 0.021 < e.high && e.relmse < 1.25 * 0.021);
+	q.samples = 1;
+	e = quote_predict(known.model, &q).error;
+	assert_true(e.low < 0.0585 && 0.0585 < e.high && e.relmse > 0.0585 / 1.25);
+	// Of how many more would be left nothing is known but that it may be less.
+	q.samples = 16;
+	assert_true(quote_predict(known.model, &q).error.low < 0.01);
+	assert_int_equal(quote_known_refused(&known, &f), 0);
+}
+
 static void a_view_that_was_looked_at_is_not_looked_at_again(void **state)
 {
 	struct quote_query q = ask(&room, VCT);
@@ -257,6 +278,7 @@ int main(void)
 	    TEST(programs_that_were_there_do_not_make_compiling_cheap),
 	    TEST(a_frame_of_a_worker_that_is_gone_makes_nothing_warm),
 	    TEST(times_of_a_picture_that_compiled_are_no_rate),
+	    TEST(the_bias_of_few_samples_is_more_than_that_of_many),
 	    TEST(a_view_that_was_looked_at_is_not_looked_at_again),
 	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),
 	    TEST(a_job_that_waits_for_a_pilot_is_not_alone),

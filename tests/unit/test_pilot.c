@@ -134,6 +134,19 @@ static void two_halves_say_what_both_know(void **state)
 	assert_int_equal(pilot_mean(&none, &none).kind, candil_ErrorKind_ERROR_KIND_UNKNOWN);
 }
 
+static void a_sample_has_a_time_that_no_pixel_decides(void **state)
+{
+	const double pixels[] = {1000, 4000};
+	(void)state;
+	// 12 ms of triangles a sample, and 2 µs a pixel.
+	assert_true(fabs(pilot_sample_us(pixels, (const double[]){14000, 20000}, 4000) - 20000) < 1e-6);
+	assert_true(fabs(pilot_sample_us(pixels, (const double[]){14000, 20000}, 16000) - 44000) < 1e-6);
+	// Of luck neither part is negative.
+	assert_true(fabs(pilot_sample_us(pixels, (const double[]){30000, 20000}, 16000) - 20000) < 1e-6);
+	assert_true(fabs(pilot_sample_us(pixels, (const double[]){100, 20000}, 16000) - 80000) < 1e-6);
+	assert_true(fabs(pilot_sample_us((const double[]){4000, 4000}, (const double[]){9, 20000}, 2000) - 10000) < 1e-6);
+}
+
 static void the_longest_pilot_is_not_given_up(void **state)
 {
 	(void)state;
@@ -150,6 +163,7 @@ int main(void)
 	    cmocka_unit_test(the_halves_have_noise_of_their_own),
 	    cmocka_unit_test(a_reference_is_drawn_by_its_own_options),
 	    cmocka_unit_test(two_halves_say_what_both_know),
+	    cmocka_unit_test(a_sample_has_a_time_that_no_pixel_decides),
 	    cmocka_unit_test(the_longest_pilot_is_not_given_up),
 	    cmocka_unit_test(no_number_is_no_answer),
 	};

@@ -104,6 +104,13 @@ static uint64_t wall_us(void)
 	return (uint64_t)t.tv_sec * 1000000u + (uint64_t)t.tv_nsec / 1000u;
 }
 
+static uint64_t next_stamp(struct quote_known *known)
+{
+	const uint64_t now = wall_us();
+	known->stamp = now > known->stamp ? now : known->stamp + 1;
+	return known->stamp;
+}
+
 static void set_error(struct quote_record *r, const struct estimate *e, double times)
 {
 	if (!(e->relmse >= 0) || !(e->low >= 0))
@@ -154,7 +161,7 @@ static void learn_frame(void *owner, const struct rendered *f)
 	const struct quote_query q = quote_known_query(known, f, technique, done->samples);
 	const struct account a = add_up(done);
 	struct quote_record r = {.key = q.key,
-				 .stamp = wall_us(),
+				 .stamp = next_stamp(known),
 				 .technique = technique,
 				 .pixels = (uint32_t)q.pixels,
 				 .samples = done->samples};
@@ -190,13 +197,31 @@ static struct estimate predict_error(void *owner, const struct rendered *f)
 	return quote_predict(known->model, &q).error;
 }
 
+// Of a pilot's technique without noise, as a record of its own: of other pixels and samples than those of its times.
+static void keep_bias(struct quote_known *known, const struct quote_record *times, const struct pilot_bias *bias)
+{
+	struct quote_record r = *times;
+	if (bias->pixels == 0 || bias->samples == 0)
+		return;
+	r.known = 0;
+	r.pixels = bias->pixels;
+	r.samples = bias->samples;
+	r.stamp = next_stamp(known);
+	set_error(&r, &bias->error, 1);
+	log_line(LOG_DEBUG, "%s, %u pixels, %u samples: bias %.3g (%.3g … %.3g)", technique_name(r.technique), r.pixels,
+		 r.samples, bias->error.relmse, bias->error.low, bias->error.high);
+	// Without anything that it knows it would be a refusal.
+	if (r.known != 0)
+		quote_learn(known->model, &r, NULL, 0);
+}
+
 void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
 		       const struct pilot_result *p)
 {
 	const bool seen = p->pixels > 0 && p->samples > 0;
 	const struct quote_query q = quote_known_query(known, f, technique, seen ? p->samples : 1);
 	struct quote_record r = {.key = q.key,
-				 .stamp = wall_us(),
+				 .stamp = next_stamp(known),
 				 .technique = technique,
 				 .pilot = 1,
 				 .pixels = seen ? p->pixels : 1,
@@ -211,20 +236,21 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 	if (tells_cold(known, &q, p->cold_us))
 		quote_set_part(&r, QUOTE_COLD, p->cold_us);
 	if (!p->slowed) {
-		quote_set_part(&r, QUOTE_FIXED, p->fixed_us);
 		quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
 		quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples));
 	}
-	set_error(&r, &p->error, technique_traits(technique) & TECHNIQUE_NOISE ? p->samples : 1);
-	log_line(
-	    LOG_DEBUG,
-	    "pilot of %s: %s, %u pixels, %u samples: %.0f us cold, %.0f setup, %.0f fixed, %.4f a pixel, %.4f a sample; "
-	    "error %.3g (%.3g … %.3g)",
-	    f->scene->info.name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us, p->fixed_us,
-	    p->pixel_us / p->pixels, p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low,
-	    p->error.high);
+	const bool noisy = technique_traits(technique) & TECHNIQUE_NOISE;
+	set_error(&r, &p->error, noisy ? p->samples : 1);
+	log_line(LOG_DEBUG,
+		 "pilot of %s: %s, %u pixels, %u samples: %.0f us cold, %.0f setup, %.4f a pixel, %.4f a sample; "
+		 "error %.3g (%.3g … %.3g)",
+		 f->scene->info.name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us,
+		 p->pixel_us / p->pixels, p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low,
+		 p->error.high);
 	set_warm(known, f, technique, &q.key);
 	quote_learn(known->model, &r, NULL, 0);
+	for (unsigned i = 0; i < sizeof p->bias / sizeof *p->bias; i++)
+		keep_bias(known, &r, &p->bias[i]);
 	quote_store_mark(&known->store);
 }
 

@@ -17,6 +17,7 @@ struct quote_known {
 	const struct worker *worker;
 	struct quote_model *model; // owned
 	struct quote_store store;
+	uint64_t stamp; // of the newest record
 	uint64_t warm[QUOTE_WARM];
 	uint32_t warm_count; // ever
 	uint32_t begun; // techniques that made something warm, bits 1 << candil_Technique; nothing if warm_count is 0

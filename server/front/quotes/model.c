@@ -10,6 +10,8 @@
 #define AGE_LEAST 1e-3 // weight below which a record does not count any more
 #define OCTAVE 0.04 // deviation that each octave of pixels or samples between a record and a request adds
 #define COARSE 0.15 // the same of a pilot's error, with each octave of pixels
+#define EDGES \
+	0.4 // the same of an error without noise, with each octave of samples: by as much as it is one of edges it falls
 #define BELIEF 4.0 // frames that what is assumed of a group counts as
 #define DRIFT_BELIEF 8.0 // octaves squared, of the drift
 #define MEMORY 64.0 // frames after which older ones count half
@@ -27,7 +29,7 @@ static const struct assumed {
 	double group[QUOTE_GROUPS];
 	double drift_pixels, drift_samples;
 } assumed[QUOTE_PARTS] = {
-    [QUOTE_FIXED] = {4e3, 4e3, 0.7, {0.15, 0.3, 0.3, 0.4}, 0.1, 0.05},
+    [QUOTE_FIXED] = {1e3, 1e3, 0.7, {0.15, 0.3, 0.3, 0.4}, 0.1, 0.05},
     [QUOTE_PIXEL] = {0.15, 0.02, 1.0, {0.1, 0.3, 0.2, 0.3}, 0, 0.1},
     [QUOTE_SAMPLE] = {3, 0.01, 1.5, {0.05, 0.12, 0.3, 0.7}, 0, 0},
     [QUOTE_ENCODE] = {0.02, 0.02, 0.7, {0.08, 0.3, 0.15, 0.3}, -0.05, 0},
@@ -55,6 +57,11 @@ void quote_set_part(struct quote_record *record, enum quote_part part, double va
 		return;
 	record->known |= 1u << part;
 	record->part[part] = (float)log(fmax(value, least_of(part)));
+}
+
+static bool has_noise(uint32_t technique)
+{
+	return technique_traits(technique) & TECHNIQUE_NOISE;
 }
 
 static bool knows(const struct quote_record *r, enum quote_part part)
@@ -194,7 +201,8 @@ static void hear(struct sums *sums, double age, const struct quote_record *r, co
 	const double own = part == QUOTE_ERROR ? (double)r->spread : OCTAVE;
 	// The larger a pixel, the more may be in it that one path in many sees.
 	const double coarse = part == QUOTE_ERROR && r->pilot ? COARSE : OCTAVE;
-	const double variance = own * own + coarse * coarse * pixels * pixels + OCTAVE * OCTAVE * samples * samples + 1e-6;
+	const double edges = part == QUOTE_ERROR && !has_noise(r->technique) ? EDGES : OCTAVE;
+	const double variance = own * own + coarse * coarse * pixels * pixels + edges * edges * samples * samples + 1e-6;
 	add_to(sums, age / variance, (double)r->part[part] + drift[0] * pixels + drift[1] * samples,
 	       (double)r->spread * sqrt(r->pixels / q->pixels));
 }
@@ -287,11 +295,6 @@ static double width_of(const struct quote_habits *h, uint32_t technique, int whi
 {
 	const double learned = h ? h->stretch[technique][which][nearest] : 0;
 	return exp(fmin(NORMAL_90 * (learned > 0 ? learned : 1) * sqrt(variance), WIDTH_MOST));
-}
-
-static bool has_noise(uint32_t technique)
-{
-	return technique_traits(technique) & TECHNIQUE_NOISE;
 }
 
 struct quote_prediction quote_predict(const struct quote_model *m, const struct quote_query *q)

@@ -1,6 +1,7 @@
-// Design note. Each technique draws twice. The first picture is tiny: it compiles, uploads and builds what is missing, and
-// tells about how long a sample takes, if need be once more. The second is as large as fits the budget with PILOT_SAMPLES
-// samples; it is timed, and its error is measured.
+// Design note. The first picture of a technique is tiny: it compiles, uploads and builds what is missing, and tells about
+// how long a sample takes, if need be once more. The second is as large as fits the budget with PILOT_SAMPLES samples; it is
+// timed, and its error is measured. A technique without noise has pictures for its error, as large as those that it is held
+// to, and one for its time.
 #include "server/worker/pilot/pilot.h"
 
 #include <math.h>
@@ -17,13 +18,14 @@
 
 #define PILOT_SEED 0x70696c6f74ull // no request's by chance
 #define PILOT_SAMPLES 8u // of each of two halves
-#define PILOT_SMOOTH 4u // samples of a technique without noise, so that edges are no part of its bias
+#define PILOT_SMOOTH 4u // samples of a technique without noise, for its bias without most of its edges
 #define PILOT_TINY 256u // pixels of the first picture
 #define PILOT_LEAST 256u // of the second
 #define PILOT_MOST 65536u
 #define PILOT_SAMPLES_LEAST 4u
 #define PILOT_SAMPLES_MOST 256u
 #define PILOT_OVERRUN 1.5 // budgets that the second picture may take
+#define PILOT_DOUBT 4 // of a picture's time at least the pixels have one part in so many
 #define PILOT_SLICE_US 20000u
 #define BIAS_REACH 3u // pixels
 #define BIAS_BRIGHT 4.0
@@ -32,7 +34,7 @@
 // One picture of a pilot.
 struct drawing {
 	struct frame *frame; // owned
-	double cold_us, setup_us, pixel_us, sample_us, fixed_us;
+	double cold_us, setup_us, pixel_us, sample_us;
 };
 
 static void add_up(struct drawing *d, double wall_us)
@@ -55,7 +57,8 @@ static void add_up(struct drawing *d, double wall_us)
 			d->sample_us += us;
 		}
 	}
-	d->fixed_us = fmax(wall_us - all, 0);
+	// Of a frame it is `host`.
+	d->pixel_us += fmax(wall_us - all, 0);
 }
 
 void pilot_request(const candil_Render *asked, const struct pilot_picture *picture, candil_Render *render)
@@ -200,23 +203,6 @@ struct estimate pilot_bias(const float *picture, const struct pilot_reference *r
 
 // ---- a look ----------------------------------------------------------------------------------------------------------
 
-// What the second picture of a technique is to be: as large and with as many samples as fit, by the rate of the first. Of a
-// technique with noise it is drawn in two halves; another's is as large as the reference.
-static void plan_second(const struct pilot *pilot, bool noisy, double rate, const struct drawing *reference,
-			struct pilot_picture *out)
-{
-	const double asked = (double)pilot->render->width * pilot->render->height;
-	const double most = fmax(fmin(PILOT_MOST, asked / 4), fmin(PILOT_LEAST, asked));
-	const double paths = pilot->budget_us / (rate * 2); // of each half
-	out->pixels = fmin(fmax(paths / PILOT_SAMPLES, PILOT_LEAST), most);
-	out->samples = (uint32_t)fmin(fmax(paths / out->pixels, PILOT_SAMPLES_LEAST), PILOT_SAMPLES_MOST);
-	if (noisy)
-		return;
-	out->samples = PILOT_SMOOTH;
-	if (reference->frame)
-		out->pixels = (double)reference->frame->width * reference->frame->height;
-}
-
 struct estimate pilot_mean(const struct estimate *a, const struct estimate *b)
 {
 	if (a->relmse < 0 || b->relmse < 0)
@@ -232,7 +218,6 @@ static struct pilot_result result_of(const struct drawing *d)
 	return (struct pilot_result){.pixels = d->frame->width * d->frame->height,
 				     .samples = d->frame->samples,
 				     .slowed = d->cold_us > STAGE_COLD_US,
-				     .fixed_us = d->fixed_us,
 				     .pixel_us = d->pixel_us,
 				     .sample_us = d->sample_us,
 				     .error = d->frame->estimate};
@@ -253,14 +238,13 @@ static enum status look_twice(const struct pilot *pilot, const struct pilot_pict
 	if (s != STATUS_OK)
 		return s;
 	*result = result_of(&halves[0]);
-	result->fixed_us = (halves[0].fixed_us + halves[1].fixed_us) / 2;
 	result->pixel_us = (halves[0].pixel_us + halves[1].pixel_us) / 2;
 	result->sample_us = (halves[0].sample_us + halves[1].sample_us) / 2;
 	result->error = pilot_mean(&halves[0].frame->estimate, &halves[1].frame->estimate);
 	return STATUS_OK;
 }
 
-// Once more, with other noise, what `result` has seen; its times are taken over.
+// Once more, with other noise if it has any, what `result` has seen; its times are taken over.
 static enum status look_again(const struct pilot *pilot, const struct pilot_picture *picture, struct pilot_result *result,
 			      struct error *err)
 {
@@ -279,8 +263,10 @@ static enum status look_again(const struct pilot *pilot, const struct pilot_pict
 	return STATUS_OK;
 }
 
+// One picture of a technique without noise: its times, and its bias if there is a reference of its size.
 static enum status look_once(const struct pilot *pilot, const struct pilot_picture *picture,
-			     const struct drawing reference[2], struct pilot_result *result, struct error *err)
+			     const struct drawing reference[2], struct pilot_result *result, struct pilot_bias *bias,
+			     struct error *err)
 {
 	struct drawing d;
 	candil_Render render;
@@ -294,9 +280,75 @@ static enum status look_once(const struct pilot *pilot, const struct pilot_pictu
 	// What is wrong with a diagram is no error.
 	if (a && b && !d.frame->diagram && a->width == d.frame->width && a->height == d.frame->height) {
 		const struct pilot_reference r = {a->width, a->height, {a->radiance, b->radiance}};
-		result->error = pilot_bias(d.frame->radiance, &r);
+		*bias = (struct pilot_bias){result->pixels, result->samples, pilot_bias(d.frame->radiance, &r)};
 	}
 	frame_destroy(d.frame);
+	return STATUS_OK;
+}
+
+double pilot_sample_us(const double pixels[2], const double us[2], double asked)
+{
+	if (!(pixels[1] > pixels[0]))
+		return us[1] / pixels[1] * asked;
+	const double a_pixel = fmin(fmax((us[1] - us[0]) / (pixels[1] - pixels[0]), 0), us[1] / pixels[1]);
+	return us[1] + a_pixel * (asked - pixels[1]);
+}
+
+// The second pictures of a technique with noise: as large and with as many samples as fit, by the rate of the first.
+static enum status look_noisy(const struct pilot *pilot, struct pilot_picture picture, double rate,
+			      struct drawing reference[2], struct pilot_result *result, struct error *err)
+{
+	struct drawing halves[2] = {{0}};
+	const double asked = (double)pilot->render->width * pilot->render->height;
+	const double most = fmax(fmin(PILOT_MOST, asked / 4), fmin(PILOT_LEAST, asked));
+	const double paths = pilot->budget_us / (rate * 2); // of each half
+	picture.pixels = fmin(fmax(paths / PILOT_SAMPLES, PILOT_LEAST), most);
+	picture.samples = (uint32_t)fmin(fmax(paths / picture.pixels, PILOT_SAMPLES_LEAST), PILOT_SAMPLES_MOST);
+	if (rate * 2 * picture.pixels * picture.samples > PILOT_OVERRUN * pilot->budget_us)
+		return STATUS_OK; // so slow that the first has to do
+	const enum status s = look_twice(pilot, &picture, halves, result, err);
+	for (int i = 0; i < 2; i++)
+		if (s == STATUS_OK && !reference[i].frame)
+			reference[i] = halves[i];
+		else
+			frame_destroy(halves[i].frame);
+	return s;
+}
+
+// Those of another: as large as the reference, with few samples and with one, to see the bias; then one as large as fits,
+// for the time. Each sample of a raster has a time that no pixel decides, so what a small one takes tells little of a large
+// one.
+static enum status look_clear(const struct pilot *pilot, struct pilot_picture picture, const struct drawing reference[2],
+			      struct pilot_result *result, struct error *err)
+{
+	const double asked = (double)pilot->render->width * pilot->render->height;
+	double pixels[2] = {result->pixels, result->pixels}, us[2] = {result->sample_us, result->sample_us};
+	struct pilot_bias bias[2] = {{0}};
+	enum status s = STATUS_OK;
+	for (int i = 0; i < 2 && reference[0].frame && s == STATUS_OK; i++) {
+		picture.pixels = (double)reference[0].frame->width * reference[0].frame->height;
+		picture.samples = i == 0 ? PILOT_SMOOTH : 1;
+		s = look_once(pilot, &picture, reference, result, &bias[i], err);
+	}
+	memcpy(result->bias, bias, sizeof bias);
+	if (s != STATUS_OK)
+		return s;
+	pixels[1] = result->pixels;
+	us[1] = result->sample_us;
+	// By the two sizes so far, but for luck.
+	const double one = pilot_sample_us(pixels, us, pixels[1] + 1) - us[1];
+	const double a_pixel = fmax(fmax(one, us[1] / pixels[1] / PILOT_DOUBT), 1e-4);
+	picture.samples = 1;
+	picture.pixels = fmin(pixels[1] + fmax(pilot->budget_us - us[1], 0) / a_pixel, fmin(asked, PILOT_MOST));
+	s = look_once(pilot, &picture, reference, result, &bias[1], err);
+	if (s != STATUS_OK)
+		return s;
+	memcpy(result->bias, bias, sizeof bias);
+	pixels[0] = pixels[1];
+	us[0] = us[1];
+	pixels[1] = result->pixels;
+	us[1] = result->sample_us;
+	result->sample_us = pilot_sample_us(pixels, us, asked) / asked * result->pixels;
 	return STATUS_OK;
 }
 
@@ -305,9 +357,9 @@ static enum status look(const struct pilot *pilot, const struct technique *t, st
 			struct pilot_result *result, struct error *err)
 {
 	const bool noisy = technique_traits(t->number) & TECHNIQUE_NOISE;
-	struct drawing first, halves[2] = {{0}};
+	struct drawing first;
 	candil_Render render;
-	struct pilot_picture tiny = {.technique = t->number, .pixels = PILOT_TINY, .samples = noisy ? 2 : 1}, second = tiny;
+	const struct pilot_picture tiny = {.technique = t->number, .pixels = PILOT_TINY, .samples = noisy ? 2 : 1};
 	pilot_request(pilot->render, &tiny, &render);
 	enum status s = draw(pilot, &render, &first, err);
 	if (s != STATUS_OK)
@@ -316,27 +368,17 @@ static enum status look(const struct pilot *pilot, const struct technique *t, st
 	*result = result_of(&first);
 	frame_destroy(first.frame);
 	// Of what has compiled the samples were slow as well: their rate is asked again, or the second would be too small.
-	if (noisy && first.cold_us > 0)
+	if (first.cold_us > 0)
 		s = look_again(pilot, &tiny, result, err);
-	result->cold_us = first.cold_us;
-	result->setup_us = first.setup_us;
-	if (s != STATUS_OK)
-		return s;
-	const double rate = fmax(result->sample_us / tried, 1e-4);
-	plan_second(pilot, noisy, rate, &reference[0], &second);
-	if (noisy && rate * 2 * second.pixels * second.samples > PILOT_OVERRUN * pilot->budget_us)
-		return STATUS_OK; // so slow that the first has to do
-	s = noisy ? look_twice(pilot, &second, halves, result, err) : look_once(pilot, &second, reference, result, err);
+	// What the first took more than the same again is compiling, too, of which the driver has not told.
+	const double more = fmax(first.sample_us - result->sample_us, 0);
 	if (s == STATUS_OK) {
-		const double work = (double)result->pixels * result->samples;
-		result->cold_us = first.cold_us + fmax(first.sample_us - result->sample_us * tried / work, 0);
-		result->setup_us = first.setup_us;
+		const double rate = fmax(result->sample_us / tried, 1e-4);
+		s = noisy ? look_noisy(pilot, tiny, rate, reference, result, err)
+			  : look_clear(pilot, tiny, reference, result, err);
 	}
-	for (int i = 0; i < 2; i++)
-		if (s == STATUS_OK && noisy && !reference[i].frame)
-			reference[i] = halves[i];
-		else
-			frame_destroy(halves[i].frame);
+	result->cold_us = first.cold_us + more;
+	result->setup_us = first.setup_us;
 	return s;
 }
 

@@ -60,6 +60,10 @@ struct pilot_reference {
 	const float *half[2]; // 3 floats a pixel, row by row
 };
 
+// What one sample of a picture of `asked` pixels takes, by those of two pictures without noise, the larger last: each sample
+// has a time of its own and one for each pixel. One size alone is taken as if it were all of pixels.
+double pilot_sample_us(const double pixels[2], const double us[2], double asked);
+
 // The relMSE of `picture`, without noise and of the same size, beside what the reference tends to. With a and b the halves
 // (x − a)(x − b) has the mean (x − r)², whatever their noise. It is divided by ρ² + 0.01, where ρ is the mean of the
 // halves and of the pixels around if the halves agree, else that of the pixels around alone: a pixel that is dark by chance
