@@ -17,8 +17,9 @@
 #define MEMORY 64.0 // frames after which older ones count half
 #define WIDTH_MOST 20.0 // of a logarithm
 #define DRIFT_MOST 1.0 // of a logarithm, with one octave
-#define CLUSTERS 64u // of records that are one scene or one view, the latest
-#define CLUSTER_SLOTS 256u // a power of two
+#define CLUSTERS 256u // of records that are one scene or one view, the latest
+#define CLUSTERS_HEARD 64u // of them on one part
+#define CLUSTER_SLOTS 1024u // a power of two
 #define CLUSTER_AGE 0.9 // weight of a cluster's record over that of its next newer one
 
 // What is assumed until frames tell: of a part, a guess for a processor and for a GPU, its deviation, the deviations of the
@@ -165,15 +166,19 @@ struct said {
 };
 
 // Records of one scene, or of one view of the request's scene, which speak once: sixty frames of one are no sixty scenes.
+struct cluster {
+	uint64_t id;
+	enum quote_group group;
+	double age[QUOTE_PARTS];
+	struct sums sums[QUOTE_PARTS];
+};
+
 struct clusters {
-	struct cluster {
-		uint64_t id;
-		enum quote_group group;
-		double age;
-		struct sums sums;
-	} at[CLUSTERS];
-	uint8_t slot[CLUSTER_SLOTS]; // of `at`, from 1; open addressing
+	struct cluster at[CLUSTERS];
 	unsigned count;
+	uint16_t slot[CLUSTER_SLOTS]; // of `at`, from 1; open addressing
+	uint16_t order[QUOTE_PARTS][CLUSTERS_HEARD]; // of `at`: those that know a part, by their newest record that does
+	unsigned heard[QUOTE_PARTS];
 };
 
 // NULL: of the newest there are enough.
@@ -188,63 +193,108 @@ static struct cluster *cluster_of(struct clusters *c, const struct quote_record 
 	}
 	if (c->count == CLUSTERS)
 		return NULL;
-	c->at[c->count] = (struct cluster){.id = id, .group = group, .age = 1};
-	c->slot[slot] = (uint8_t)(c->count + 1);
+	c->at[c->count] = (struct cluster){.id = id, .group = group};
+	c->slot[slot] = (uint16_t)(c->count + 1);
 	return &c->at[c->count++];
 }
 
-// A record's word on a part, carried to the request, goes to its group, or to its cluster.
-static void hear(struct sums *sums, double age, const struct quote_record *r, const struct quote_query *q,
-		 enum quote_part part, const double drift[2])
+// Whether a cluster is heard on a part: with its first record that knows it, it is, unless of the newest there are enough.
+static bool joins(struct clusters *c, struct cluster *cluster, enum quote_part part)
 {
-	const double pixels = log2(q->pixels / r->pixels), samples = log2(q->samples / r->samples);
-	const double own = part == QUOTE_ERROR ? (double)r->spread : OCTAVE;
-	// The larger a pixel, the more may be in it that one path in many sees.
-	const double coarse = part == QUOTE_ERROR && r->pilot ? COARSE : OCTAVE;
-	const double edges = part == QUOTE_ERROR && !has_noise(r->technique) ? EDGES : OCTAVE;
-	const double variance = own * own + coarse * coarse * pixels * pixels + edges * edges * samples * samples + 1e-6;
-	add_to(sums, age / variance, (double)r->part[part] + drift[0] * pixels + drift[1] * samples,
-	       (double)r->spread * sqrt(r->pixels / q->pixels));
+	if (cluster->age[part] > 0)
+		return true;
+	if (c->heard[part] == CLUSTERS_HEARD)
+		return false;
+	cluster->age[part] = 1;
+	c->order[part][c->heard[part]++] = (uint16_t)(cluster - c->at);
+	return true;
 }
 
-static struct said ask(const struct quote_model *m, const struct quote_habit *h, const struct quote_query *q,
-		       enum quote_part part)
+// What is asked of the records: some parts of a request.
+struct hearing {
+	const struct quote_query *query;
+	unsigned parts; // bits 1 << enum quote_part
+	double black; // an error below it is one of a black picture
+	double drift[QUOTE_PARTS][2];
+	double age[QUOTE_PARTS][QUOTE_GROUPS];
+	struct sums sums[QUOTE_PARTS][QUOTE_GROUPS];
+	struct clusters clusters;
+};
+
+// A record's word on each part that it knows, carried to the request, goes to its group, or to its cluster.
+static void hear(struct hearing *h, const struct quote_record *r)
 {
-	struct said said = {0};
-	struct sums sums[QUOTE_GROUPS] = {{0}};
-	struct clusters clusters = {.count = 0};
-	double age[QUOTE_GROUPS] = {1, 1, 1, 1}, drift[2];
-	const double nothing = log(2 * least_of(part));
-	drift_of(h, part, &drift[0], &drift[1]);
-	for (uint32_t i = 0; i < m->count; i++) {
-		const struct quote_record *r = newest(m, i);
-		if (r->key.where != q->key.where || r->technique != q->technique || !knows(r, part))
+	const struct quote_query *q = h->query;
+	const enum quote_group g = group_in(r, &q->key);
+	struct cluster *cluster = g >= QUOTE_SCENE ? cluster_of(&h->clusters, r, g) : NULL;
+	if (g >= QUOTE_SCENE && !cluster)
+		return;
+	const double pixels = log2(q->pixels / r->pixels), samples = log2(q->samples / r->samples);
+	for (int p = 0; p < QUOTE_PARTS; p++) {
+		const enum quote_part part = (enum quote_part)p;
+		if (!(h->parts >> p & 1u) || !knows(r, part))
 			continue;
-		const enum quote_group g = group_in(r, &q->key);
+		const bool error = part == QUOTE_ERROR;
 		// A view that is black tells nothing of one that is not.
-		if (g >= QUOTE_SCENE && part == QUOTE_ERROR && (double)r->part[part] < nothing)
+		if (cluster && error && (double)r->part[part] < h->black)
 			continue;
-		struct cluster *cluster = g >= QUOTE_SCENE ? cluster_of(&clusters, r, g) : NULL;
-		double *weight = cluster ? &cluster->age : &age[g];
-		if (*weight < AGE_LEAST || (g >= QUOTE_SCENE && !cluster))
+		if (cluster && !joins(&h->clusters, cluster, part))
 			continue;
-		hear(cluster ? &cluster->sums : &sums[g], *weight, r, q, part, drift);
-		*weight *= cluster ? CLUSTER_AGE : ages[g];
+		double *age = cluster ? &cluster->age[part] : &h->age[part][g];
+		if (*age < AGE_LEAST)
+			continue;
+		const double own = error ? (double)r->spread : OCTAVE;
+		// The larger a pixel, the more may be in it that one path in many sees.
+		const double coarse = error && r->pilot ? COARSE : OCTAVE;
+		const double edges = error && !has_noise(r->technique) ? EDGES : OCTAVE;
+		const double variance =
+		    own * own + coarse * coarse * pixels * pixels + edges * edges * samples * samples + 1e-6;
+		add_to(cluster ? &cluster->sums[part] : &h->sums[part][g], *age / variance,
+		       (double)r->part[part] + h->drift[part][0] * pixels + h->drift[part][1] * samples,
+		       error ? (double)r->spread * sqrt(r->pixels / q->pixels) : 0);
+		*age *= cluster ? CLUSTER_AGE : ages[g];
 	}
+}
+
+static void conclude(struct hearing *h, enum quote_part part, struct said *said)
+{
+	struct sums *sums = h->sums[part];
+	*said = (struct said){0};
 	// In the order of their newest records.
-	for (unsigned i = 0; i < clusters.count; i++) {
-		const struct cluster *c = &clusters.at[i];
-		const double apart = assumed[part].group[c->group], w = c->sums.weight;
-		add_to(&sums[c->group], age[c->group] / (1 / w + apart * apart), c->sums.mean / w, c->sums.spread / w);
-		said.weight[c->group] += age[c->group] * w; // how far clusters are apart is in the group's variance
-		age[c->group] *= ages[c->group];
+	for (unsigned i = 0; i < h->clusters.heard[part]; i++) {
+		const struct cluster *c = &h->clusters.at[h->clusters.order[part][i]];
+		const struct sums *of = &c->sums[part];
+		const double apart = assumed[part].group[c->group], w = of->weight;
+		double *age = &h->age[part][c->group];
+		add_to(&sums[c->group], *age / (1 / w + apart * apart), of->mean / w, of->spread / w);
+		said->weight[c->group] += *age * w; // how far clusters are apart is in the group's variance
+		*age *= ages[c->group];
 	}
 	for (int g = 0; g < QUOTE_GROUPS; g++) {
-		said.weight[g] = g >= QUOTE_SCENE ? said.weight[g] : sums[g].weight;
-		said.mean[g] = sums[g].weight > 0 ? sums[g].mean / sums[g].weight : 0;
-		said.spread[g] = sums[g].weight > 0 ? sums[g].spread / sums[g].weight : 0;
+		said->weight[g] = g >= QUOTE_SCENE ? said->weight[g] : sums[g].weight;
+		said->mean[g] = sums[g].weight > 0 ? sums[g].mean / sums[g].weight : 0;
+		said->spread[g] = sums[g].weight > 0 ? sums[g].spread / sums[g].weight : 0;
 	}
-	return said;
+}
+
+// Ask the records of all `parts` at once: there may be thousands, and an answer has dozens of predictions.
+static void ask(const struct quote_model *m, const struct quote_habits *habits, const struct quote_query *q, unsigned parts,
+		struct said said[QUOTE_PARTS])
+{
+	struct hearing h = {.query = q, .parts = parts, .black = log(2 * least_of(QUOTE_ERROR))};
+	for (int part = 0; part < QUOTE_PARTS; part++) {
+		drift_of(habits ? &habits->habit[q->technique][part] : NULL, (enum quote_part)part, &h.drift[part][0],
+			 &h.drift[part][1]);
+		for (int g = 0; g < QUOTE_GROUPS; g++)
+			h.age[part][g] = 1;
+	}
+	for (uint32_t i = 0; i < m->count; i++) {
+		const struct quote_record *r = newest(m, i);
+		if (r->key.where == q->key.where && r->technique == q->technique && (r->known & parts) != 0)
+			hear(&h, r);
+	}
+	for (int part = 0; part < QUOTE_PARTS; part++)
+		conclude(&h, (enum quote_part)part, &said[part]);
 }
 
 // The logarithm of a part, and its variance.
@@ -266,22 +316,21 @@ static void take_in(struct guess *guess, double mean, double variance)
 	guess->variance = share * variance;
 }
 
-static struct guess guess_part(const struct quote_model *m, const struct quote_habits *habits, const struct quote_query *q,
+static struct guess guess_part(const struct said *said, const struct quote_habits *habits, const struct quote_query *q,
 			       enum quote_part part)
 {
 	const struct quote_habit *h = habits ? &habits->habit[q->technique][part] : NULL;
-	const struct said said = ask(m, h, q, part);
 	const struct assumed *a = &assumed[part];
 	struct guess out = {.nearest = QUOTE_GROUPS};
 	struct sums spread = {0};
 	for (int g = 0; g < QUOTE_GROUPS; g++) {
 		double shift, variance;
-		if (said.weight[g] <= 0)
+		if (said->weight[g] <= 0)
 			continue;
 		group_of(h, part, (enum quote_group)g, &shift, &variance);
-		variance += 1 / said.weight[g];
-		take_in(&out, said.mean[g] + shift, variance);
-		add_to(&spread, 1 / variance, 0, said.spread[g]);
+		variance += 1 / said->weight[g];
+		take_in(&out, said->mean[g] + shift, variance);
+		add_to(&spread, 1 / variance, 0, said->spread[g]);
 		out.nearest = out.nearest == QUOTE_GROUPS ? (enum quote_group)g : out.nearest;
 	}
 	take_in(&out, log(q->software ? a->processor : a->gpu), a->deviation * a->deviation);
@@ -306,11 +355,16 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 					  [QUOTE_ENCODE] = q->bytes,
 					  [QUOTE_SETUP] = q->setup ? 1 : 0};
 	struct quote_prediction out = {.records = quote_count_scene(m, &q->key)};
+	struct said said[QUOTE_PARTS];
+	unsigned parts = 1u << QUOTE_ERROR | (q->cold ? 1u << QUOTE_COLD : 0);
 	double variance = 0;
+	for (int part = 0; part < QUOTE_COLD; part++)
+		parts |= times[part] > 0 ? 1u << part : 0;
+	ask(m, habits, q, parts, said);
 	for (int part = 0; part < QUOTE_COLD; part++) {
 		if (times[part] <= 0)
 			continue;
-		const struct guess g = guess_part(m, habits, q, (enum quote_part)part);
+		const struct guess g = guess_part(&said[part], habits, q, (enum quote_part)part);
 		const double us = exp(g.mean) * times[part];
 		out.us += us;
 		variance += us * us * g.variance;
@@ -321,8 +375,8 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 	out.us_low = out.us / time_width;
 	out.us_high = out.us * time_width;
 	if (q->cold)
-		out.cold_us = exp(guess_part(m, habits, q, QUOTE_COLD).mean);
-	const struct guess e = guess_part(m, habits, q, QUOTE_ERROR);
+		out.cold_us = exp(guess_part(&said[QUOTE_COLD], habits, q, QUOTE_COLD).mean);
+	const struct guess e = guess_part(&said[QUOTE_ERROR], habits, q, QUOTE_ERROR);
 	// One picture by noise is better or worse than the next, as far as its pixels are few.
 	const double luck = has_noise(q->technique) ? fmin(e.spread, 1) : 0;
 	out.nearest[1] = e.nearest;
@@ -386,18 +440,17 @@ static enum quote_group nearest_frame(const struct quote_model *m, const struct 
 	return nearest;
 }
 
-static void learn_groups(const struct quote_model *m, struct quote_habit *h, const struct quote_record *r,
-			 const struct quote_query *q, enum quote_part part)
+static void learn_groups(const struct quote_model *m, const struct said *said, struct quote_habit *h,
+			 const struct quote_record *r, enum quote_part part)
 {
-	const struct said said = ask(m, h, q, part);
 	const enum quote_group before = nearest_frame(m, r, part);
 	for (int g = 0; g < QUOTE_GROUPS; g++) {
 		// Of how far scenes are apart the first frame of one tells, and all others tell the same again; so of views.
-		if (said.weight[g] <= 0 || (g == QUOTE_OTHERS && before != QUOTE_OTHERS) ||
+		if (said->weight[g] <= 0 || (g == QUOTE_OTHERS && before != QUOTE_OTHERS) ||
 		    (g != QUOTE_FRAMES && before == QUOTE_FRAMES))
 			continue;
 		const double most = beside_most(part, g);
-		const double beside = fmax(fmin((double)r->part[part] - said.mean[g], most), -most);
+		const double beside = fmax(fmin((double)r->part[part] - said->mean[g], most), -most);
 		h->count[g] += 1;
 		h->sum[g] += beside;
 		h->squares[g] += beside * beside;
@@ -426,13 +479,15 @@ void quote_learn(struct quote_model *m, const struct quote_record *r, const stru
 		if (knows(r, QUOTE_ERROR) && has_noise(r->technique))
 			learn_stretch(&h->stretch[r->technique][1][said.nearest[1]],
 				      exp((double)r->part[QUOTE_ERROR]) / r->samples, said.error.low, said.error.high);
-		for (int part = 0; part < QUOTE_PARTS; part++) {
-			if (!knows(r, (enum quote_part)part))
-				continue;
-			struct quote_habit *habit = &h->habit[r->technique][part];
-			learn_drift(m, habit, r, (enum quote_part)part);
-			learn_groups(m, habit, r, q, (enum quote_part)part);
-		}
+		struct said told[QUOTE_PARTS];
+		struct quote_habit *habit = h->habit[r->technique];
+		for (int part = 0; part < QUOTE_PARTS; part++)
+			if (knows(r, (enum quote_part)part))
+				learn_drift(m, &habit[part], r, (enum quote_part)part);
+		ask(m, h, q, r->known, told);
+		for (int part = 0; part < QUOTE_PARTS; part++)
+			if (knows(r, (enum quote_part)part))
+				learn_groups(m, &told[part], &habit[part], r, (enum quote_part)part);
 	}
 	quote_keep(m, r);
 }
