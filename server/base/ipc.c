@@ -76,6 +76,12 @@ static bool take_descriptors(struct msghdr *m, int *fd)
 	return too_many;
 }
 
+bool ipc_next_is(int socket, enum ipc_op op)
+{
+	struct ipc_head head;
+	return recv(socket, &head, sizeof head, MSG_PEEK | MSG_DONTWAIT) == sizeof head && head.op == (uint32_t)op;
+}
+
 enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fd, struct error *err)
 {
 	struct iovec part = {.iov_base = buffer, .iov_len = capacity};

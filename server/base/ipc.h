@@ -2,7 +2,7 @@
 // message; descriptors are passed beside it. Both ends are of the same build, so the messages are plain structs;
 // `ipc_build` in the first message proves it. The child finds its end at descriptor IPC_FD.
 //
-//   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END  PILOT
+//   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END  PILOT  PILOT_END
 //   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  (the encoder's thread sends IMAGE, at any time)
 //   loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
 #ifndef CANDIL_BASE_IPC_H
@@ -31,6 +31,7 @@ enum ipc_op {
 	IPC_READ, // struct ipc_read: encode what has been accumulated
 	IPC_END, // struct ipc_job: forget the job; READs already requested are still answered
 	IPC_PILOT, // struct ipc_pilot: look at a scene
+	IPC_PILOT_END, // struct ipc_job: the PILOT before it is to end as soon as can be, and is answered with what it has
 	// worker -> front
 	IPC_READY, // struct ipc_ready, once
 	IPC_BEGUN, // struct ipc_begun, the answer to a BEGIN
@@ -140,6 +141,9 @@ const char *ipc_build(void);
 // Send one datagram with at most one descriptor (fd < 0: none). The descriptor remains the caller's. Any thread. STATUS_IO
 // if the peer is gone. Also STATUS_IO, with errno EAGAIN, if a non-blocking socket cannot take it now.
 enum status ipc_send(int socket, const void *message, size_t bytes, int fd, struct error *err);
+
+// Whether the next datagram is there already and is of this kind. It stays. Any thread.
+bool ipc_next_is(int socket, enum ipc_op op);
 
 // Receive one datagram into `buffer`; IPC_MAX_BYTES is always enough. *bytes is 0 if the peer has closed. *fd is -1 or a
 // new close-on-exec descriptor that the caller owns. STATUS_INTERNAL for a message that is longer than `capacity` or

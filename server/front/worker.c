@@ -39,7 +39,7 @@ static void worker_keep(struct worker *worker, const void *message, size_t bytes
 	const char *why = parcels_keep(&worker->waiting, message, bytes, fd);
 	if (why)
 		kill_for(worker, why);
-	else
+	else if (!worker->holding)
 		loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
 }
 
@@ -61,7 +61,7 @@ static void worker_give(struct worker *worker, const void *message, size_t bytes
 {
 	if (worker->state != WORKER_READY)
 		return;
-	if (worker->waiting.first || send_now(worker, message, bytes, fd) == SENT_LATER)
+	if (worker->waiting.first || worker->holding || send_now(worker, message, bytes, fd) == SENT_LATER)
 		worker_keep(worker, message, bytes, fd);
 }
 
@@ -146,6 +146,15 @@ void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
 	worker->pilot = pilot;
+	worker->holding = !worker->waiting.first;
+}
+
+void worker_pilot_end(struct worker *worker)
+{
+	const struct ipc_job message = {.head = {.op = IPC_PILOT_END, .job = worker->pilot}};
+	// If it cannot be sent now, because the worker has not come to its PILOT yet, the pilot takes its time.
+	if (worker->state == WORKER_READY && worker->holding)
+		send_now(worker, &message, sizeof message, -1);
 }
 
 // ---- the watchdog ----------------------------------------------------------------------------------------------------
@@ -292,6 +301,8 @@ static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
 		}
 	}
 	worker->pilot = 0;
+	worker->holding = false;
+	send_parcels(worker);
 	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
 	text_clean(piloted->error.text, sizeof piloted->error.text);
 	worker->events->piloted(worker->owner, piloted->head.job, piloted);
@@ -395,6 +406,7 @@ static void worker_lose(struct worker *worker, const char *how)
 	worker->answers_due = 0;
 	worker->images_due = 0;
 	worker->pilot = 0;
+	worker->holding = false;
 	worker->device_bytes = 0;
 	worker->killed_for = NULL;
 	watch_over(worker);

@@ -58,6 +58,7 @@ struct worker {
 	unsigned answers_due; // of BEGIN and STEP
 	unsigned images_due;
 	uint32_t pilot; // number of the PILOT without an answer; 0: none
+	bool holding; // it has that PILOT: it is sent nothing but the pilot's end, which it can then see at once
 	uint64_t answer_wait_us; // since when the oldest order without an answer is worked on
 	uint64_t image_wait_us; // the same for images
 	const char *killed_for; // why the front killed it; NULL: it did not
@@ -100,6 +101,10 @@ void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
 // within a limit, as of struct ipc_pilot; `piloted` answers. No STEP, no BEGIN and no PILOT may be outstanding.
 void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
 		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us);
+
+// End the pilot that is out before its time; `piloted` answers with what it has seen, unless it has answered already. What
+// cannot be cut short, such as compiling, is waited for.
+void worker_pilot_end(struct worker *worker);
 
 // Encode the job's picture as it is, `final` for the last time; `image` answers. `predicted`: as of struct ipc_read.
 void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted);

@@ -394,6 +394,12 @@ static bool make_room_for_pilot(void *user)
 	return make_room(user);
 }
 
+static bool pilot_is_ended(void *user)
+{
+	const struct server *s = user;
+	return ipc_next_is(s->socket, IPC_PILOT_END);
+}
+
 static enum status look(struct server *s, const struct ipc_pilot *m, struct job *job, struct pilot_result *results,
 			struct error *err)
 {
@@ -401,6 +407,7 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 		*err = s->no_device;
 		return err->code;
 	}
+	const uint64_t end_us = clock_us() + m->limit_us;
 	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
@@ -412,9 +419,10 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 				    .render = &m->render,
 				    .techniques = m->techniques,
 				    .budget_us = m->budget_us,
-				    .end_us = clock_us() + m->limit_us,
+				    .end_us = end_us,
 				    .memory = budget_left(s),
 				    .make_room = make_room_for_pilot,
+				    .is_ended = pilot_is_ended,
 				    .user = s};
 	return pilot_run(&pilot, results, err);
 }
@@ -444,6 +452,7 @@ static size_t expected_bytes(uint32_t op)
 	case IPC_READ:
 		return sizeof(struct ipc_read);
 	case IPC_END:
+	case IPC_PILOT_END:
 		return sizeof(struct ipc_job);
 	case IPC_PILOT:
 		return sizeof(struct ipc_pilot);
@@ -479,6 +488,8 @@ static enum status handle(struct server *s, const void *message, size_t bytes, i
 		return on_read(s, message);
 	case IPC_PILOT:
 		return on_pilot(s, message);
+	case IPC_PILOT_END:
+		return STATUS_OK; // its pilot has looked for it, or had ended before
 	default:
 		on_end(s, message);
 		return STATUS_OK;

@@ -14,7 +14,7 @@
 //   FAKE_PILOT         "die": be killed on PILOT; "refuse" it; "nonsense", "kind", "code", "other": answer with no number,
 //   no kind
 //                      of error, no status, for another pilot
-//   FAKE_PILOT_US=N    a pilot takes so long (default 0)
+//   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
 #include <fcntl.h>
@@ -228,7 +228,11 @@ static void on_pilot(const struct ipc_pilot *message)
 		piloted.error.code = (enum status)9999;
 	if (!strcmp(wrong, "other"))
 		piloted.head.job++;
-	usleep((useconds_t)fake_number("FAKE_PILOT_US", 0));
+	for (unsigned long left = fake_number("FAKE_PILOT_US", 0); left > 0 && !ipc_next_is(IPC_FD, IPC_PILOT_END);) {
+		const unsigned long us = left < 1000 ? left : 1000;
+		usleep((useconds_t)us);
+		left -= us;
+	}
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
 		const bool noisy = technique_traits(t) & TECHNIQUE_NOISE;
 		if (!(message->techniques >> t & 1u))
@@ -266,6 +270,10 @@ static void on_message(const void *message, int fd)
 		return;
 	case IPC_PILOT:
 		on_pilot(message);
+		return;
+	case IPC_PILOT_END:
+		if (trace)
+			fprintf(trace, "end\n");
 		return;
 	case IPC_END:
 		job = find(head->job);

@@ -190,7 +190,63 @@ class Late(QuoteCase):
             connection.ask(wire.CANCEL, pb.Cancel(request=job))
             self.assert_error(connection.receive_for(job), "cancelled")
         self.answer(asker, quote(samples=4))
-        self.assertLessEqual(self.trace().count("pilot"), 2)
+        # No pilot of theirs goes on.
+        self.assertLessEqual(self.trace().count("pilot"), self.trace().count("end") + 1)
+
+
+class Ended(QuoteCase):
+    """A pilot would take ten minutes; a worker that is so long without an answer is killed after one."""
+    environment = {"FAKE_PILOT_US": "600000000"}
+
+    def out(self, connection, question):
+        request = connection.send(wire.QUOTE if isinstance(question, pb.Quote) else wire.RENDER, question)
+        wire.wait_for(lambda: "pilot" in self.trace(), "the pilot is out")
+        return request
+
+    def assert_free(self, connection):
+        """The device is free, with the same worker."""
+        self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.assertEqual(connection.stats().worker_starts, 1)
+        self.assertIn("end", self.trace())
+
+    def test_cancelled(self):
+        connection = self.with_box()
+        asked = self.out(connection, quote(pilot_ms=60000))
+        connection.ask(wire.CANCEL, pb.Cancel(request=asked))
+        self.assert_error(connection.receive_for(asked), "cancelled")
+        self.assert_free(connection)
+
+    def test_the_client_goes(self):
+        connection, other = self.with_box(), self.connect()
+        self.out(other, quote(pilot_ms=60000))
+        other.close()
+        self.assert_free(connection)
+
+    def test_its_job_is_cancelled(self):
+        connection = self.with_box()
+        job = self.out(connection, render(**{**OPEN, "target_error": 0.1}))
+        connection.ask(wire.CANCEL, pb.Cancel(request=job))
+        self.assert_error(connection.receive_for(job), "cancelled")
+        self.assert_free(connection)
+
+    def test_its_job_is_let_go_without_it(self):
+        connection = self.with_box()
+        job = self.out(connection, render(**{**OPEN, "target_error": 0.1}))
+        self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
+        self.assert_free(connection)
+
+    def test_a_job_comes_whose_deadline_is_nearer(self):
+        """The pilot is made again when there is room."""
+        connection, other = self.with_box(), self.connect()
+        asked = self.out(other, quote(pilot_ms=1000))
+        # What is sent meanwhile reaches the worker later, and does not hide the end.
+        connection.load("another", self.scenes, "box.gltf")
+        job = connection.send(wire.RENDER, endless(deadline_ms=2000, scene="another"))
+        self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
+        wire.wait_for(lambda: self.trace().count("pilot") == 2, "another pilot")
+        other.ask(wire.CANCEL, pb.Cancel(request=asked))
+        self.assert_error(other.receive_for(asked), "cancelled")
+        self.assert_free(connection)
 
 
 class NoWorker(QuoteCase):

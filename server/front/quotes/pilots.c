@@ -114,11 +114,28 @@ static void send_pilot(struct quotes *quotes, struct quote *quote)
 		     &quote->render, quote->techniques, quote->budget_us, quote->limit_us);
 }
 
+void pilots_end(struct quotes *quotes)
+{
+	if (!quotes->ending)
+		worker_pilot_end(quotes->worker);
+	quotes->ending = true;
+}
+
+// A job that has come since may have to leave the device before the pilot does.
+static void make_way(struct quotes *quotes)
+{
+	const struct quote *quote = quote_by_id(quotes, quotes->out);
+	if (quote && jobs_first_end_us(quotes->jobs, quote->job) < quotes->out_since_us + quote->limit_us)
+		pilots_end(quotes);
+}
+
 void pilots_dispatch(struct quotes *quotes)
 {
 	struct jobs *jobs = quotes->jobs;
-	if (quotes->out)
+	if (quotes->out) {
+		make_way(quotes);
 		return;
+	}
 	struct quote *quote = quotes->worker->state == WORKER_READY ? next_pilot(quotes) : NULL;
 	if (!jobs_want_device(jobs))
 		quotes->owed_us = jobs->device_us;
@@ -132,5 +149,6 @@ void pilots_back(struct quotes *quotes)
 	if (quotes->out)
 		quotes->owed_us = quotes->jobs->device_us + (clock_us() - quotes->out_since_us);
 	quotes->out = 0;
+	quotes->ending = false;
 	quotes->jobs->piloting = quotes->jobs->pilot_out = false;
 }

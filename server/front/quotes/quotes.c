@@ -129,6 +129,9 @@ static void quote_destroy(struct quotes *quotes, struct quote *quote)
 // Nobody waits for it any more. While its pilot is out it stays, for the sake of the model.
 static void quote_leave(struct quotes *quotes, struct quote *quote)
 {
+	// A job that is let go would wait for it.
+	if (quotes->out == quote->id && quote->job)
+		pilots_end(quotes);
 	if (quote->session && !quote->job)
 		quote->session->requests--;
 	quote->session = NULL;
@@ -144,6 +147,8 @@ static void quote_fail(struct quotes *quotes, struct quote *quote, const struct 
 		jobs_decide(quotes->jobs, quote->job, NULL);
 	else if (quote->session && err)
 		reply_error(quote->session, quote->request, err);
+	if (quotes->out == quote->id)
+		pilots_end(quotes);
 	quote_leave(quotes, quote);
 }
 
@@ -234,10 +239,11 @@ void quotes_dispatch(struct quotes *quotes)
 void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted *piloted)
 {
 	struct quote *quote = quote_by_id(quotes, id);
+	const bool cut = quotes->ending;
 	pilots_back(quotes);
 	if (!quote)
 		return;
-	quote->piloted = true;
+	quote->piloted = !cut;
 	const struct rendered f = quote_frame(quote);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++)
 		if ((piloted->results[t].pixels > 0 || piloted->results[t].refused) &&
@@ -245,10 +251,10 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 			quote_known_pilot(&quotes->known, &f, (candil_Technique)t, &piloted->results[t]);
 	if (!quote->session)
 		quote_destroy(quotes, quote);
-	else if (piloted->error.code == STATUS_OK || quote->job)
-		quote_answer(quotes, quote);
-	else
+	else if (piloted->error.code != STATUS_OK && !quote->job)
 		quote_fail(quotes, quote, &piloted->error);
+	else if (!cut)
+		quote_answer(quotes, quote);
 }
 
 // It may be what the worker died of.

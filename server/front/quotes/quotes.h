@@ -20,6 +20,7 @@ struct quotes {
 	uint32_t last_id;
 	uint32_t out; // id of the quote whose pilot the worker has; 0: none
 	uint64_t out_since_us;
+	bool ending; // the worker was told to end it
 	uint64_t owed_us; // no pilot is sent before the jobs have had so much of the device in all
 };
 

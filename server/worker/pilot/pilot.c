@@ -97,6 +97,11 @@ static enum status plan_of(const struct pilot *pilot, const candil_Render *rende
 	return s;
 }
 
+static bool is_over(const struct pilot *pilot)
+{
+	return clock_us() > pilot->end_us || pilot->is_ended(pilot->user);
+}
+
 // Draw the request. STATUS_LIMIT: it was given up.
 static enum status draw(const struct pilot *pilot, const candil_Render *render, struct drawing *out, struct error *err)
 {
@@ -111,7 +116,7 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 	if (t->bytes(pilot->devices, pilot->scene, &plan) > pilot->memory)
 		return error_set(err, STATUS_MEMORY, "a pilot does not fit");
 	const uint64_t start = clock_us();
-	if (start > pilot->end_us)
+	if (is_over(pilot))
 		return error_set(err, STATUS_LIMIT, "a pilot takes too long");
 	do {
 		pilot->devices->vk->wanted = 0;
@@ -123,8 +128,7 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 			pilot->devices->vk->wanted = 0;
 			s = t->step(job, PILOT_SLICE_US, &result, err);
 		} while (s == STATUS_MEMORY && pilot->make_room(pilot->user));
-		const uint64_t now = clock_us();
-		const bool late = now > pilot->end_us || now - start > pilot_patience_us(pilot->budget_us);
+		const bool late = is_over(pilot) || clock_us() - start > pilot_patience_us(pilot->budget_us);
 		if (s == STATUS_OK && !result.finished && late)
 			s = error_set(err, STATUS_LIMIT, "a pilot takes too long");
 	}
