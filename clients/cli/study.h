@@ -41,6 +41,7 @@
 #define STUDY_PLAN_BYTES (1u << 20) // of a plan file
 #define STUDY_SAMPLES_FIT 0u // of a point: as many points, of 1, 4, 16… samples, as fit into the budget
 #define STUDY_ID 64u
+#define STUDY_DIGITS 6 // of a number of a plan, in its file and on the command lines of its runs alike
 
 // The reference's seed. The other runs of a study count theirs from 1, so none has this one.
 #define STUDY_REFERENCE_SEED 726566657u
@@ -165,6 +166,8 @@ void study_learn_cold(struct study *study, unsigned technique, double elapsed_us
 void study_note(struct study *study, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // A hash of a text and its zero, on top of another; FNV-1a.
 uint64_t study_hash(uint64_t hash, const char *text);
+// A number of so many digits: a file or a command line that has these says the same.
+double study_round(double x, int digits);
 // Append a space and a word, so that a shell takes it as one. *full: it did not fit.
 void study_quote(char *text, size_t capacity, const char *word, bool *full);
 // The path of a file of the folder. false, with errno: it is too long.

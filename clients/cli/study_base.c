@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -48,6 +49,13 @@ uint64_t study_hash(uint64_t hash, const char *text)
 		hash = (hash ^ (uint8_t)*text) * 0x100000001b3u;
 	} while (*text++);
 	return hash;
+}
+
+double study_round(double x, int digits)
+{
+	char text[32];
+	snprintf(text, sizeof(text), "%.*e", digits - 1, x);
+	return strtod(text, NULL);
 }
 
 void study_quote(char *text, size_t capacity, const char *word, bool *full)

@@ -65,14 +65,6 @@ static double report_number(struct study *study, unsigned technique, uint32_t sa
 
 // ---- settling --------------------------------------------------------------------------------------------------------
 
-// Two digits of a number, so that a file that has them as text says the same.
-static double two_digits(double x)
-{
-	char text[32];
-	snprintf(text, sizeof(text), "%.1e", x);
-	return strtod(text, NULL);
-}
-
 // Settle the reference of a view that a number of seconds is for.
 static void settle_reference(struct study *study, uint32_t view, double seconds)
 {
@@ -85,7 +77,7 @@ static void settle_reference(struct study *study, uint32_t view, double seconds)
 	double samples = line.known ? (seconds - line.a) / line.b : 64;
 	samples = fmin(fmax(samples, 2.0 * PROBE_SAMPLES), REFERENCE_SAMPLES_MAX / 1.5);
 	if (v->relmse == 0 && error > 0)
-		v->relmse = two_digits(error * PROBE_SAMPLES / samples);
+		v->relmse = study_round(error * PROBE_SAMPLES / samples, 2);
 	else if (v->relmse > 0 && error > 0)
 		samples = error * PROBE_SAMPLES / v->relmse; // the plan file's own target
 	if (v->relmse == 0)
@@ -171,6 +163,10 @@ static bool add_ablations(struct study *study, unsigned technique, double second
 	json_array_foreach(effects, index, effect) simulated += strcmp(text_of(effect, "state"), "simulated") == 0;
 	struct study_point point = {.kind = STUDY_ABLATION, .technique = technique};
 	point.samples = simulated > 0 ? ablation_samples(study, technique, seconds / (double)simulated) : 1;
+	// What the ablations stand beside is a point of the plan, though it was made to be measured alone.
+	const uint32_t whole = find_plain(study, technique, point.samples);
+	if (simulated > 0 && whole < study->plan.point_count)
+		study->plan.points[whole].probe = false;
 	json_array_foreach(effects, index, effect)
 	{
 		if (strcmp(text_of(effect, "state"), "simulated") != 0)

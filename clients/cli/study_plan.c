@@ -72,7 +72,7 @@ static bool take_real(struct reader *r, json_t *object, const char *key, double 
 	snprintf(what, sizeof(what), "\"%s\" is a number above 0, at most %g", key, most);
 	if (!json_is_number(value) || !(number > 0) || number > most)
 		return refuse(r, what);
-	*out = number;
+	*out = study_round(number, STUDY_DIGITS);
 	return true;
 }
 

@@ -73,7 +73,7 @@ bool study_command_line(const struct study *study, const struct study_run *run, 
 	char numbers[256], error[32] = "", setting[LIMIT_OPTION_NAME + LIMIT_OPTION_VALUE + 2];
 	bool full = false;
 	if (!p && view->relmse > 0)
-		snprintf(error, sizeof(error), " --error %.6g", view->relmse);
+		snprintf(error, sizeof(error), " --error %.*g", STUDY_DIGITS, view->relmse);
 	snprintf(numbers, sizeof(numbers),
 		 " -o %s.exr --technique %s --size %" PRIu32 "x%" PRIu32 " --spp %" PRIu32 " --seed %" PRIu64 "%s", run->id,
 		 technique_name(technique), study->plan.width, study->plan.height, p ? p->samples : view->samples, run->seed,

@@ -242,6 +242,22 @@ class Study(DaemonCase):
         self.study(plan=plan)
         self.assertTrue(any("no run was cold" in note for note in self.state()["notes"]), self.state()["notes"])
 
+    def test_a_target_of_many_digits_is_the_same_when_it_goes_on(self):
+        plan = dict(PLAN, points=PLAN["points"][2:3], reference={"relmse": 0.512345678901234, "samples": 16})
+        self.study(plan=plan)
+        command, = [line["command"] for line in self.lines() if line["kind"] == "reference"]
+        self.assertIn("--error 0.512346 ", command + " ")
+        self.assertEqual(self.study(plan=plan)["made"], 0)
+
+    def test_ablations_have_what_they_stand_beside(self):
+        plan = dict(PLAN, points=[{"technique": "pt", "settings": {"samples": 2, "pt.depth": 3}}], ablations=True, budget=5)
+        self.study("--techniques", "pt", plan=plan)
+        with open(self.path("results.json"), encoding="utf-8") as file:
+            ablation = json.load(file)["ablation"]
+        self.assertTrue(ablation)
+        for row in ablation:
+            self.assertIsNotNone(row["seconds_whole"], row)
+
     def start(self, plan):
         """Start a study, and wait until some of it is on disk."""
         process = subprocess.Popen(self.command(plan=plan), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
