@@ -128,6 +128,16 @@ class Report(unittest.TestCase):
         self.assertLess(grey[:, 4:].mean(), .1)
         self.assertTrue((shown[:, 4:, 0] > shown[:, 4:, 2])[~grey[:, 4:]].all(), "brighter is orange")
 
+    def test_what_the_first_of_its_settings_costs_is_on_the_page(self):
+        """A cold run for which nothing had to be compiled has made what the scene keeps: warm times do not have it."""
+        study = Study(self.folder).usual()
+        study.add("cold", study.noisy(.1), kind="cold", technique=BIASED, settings={"samples": 1, "vct.resolution": 64}, seconds=3,
+                  report={"stages": [{"name": "voxelise", "us": 2900000}, {"name": "trace", "us": 100000}]})
+        page, _ = self.page(study)
+        self.assertIn(f"{BIASED}, samples 1, vct.resolution 64 first of its settings 3.0 s voxelise\u00a02.9 s, trace\u00a0100 ms".replace("\u00a0", " "),
+                      page.text())
+        self.assertIn("they leave out what the scene keeps from run to run", page.text())
+
     def test_text_from_outside_is_text(self):
         study = Study(self.folder).usual()
         study.json.update(title=EVIL, command=EVIL, device=EVIL, notes=[EVIL], skipped=[{"technique": EVIL, "why": EVIL}])

@@ -217,10 +217,13 @@
 			const known = t.points.filter((p) => p.view === 0 && p.relmse > 0 && p.stages?.length);
 			const best = known.sort((a, b) => a.relmse - b.relmse)[0] || t.points.find((p) => p.stages?.length);
 			const cold = t.cold.find((p) => p.cold_stages?.length) || t.points.find((p) => p.cold_stages?.length);
+			const first = t.cold.filter((p) => p.stages?.length).pop(); // the slowest
 			if (best)
 				bars.push({name: `${t.name}, ${settings(best)}`, what: "warm", stages: copy(best.stages)});
 			if (cold)
 				bars.push({name: `${t.name}, ${settings(cold)}`, what: "cold", stages: copy(cold.cold_stages)});
+			if (first)
+				bars.push({name: `${t.name}, ${settings(first)}`, what: "first of its settings", stages: copy(first.stages)});
 		}
 		const names = [...new Set(bars.flatMap((b) => b.stages.map((s) => s.name)))];
 		const total = (name) => bars.reduce((sum, b) => sum + (b.stages.find((s) => s.name === name)?.seconds || 0) / b.stages.reduce((a, s) => a + s.seconds, 0), 0);
@@ -231,7 +234,7 @@
 			names.push("the rest");
 			bars.forEach((b) => b.stages.push({name: "the rest", seconds: b.stages.reduce((sum, s) => sum + (small.includes(s.name) ? s.seconds : 0), 0)}));
 		}
-		for (const what of ["warm", "cold"]) {
+		for (const what of ["warm", "cold", "first of its settings"]) {
 			const some = bars.filter((b) => b.what === what);
 			if (!some.length)
 				continue;
