@@ -49,10 +49,12 @@ struct point {
 	bool noise; // its seeds' pictures differ
 	size_t seeds; // with an image, each counted once
 	double relmse, relmse_measured; // mean over seeds, corrected and not
-	struct interval relmse_interval; // of the corrected mean, by its seeds and the reference's own interval
+	struct interval
+	    relmse_interval; // of the corrected mean, by its seeds and the reference's own interval, both of 95 %
 	struct interval seeds_interval; // by its seeds alone: for points that have the same reference
 	double relmse_noise; // how much of relmse is noise, which the mean of the seeds' pictures tells; NaN: one seed
-	bool resolved; // relmse is above the upper end of the reference's own: only then it takes part in comparisons
+	bool resolved; // relmse is above the upper end that the reference's own has by its reply: only then it takes part in
+		       // comparisons
 	double rmse, mean_difference, flip, flip_max; // mean over seeds; flip's of `shown` alone
 	double seconds; // median of the warm runs; NaN: there is none
 	struct interval seconds_interval;

@@ -240,11 +240,11 @@ char *results_csv(const struct figures *f)
 	FILE *out = open_memstream(&text, &bytes);
 	if (!out)
 		return NULL;
-	fputs(
-	    "view,technique,effects,settings,seconds,seconds_low,seconds_high,cold_seconds,relmse,relmse_low,relmse_high,"
-	    "relmse_measured,resolved,rmse,mean_difference,flip,efficiency,efficiency_low,efficiency_high,pareto,runs,seeds,"
-	    "bias_share,command\r\n",
-	    out);
+	fputs("view,technique,effects,settings,seconds,seconds_low,seconds_high,cold_seconds,relmse,relmse_low,relmse_high,"
+	      "relmse_measured,relmse_noise,resolved,rmse,mean_difference,flip,efficiency,efficiency_low,efficiency_high,"
+	      "pareto,runs,seeds,"
+	      "bias_share,command\r\n",
+	      out);
 	for (size_t i = 0; i < f->point_count; i++) {
 		const struct point *p = &f->points[i];
 		const struct study_run *run = &p->runs[0];
@@ -257,8 +257,10 @@ char *results_csv(const struct figures *f)
 		fputc(',', out);
 		csv_text(out, settings ? settings : "");
 		free(settings);
-		const double before[] = {p->seconds, p->seconds_interval.low, p->seconds_interval.high, p->cold_seconds,
-					 p->relmse,  p->relmse_interval.low,  p->relmse_interval.high,  p->relmse_measured};
+		const double before[] = {
+		    p->seconds,     p->seconds_interval.low, p->seconds_interval.high, p->cold_seconds,
+		    p->relmse,      p->relmse_interval.low,  p->relmse_interval.high,  p->relmse_measured,
+		    p->relmse_noise};
 		for (size_t k = 0; k < sizeof before / sizeof *before; k++)
 			csv_number(out, before[k]);
 		fprintf(out, ",%d", p->resolved);

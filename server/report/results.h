@@ -1,4 +1,4 @@
-// results.json and results.csv: the figures of a study for other programs. README.md has the keys. One thread.
+// results.json and results.csv: the figures of a study for other programs. One thread.
 #ifndef CANDIL_REPORT_RESULTS_H
 #define CANDIL_REPORT_RESULTS_H
 

@@ -117,7 +117,7 @@ void table_points(struct html *html, const void *context)
 		    "Every point, by technique and time. ★: nothing else is as quick and as accurate (the Pareto front). "
 		    "Small figures: 95 % intervals over the seeds and the reference's own error; of two seeds they are "
 		    "wide. "
-		    "Efficiency: where noise is at least half of the error.",
+		    "Efficiency: where noise is at least half of the error; its interval is over the seeds alone.",
 		    "<th>settings<th>time<th>relMSE<th>RMSE<th>signed<br>mean<th>FLIP<th>efficiency<br>1/"
 		    "(relMSE·s)<th>tiles "
 		    "with<br>bias<th>seeds");
@@ -157,7 +157,7 @@ void table_references(struct html *html, const void *context)
 	const struct page *page = context;
 	const struct figures *f = page->figures;
 	char unnamed[32];
-	open_table(html, "The references, and their own error",
+	open_table(html, "The references, and their own error with the 90 % interval that the reply stated",
 		   "<th>view<th>samples<th>relMSE<th>known by<th>time<th>shown at<th class=\"t\">command");
 	for (uint32_t view = 0; view < f->study->views; view++) {
 		const struct reference *r = &f->views[view];

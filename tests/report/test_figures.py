@@ -98,8 +98,9 @@ class Figures(unittest.TestCase):
         self.assertEqual((got["relmse_low"], got["relmse_high"]), (got["relmse"], got["relmse"]))
         study.lines[0]["report"].update(relmse_low=.5 * own, relmse_high=2 * own)
         wider = point(study.run(), BIASED, 4)
-        self.assertAlmostEqual(wider["relmse_low"], got["relmse"] - own, delta=1e-8)
-        self.assertAlmostEqual(wider["relmse_high"], got["relmse"] + .5 * own, delta=1e-8)
+        # The reply's interval is of 90 %.
+        self.assertAlmostEqual(wider["relmse_low"], got["relmse"] - 1.96 / 1.645 * own, delta=1e-8)
+        self.assertAlmostEqual(wider["relmse_high"], got["relmse"] + 1.96 / 1.645 * .5 * own, delta=1e-8)
 
     def test_a_few_seeds_have_students_band(self):
         study = self.study.usual(seeds=3)
@@ -387,6 +388,7 @@ class Figures(unittest.TestCase):
         self.assertEqual(len(rows), sum(len(t["points"]) for t in results["techniques"]))
         row = next(r for r in rows if r["technique"] == NOISY and r["settings"] == "samples 1")
         self.assertAlmostEqual(float(row["relmse"]), point(results, NOISY, 1)["relmse"], delta=1e-8)
+        self.assertAlmostEqual(float(row["relmse_noise"]), point(results, NOISY, 1)["relmse_noise"], delta=1e-8)
         self.assertEqual(row["command"], 'candil render "a, b.gltf"')
 
     def test_csv_has_no_formula(self):
