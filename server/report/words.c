@@ -150,19 +150,21 @@ static void say_bias(const struct point *p, char out[96])
 // A floor that is one: its level, and by which samples it is known to be one.
 static void say_held(const struct judge_floor *floor, const char *of, const char *name, json_t *words)
 {
-	char level[WORDS_NUMBER], low[WORDS_NUMBER], high[WORDS_NUMBER], interval[3 * WORDS_NUMBER] = "", known[64],
-										      bias[96];
-	if (floor->interval.low < floor->interval.high)
-		snprintf(interval, sizeof interval, " (%s … %s)", words_error(floor->interval.low, low),
-			 words_error(floor->interval.high, high));
+	char level[WORDS_NUMBER], low[WORDS_NUMBER], high[WORDS_NUMBER], interval[3 * WORDS_NUMBER] = "";
+	char known[96], bias[96];
+	words_error(floor->interval.low, low);
+	words_error(floor->interval.high, high);
+	if (floor->interval.low < floor->interval.high && strcmp(low, high) != 0)
+		snprintf(interval, sizeof interval, " (%s … %s)", low, high);
 	if (floor->by_others)
-		snprintf(known, sizeof known, "with other settings more samples changed nothing");
+		snprintf(known, sizeof known,
+			 "Those settings alone do not say so; with others more samples changed nothing");
 	else
-		snprintf(known, sizeof known, "from samples %.0f to %.0f it did not fall", floor->before->runs[0].samples,
+		snprintf(known, sizeof known, "From samples %.0f to %.0f it did not fall", floor->before->runs[0].samples,
 			 floor->point->runs[0].samples);
 	say_bias(floor->point, bias);
-	say(words, "%s%s gets no lower than relMSE %s%s, noise taken off, with the settings of this study; %s%s.", of, name,
-	    words_error(floor->level, level), interval, known, bias);
+	say(words, "%s%s gets no lower than relMSE %s%s with the settings of this study, noise taken off%s. %s.", of, name,
+	    words_error(floor->level, level), interval, bias, known);
 }
 
 static void say_floors(const struct judgement *j, const struct judge_view *v, const char *of, json_t *words)
@@ -175,18 +177,18 @@ static void say_floors(const struct judgement *j, const struct judge_view *v, co
 		if (!p)
 			continue;
 		words_error(p->relmse, error);
-		if (!floor->resolved)
+		if (p->resolved && floor->fall == JUDGE_FALLING && !floor->by_others)
+			say(words,
+			    "%s%s is still falling with samples %.0f: relMSE %s, after %s with %.0f. Its floor is unknown.",
+			    of, name, p->runs[0].samples, error, words_error(floor->before->relmse, earlier),
+			    floor->before->runs[0].samples);
+		else if (!floor->resolved)
 			say(words,
 			    "%s%s has no floor that this reference could tell: without its noise its error is within the "
 			    "reference's own.",
 			    of, name);
 		else if (floor->fall == JUDGE_HELD)
 			say_held(floor, of, name, words);
-		else if (floor->fall == JUDGE_FALLING && !floor->by_others)
-			say(words,
-			    "%s%s is still falling with samples %.0f: relMSE %s, after %s with %.0f. Its floor is unknown.",
-			    of, name, p->runs[0].samples, error, words_error(floor->before->relmse, earlier),
-			    floor->before->runs[0].samples);
 		else
 			say(words,
 			    "%s%s was at relMSE %s (noise: %s) with samples %.0f; whether more samples lower the rest "
