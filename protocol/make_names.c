@@ -22,7 +22,7 @@ static void print_library(void)
 #define STATUS(NAME, number, wire) printf("\tCANDIL_STATUS_%s = %d, // \"%s\"\n", #NAME, number, wire);
 	CANDIL_STATUS_LIST(STATUS)
 	puts("} candil_status;\n\nenum candil_technique {");
-#define TECHNIQUE(NAME, number, name, traits) \
+#define TECHNIQUE(NAME, number, name, ...) \
 	printf("\tCANDIL_TECHNIQUE_%s = %d, // \"%s\"%s\n", #NAME, number, name, \
 	       technique_traits(number) ? "" : ": not there yet, it is refused");
 	CANDIL_TECHNIQUE_LIST(TECHNIQUE)

@@ -41,9 +41,10 @@ _Static_assert((int)LIGHT_KIND_COUNT == (int)_candil_LightKind_ARRAYSIZE, "candi
 struct technique_row {
 	const char *name;
 	unsigned traits;
+	unsigned options;
 };
 
-#define TECHNIQUE_ROW(NAME, number, name, traits) [number] = {name, traits},
+#define TECHNIQUE_ROW(NAME, number, name, traits, options) [number] = {name, traits, options},
 static const struct technique_row techniques[TECHNIQUE_COUNT] = {CANDIL_TECHNIQUE_LIST(TECHNIQUE_ROW)};
 
 #define EFFECT_ROW(NAME, number, name, simulated, absent, inert, substitute) \
@@ -87,6 +88,12 @@ unsigned technique_traits(unsigned technique)
 	if (technique == (unsigned)candil_Technique_TECHNIQUE_AUTO)
 		technique = TECHNIQUE_OF_AUTO;
 	return technique < TECHNIQUE_COUNT ? techniques[technique].traits : 0;
+}
+
+bool technique_takes(unsigned technique, const char *option)
+{
+	const int of = technique_number(option, strcspn(option, "."));
+	return of >= 0 && technique < TECHNIQUE_COUNT && techniques[technique].options >> of & 1u;
 }
 
 void names_list(const char *const *names, size_t count, const char *last, char *out, size_t capacity)

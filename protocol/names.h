@@ -14,6 +14,7 @@
 //	assert(technique_number("nothing", 7) == -1 && strcmp(technique_name(TECHNIQUE_COUNT), "unknown") == 0);
 //	names_list((const char *const[]){"a", "b", "c"}, 3, "and", list, sizeof list);
 //	assert(strcmp(list, "a, b and c") == 0);
+//	assert(technique_takes(2, "direct.samples") && !technique_takes(4, "vct.cones"));
 //	assert(technique_traits(0) == technique_traits(TECHNIQUE_OF_AUTO));
 //	light_kind_list(LIGHT_HAS_PLACE, "or", list, sizeof list);
 //	assert(strcmp(list, "a point light or a spot") == 0);
@@ -32,13 +33,14 @@
 #define TECHNIQUE_LENS 4u // it has lenses with a radius, every pixel filter, and panoramas
 #define TECHNIQUE_VOXELS 8u // it has voxels to show: `candil inspect`
 
-// X(NAME, number, "name", traits)
+// X(NAME, number, "name", traits, options), the last bits 1u << number of the techniques whose options it takes: those that
+// begin with their names and a dot.
 #define CANDIL_TECHNIQUE_LIST(X) \
-	X(AUTO, 0, "auto", 0u) \
-	X(PT, 1, "pt", TECHNIQUE_RENDERS | TECHNIQUE_NOISE | TECHNIQUE_LENS) \
-	X(VCT, 2, "vct", TECHNIQUE_RENDERS | TECHNIQUE_VOXELS) \
-	X(RADIOSITY, 3, "radiosity", 0u) \
-	X(DIRECT, 4, "direct", TECHNIQUE_RENDERS)
+	X(AUTO, 0, "auto", 0u, 0u) \
+	X(PT, 1, "pt", TECHNIQUE_RENDERS | TECHNIQUE_NOISE | TECHNIQUE_LENS, 1u << 1) \
+	X(VCT, 2, "vct", TECHNIQUE_RENDERS | TECHNIQUE_VOXELS, 1u << 2 | 1u << 4) \
+	X(RADIOSITY, 3, "radiosity", 0u, 0u) \
+	X(DIRECT, 4, "direct", TECHNIQUE_RENDERS, 1u << 4)
 
 // The number of the technique that "auto" stands for where nothing is asked for that it could be chosen by, and in a sweep:
 // server/front/quotes chooses otherwise.
@@ -167,6 +169,9 @@ int technique_number(const char *name, size_t length);
 // LIGHT_HAS_… bits. 0 for a number that nothing has.
 unsigned technique_traits(unsigned technique);
 unsigned light_kind_traits(unsigned kind);
+
+// Whether a technique takes the options that begin as this one does.
+bool technique_takes(unsigned technique, const char *option);
 
 // `count` names as a list in a sentence: "pt, vct and direct" if `last` is "and". Cut where `capacity` bytes are too few.
 void names_list(const char *const *names, size_t count, const char *last, char *out, size_t capacity);

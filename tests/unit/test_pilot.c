@@ -10,6 +10,7 @@
 
 #include "protocol/limits.h"
 #include "server/worker/pilot/pilot.h"
+#include "server/worker/technique/technique.h"
 
 #define SIDE 64u
 #define FLOATS (3u * SIDE * SIDE)
@@ -154,9 +155,22 @@ static void the_longest_pilot_is_not_given_up(void **state)
 	assert_true(pilot_patience_us(1000) < 11000000);
 }
 
+// Which options a technique takes is known to the front by their beginnings alone.
+static void options_are_of_the_techniques_that_names_h_says(void **state)
+{
+	(void)state;
+	for (uint32_t i = 0; i < technique_count(); i++)
+		for (const struct option_table *of = technique_at(i)->options; of->rules; of++)
+			for (size_t r = 0; r < of->count; r++)
+				for (uint32_t k = 0; k < technique_count(); k++)
+					assert_int_equal(option_known(technique_at(k)->options, of->rules[r].name),
+							 technique_takes(technique_at(k)->number, of->rules[r].name));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(options_are_of_the_techniques_that_names_h_says),
 	    cmocka_unit_test(noise_is_no_bias),
 	    cmocka_unit_test(bias_shows_behind_noise),
 	    cmocka_unit_test(one_firefly_is_not_the_picture),

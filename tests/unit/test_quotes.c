@@ -576,6 +576,9 @@ static void options_and_lenses_leave_what_takes_them(void **state)
 	strcpy(r.options[0].name, "pt.depth");
 	assert_true(quote_can(&r, PT));
 	assert_false(quote_can(&r, DIRECT));
+	strcpy(r.options[0].name, "direct.samples");
+	assert_true(quote_can(&r, DIRECT) && quote_can(&r, candil_Technique_TECHNIQUE_VCT));
+	assert_false(quote_can(&r, PT));
 	r = (candil_Render){.width = 1, .height = 1, .lens = {.radius = 1}};
 	assert_true(quote_can(&r, PT));
 	assert_false(quote_can(&r, DIRECT));

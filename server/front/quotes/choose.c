@@ -39,11 +39,9 @@ bool quote_can(const candil_Render *r, candil_Technique technique)
 	// Samples by index are asked for to be merged with others of the same noise.
 	if (r->first_sample > 0 && !(traits & TECHNIQUE_NOISE))
 		return false;
-	for (pb_size_t i = 0; i < r->options_count; i++) {
-		const size_t length = strcspn(r->options[i].name, ".");
-		if (technique_number(r->options[i].name, length) != (int)technique)
+	for (pb_size_t i = 0; i < r->options_count; i++)
+		if (!technique_takes(technique, r->options[i].name))
 			return false;
-	}
 	return true;
 }
 

@@ -391,15 +391,22 @@ static bool wanted(const struct pilot *pilot, const struct technique *t, bool no
 	return pilot->techniques >> t->number & 1u && ((technique_traits(t->number) & TECHNIQUE_NOISE) != 0) == noisy;
 }
 
-// Whether the request can be planned at all: by its own technique, else by that of its options.
+static bool takes_all(int technique, const candil_Render *r)
+{
+	for (pb_size_t i = 0; i < r->options_count; i++)
+		if (technique < 0 || !technique_takes((unsigned)technique, r->options[i].name))
+			return false;
+	return true;
+}
+
+// Whether the request can be planned at all: by its own technique, else by that of its options that takes them all.
 static enum status look_over(const struct pilot *pilot, struct error *err)
 {
 	struct plan plan;
 	candil_Render render = *pilot->render;
-	const char *option = render.options[0].name;
-	if (render.technique == candil_Technique_TECHNIQUE_AUTO && render.options_count > 0) {
-		const int number = technique_number(option, strcspn(option, "."));
-		render.technique = number > 0 ? (candil_Technique)number : render.technique;
+	for (pb_size_t i = 0; i < render.options_count && render.technique == candil_Technique_TECHNIQUE_AUTO; i++) {
+		const int number = technique_number(render.options[i].name, strcspn(render.options[i].name, "."));
+		render.technique = takes_all(number, &render) ? (candil_Technique)number : render.technique;
 	}
 	return plan_of(pilot, &render, &plan, err);
 }
