@@ -61,8 +61,6 @@
 #define LIMIT_VARIANTS 4u // edited scenes that a worker keeps while no job uses them
 #define LIMIT_SWEEP_CAMERAS 256u // of one Sweep; so many fit a message
 
-#define LIMIT_CHOICE_OPTIONS 4u // of one Choice
-
 // ---- quotes ----
 #define LIMIT_QUOTES 64u // under way in the daemon, TECHNIQUE_AUTO's among them
 #define LIMIT_PILOT_MS 60000u // of device time that a quote may ask for

@@ -14,11 +14,8 @@ static void put_known(json_t *object, const char *key, double value)
 
 static void put_choice(json_t *o, const struct candil_choice *c)
 {
-	json_t *settings = json_pack("{s:o}", "samples", cli_json_u64(c->samples));
-	for (uint32_t i = 0; i < c->option_count; i++)
-		json_object_set_new(settings, c->options[i].name, cli_json_text(c->options[i].value));
 	json_object_set_new(o, "technique", json_string(candil_technique_name(c->technique)));
-	json_object_set_new(o, "settings", settings);
+	json_object_set_new(o, "settings", json_pack("{s:o}", "samples", cli_json_u64(c->samples)));
 	put_known(o, "time_ms", c->time_ms);
 	put_known(o, "time_ms_low", c->time_ms_low);
 	put_known(o, "time_ms_high", c->time_ms_high);
@@ -57,8 +54,6 @@ json_t *quote_json(const struct candil_quote *q)
 static void print_choice(const char *title, const struct candil_choice *c)
 {
 	printf("%-10s %s, %" PRIu32 " sample%s", title, candil_technique_name(c->technique), c->samples, cli_s(c->samples));
-	for (uint32_t i = 0; i < c->option_count; i++)
-		printf(", %s=%s", c->options[i].name, c->options[i].value);
 	printf(": %.1f ms (%.1f … %.1f), relative MSE ", c->time_ms, c->time_ms_low, c->time_ms_high);
 	if (c->relmse >= 0)
 		printf("%.2e (%.2e … %.2e)\n", c->relmse, c->relmse_low, c->relmse_high);

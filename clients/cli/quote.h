@@ -5,7 +5,7 @@
 #include "clients/cli/cli.h"
 
 #define QUOTE_JSON_HELP \
-	"{\"technique\", \"settings\": {\"samples\", options by their names}, \"time_ms\", \"time_ms_low\", " \
+	"{\"technique\", \"settings\": {\"samples\"}, \"time_ms\", \"time_ms_low\", " \
 	"\"time_ms_high\",\n" \
 	"\"relmse\", \"relmse_low\", \"relmse_high\" (null: unknown), \"met\", \"why\", \"cheaper\", \"better\" (each " \
 	"with\n" \

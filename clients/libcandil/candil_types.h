@@ -322,11 +322,6 @@ struct candil_effect_report {
 struct candil_choice {
 	enum candil_technique technique; // never CANDIL_TECHNIQUE_AUTO
 	uint32_t samples; // per pixel
-	uint32_t option_count;
-	struct {
-		char name[32];
-		char value[32];
-	} options[4]; // beside those of the request
 	double time_ms, time_ms_low, time_ms_high; // from the request's arrival to the image, on an idle device whose
 						   // programs are compiled
 	double relmse, relmse_low, relmse_high; // against the picture that path tracing tends to; negative: unknown

@@ -324,14 +324,8 @@ static double known(double x, double least, double most)
 
 static void read_choice(const candil_Choice *from, struct candil_choice *to)
 {
-	_Static_assert(COUNT(to->options) == COUNT(from->options), "candil_types.h and candil.options differ");
 	to->technique = (enum candil_technique)from->technique;
 	to->samples = from->samples;
-	to->option_count = from->options_count;
-	for (size_t i = 0; i < from->options_count; i++) {
-		TEXT(to->options[i].name, from->options[i].name);
-		TEXT(to->options[i].value, from->options[i].value);
-	}
 	to->time_ms = known(from->time_ms, 0, INFINITY);
 	to->time_ms_low = known(from->time_ms_low, 0, INFINITY);
 	to->time_ms_high = known(from->time_ms_high, 0, INFINITY);

@@ -369,8 +369,6 @@ enum status request_render(const uint8_t *body, size_t bytes, candil_Render *ren
 
 // ---- a quote ---------------------------------------------------------------------------------------------------------
 
-_Static_assert(sizeof((candil_Choice *)0)->options / sizeof(candil_Option) == LIMIT_CHOICE_OPTIONS, "candil.options agrees");
-
 bool request_is_open(const candil_Render *r)
 {
 	return r->technique == candil_Technique_TECHNIQUE_AUTO && (r->target_error > 0 || r->deadline_ms > 0);

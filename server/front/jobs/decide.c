@@ -20,8 +20,6 @@ uint32_t jobs_hold(struct jobs *jobs, const struct session *session, uint32_t re
 static void take_choice(candil_Render *render, const candil_Choice *choice)
 {
 	render->technique = choice->technique;
-	for (pb_size_t i = 0; i < choice->options_count && render->options_count < LIMIT_OPTIONS; i++)
-		render->options[render->options_count++] = choice->options[i];
 	if (technique_traits(choice->technique) & TECHNIQUE_NOISE)
 		return; // its end is that of the request
 	render->samples = choice->samples;

@@ -205,9 +205,7 @@ static void tell(const struct quote_way *way, candil_Choice *out)
 			       .time_ms_high = way->said.us_high / 1000,
 			       .relmse = way->said.error.relmse,
 			       .relmse_low = way->said.error.low,
-			       .relmse_high = way->said.error.high,
-			       .options_count = (pb_size_t)way->option_count};
-	memcpy(out->options, way->options, way->option_count * sizeof *out->options);
+			       .relmse_high = way->said.error.high};
 }
 
 static const char *s_of(uint32_t count)

@@ -11,8 +11,6 @@
 struct quote_way {
 	candil_Technique technique;
 	uint32_t samples;
-	unsigned option_count;
-	candil_Option options[LIMIT_CHOICE_OPTIONS]; // beside those of the request
 	struct quote_prediction said;
 	double sure_us; // nine times of ten what cannot be cut short is there by then: of noise the first sample, else all
 };
@@ -26,7 +24,7 @@ struct quote_ask {
 	void *user;
 	// What others add to so much work, which counts against the deadline. NULL: nothing.
 	double (*queue_us)(void *user, double us);
-	// Predict the request by a technique, samples and options. `way->said` is filled in.
+	// Predict the request by a technique and samples. `way->said` is filled in.
 	void (*predict)(void *user, struct quote_way *way);
 };
 

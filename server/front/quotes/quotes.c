@@ -29,17 +29,12 @@ struct quote *quote_by_id(const struct quotes *quotes, uint32_t id)
 struct asking {
 	struct quotes *quotes;
 	const struct quote *quote;
-	candil_Render render; // with the options of a way
 };
 
 static void predict_way(void *user, struct quote_way *way)
 {
-	struct asking *a = user;
-	a->render = a->quote->render;
-	for (unsigned i = 0; i < way->option_count && a->render.options_count < LIMIT_OPTIONS; i++)
-		a->render.options[a->render.options_count++] = way->options[i];
-	struct rendered f = quote_frame(a->quote);
-	f.render = &a->render;
+	const struct asking *a = user;
+	const struct rendered f = quote_frame(a->quote);
 	const struct quote_query q = quote_known_query(&a->quotes->known, &f, way->technique, way->samples);
 	way->said = quote_predict(a->quotes->known.model, &q);
 }
@@ -96,10 +91,7 @@ static void make_reply(struct quotes *quotes, const struct quote *quote, candil_
 				      .user = &asking,
 				      .predict = predict_way};
 	quote_choose(&ask, reply);
-	struct quote_way way = {.technique = reply->choice.technique,
-				.samples = reply->choice.samples,
-				.option_count = reply->choice.options_count};
-	memcpy(way.options, reply->choice.options, way.option_count * sizeof *way.options);
+	struct quote_way way = {.technique = reply->choice.technique, .samples = reply->choice.samples};
 	predict_way(&asking, &way);
 	reply->queue_ms = jobs_queue_us(quotes->jobs, quote->job, way.said.us, &reply->jobs) / 1000;
 	reply->cold_ms = way.said.cold_us / 1000;
