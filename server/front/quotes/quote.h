@@ -44,6 +44,12 @@ static inline bool quote_is_hurried(const struct quote *quote)
 }
 
 // The quote with a number; NULL: there is none.
-struct quote *quote_by_id(const struct quotes *quotes, uint32_t id);
+static inline struct quote *quote_by_id(const struct quotes *quotes, uint32_t id)
+{
+	struct quote *q = quotes->first;
+	while (q && q->id != id)
+		q = q->next;
+	return q;
+}
 
 #endif

@@ -16,14 +16,6 @@
 
 #define QUOTE_PATIENCE_MS 900u // from a quote's arrival, or its scene's, to its answer
 
-struct quote *quote_by_id(const struct quotes *quotes, uint32_t id)
-{
-	for (struct quote *q = quotes->first; q; q = q->next)
-		if (q->id == id)
-			return q;
-	return NULL;
-}
-
 // ---- the answer ------------------------------------------------------------------------------------------------------
 
 struct asking {
