@@ -232,6 +232,21 @@ static void a_view_that_was_looked_at_is_not_looked_at_again(void **state)
 	assert_int_equal(quote_count_view(known.model, &q.key, QUOTE_ERROR), 0);
 }
 
+static void an_error_that_may_be_far_higher_is_expected_to_be_higher(void **state)
+{
+	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_MEASURED;
+	(void)state;
+	look(&room, PT, 1024, (struct estimate){0.03, 0.02, 0.045, kind});
+	struct quote_query q = ask(&room, PT);
+	const struct estimate even = quote_predict(known.model, &q).error;
+	tear_down(state);
+	set_up(state);
+	look(&room, PT, 1024, (struct estimate){0.03, 0.02, 0.1, kind});
+	q = ask(&room, PT);
+	const struct estimate skewed = quote_predict(known.model, &q).error;
+	assert_true(skewed.relmse > 1.3 * even.relmse && skewed.high > 1.5 * even.high && skewed.low < 1.3 * even.low);
+}
+
 static void a_black_picture_has_no_error_and_says_nothing_of_others(void **state)
 {
 	(void)state;
@@ -280,6 +295,7 @@ int main(void)
 	    TEST(times_of_a_picture_that_compiled_are_no_rate),
 	    TEST(the_bias_of_few_samples_is_more_than_that_of_many),
 	    TEST(a_view_that_was_looked_at_is_not_looked_at_again),
+	    TEST(an_error_that_may_be_far_higher_is_expected_to_be_higher),
 	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),
 	    TEST(a_job_that_waits_for_a_pilot_is_not_alone),
 	    TEST(a_technique_that_could_not_is_remembered_until_it_can),

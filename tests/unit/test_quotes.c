@@ -569,6 +569,41 @@ static void this_very_request(void **state)
 	NEAR(a.choice.time_ms, 330, 1.001);
 }
 
+// A pilot that has measured relMSE × samples, with this deviation of its logarithm.
+static void look(struct quote_model *m, const struct quote_query *q, double error, float spread)
+{
+	struct quote_record pilot = frame(q, 1);
+	pilot.pilot = 1;
+	pilot.pixels /= 4;
+	pilot.spread = spread;
+	quote_set_part(&pilot, QUOTE_ERROR, error);
+	quote_learn(m, &pilot, NULL, 0);
+}
+
+static void scenes_that_are_easy_do_not_vouch_for_one_that_is_not(void **state)
+{
+	struct quote_model *m = *state;
+	// Frames of easy scenes have half the error that their pilots said, and lie inside.
+	for (uint64_t scene = 1; scene < 30; scene++) {
+		const struct quote_query q = query(scene, 1, PT, 4096, 16);
+		struct quote_record r = frame(&q, 1);
+		const double error = 0.8 * exp2((double)(scene % 7) - 3);
+		quote_set_part(&r, QUOTE_ERROR, error);
+		look(m, &q, 2 * error, 0.1f);
+		quote_learn(m, &r, &q, true_us(4096, 16));
+	}
+	struct quote_query q = query(50, 1, PT, 4096, 16);
+	look(m, &q, 1.6, 0.1f);
+	const struct quote_prediction easy = quote_predict(m, &q);
+	NEAR(easy.error.relmse, 0.05, 1.25);
+	q.key.scene = 51;
+	look(m, &q, 1.6, 0.5f);
+	const struct quote_prediction hard = quote_predict(m, &q);
+	// Of a pilot that is as unsure as that, neither its mean nor its width is known better.
+	assert_true(hard.error.relmse > 1.1 * easy.error.relmse);
+	assert_true(log(hard.error.high / hard.error.relmse) > 1.645 * 0.5 * 0.9);
+}
+
 static void options_and_lenses_leave_what_takes_them(void **state)
 {
 	candil_Render r = {.width = 1, .height = 1, .options_count = 1};
@@ -656,6 +691,7 @@ int main(void)
 	    cmocka_unit_test(what_could_not_render_the_scene_is_not_chosen),
 	    cmocka_unit_test(this_very_request),
 	    cmocka_unit_test(options_and_lenses_leave_what_takes_them),
+	    WITH_MODEL(scenes_that_are_easy_do_not_vouch_for_one_that_is_not),
 	    cmocka_unit_test(keys_know_what_shows),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -124,7 +124,10 @@ static void set_error(struct quote_record *r, const struct estimate *e, double t
 	// Where there is no upper end the lower one still says that the error is not small: as far above, and no less than
 	// three times.
 	const double low = fmax(e->low, e->relmse / 10), high = e->high > 0 ? e->high : e->relmse * fmax(e->relmse / low, 3);
-	quote_set_part(r, QUOTE_ERROR, e->relmse * times);
+	// If few pixels of few have most of the error, its likeliest value is that of those that have missed them: the ends
+	// know how far it is to either side. A frame is larger, and is what is to be foretold.
+	const bool few = r->pilot && technique_traits(r->technique) & TECHNIQUE_NOISE;
+	quote_set_part(r, QUOTE_ERROR, (few ? sqrt(low * high) : e->relmse) * times);
 	r->spread = (float)fmin(fmax(log(fmax(high / low, 1)) / (2 * 1.645), 0.02), 5);
 }
 

@@ -149,6 +149,7 @@ static enum quote_group group_in(const struct quote_record *r, const struct quot
 // Weighted sums over records.
 struct sums {
 	double weight, mean, spread;
+	double own; // of the inverse of the weight, the part that a record has measured
 };
 
 static void add_to(struct sums *sums, double weight, double mean, double spread)
@@ -163,6 +164,7 @@ struct said {
 	double weight[QUOTE_GROUPS]; // 0: nothing
 	double mean[QUOTE_GROUPS];
 	double spread[QUOTE_GROUPS]; // of one frame's error of that size about its mean
+	double own[QUOTE_GROUPS]; // the part of the mean's variance that records have measured
 };
 
 // Records of one scene, or of one view of the request's scene, which speak once: sixty frames of one are no sixty scenes.
@@ -249,7 +251,9 @@ static void hear(struct hearing *h, const struct quote_record *r)
 		const double edges = error && !has_noise(r->technique) ? EDGES : OCTAVE;
 		const double variance =
 		    own * own + coarse * coarse * pixels * pixels + edges * edges * samples * samples + 1e-6;
-		add_to(cluster ? &cluster->sums[part] : &h->sums[part][g], *age / variance,
+		struct sums *sums = cluster ? &cluster->sums[part] : &h->sums[part][g];
+		sums->own += *age / variance * (error ? own * own / variance : 0);
+		add_to(sums, *age / variance,
 		       (double)r->part[part] + h->drift[part][0] * pixels + h->drift[part][1] * samples,
 		       error ? (double)r->spread * sqrt(r->pixels / q->pixels) : 0);
 		*age *= cluster ? CLUSTER_AGE : ages[g];
@@ -274,6 +278,8 @@ static void conclude(struct hearing *h, enum quote_part part, struct said *said)
 		said->weight[g] = g >= QUOTE_SCENE ? said->weight[g] : sums[g].weight;
 		said->mean[g] = sums[g].weight > 0 ? sums[g].mean / sums[g].weight : 0;
 		said->spread[g] = sums[g].weight > 0 ? sums[g].spread / sums[g].weight : 0;
+		// How far other scenes and views are apart is far more than what each has measured.
+		said->own[g] = g < QUOTE_SCENE && sums[g].weight > 0 ? sums[g].own / (sums[g].weight * sums[g].weight) : 0;
 	}
 }
 
@@ -300,13 +306,14 @@ static void ask(const struct quote_model *m, const struct quote_habits *habits, 
 // The logarithm of a part, and its variance.
 struct guess {
 	double mean, variance;
+	double own; // of the variance: what records have measured of themselves
 	enum quote_group nearest; // that knows; QUOTE_GROUPS: none
 	double spread; // of one frame's error
 };
 
 // Take in the word of a group that is further away. If it is far off what nearer ones say, this request is not like what it
 // is about: it counts by that distance, not by how far its members mostly are.
-static void take_in(struct guess *guess, double mean, double variance)
+static void take_in(struct guess *guess, double mean, double variance, double own)
 {
 	const double off = mean - guess->mean;
 	if (guess->variance > 0)
@@ -314,6 +321,7 @@ static void take_in(struct guess *guess, double mean, double variance)
 	const double share = guess->variance > 0 ? guess->variance / (guess->variance + variance) : 1;
 	guess->mean += share * off;
 	guess->variance = share * variance;
+	guess->own = (1 - share) * (1 - share) * guess->own + share * share * own;
 }
 
 static struct guess guess_part(const struct said *said, const struct quote_habits *habits, const struct quote_query *q,
@@ -328,22 +336,27 @@ static struct guess guess_part(const struct said *said, const struct quote_habit
 		if (said->weight[g] <= 0)
 			continue;
 		group_of(h, part, (enum quote_group)g, &shift, &variance);
+		// How far pilots lay beside frames, mostly of scenes that they saw well, says little of one that they did
+		// not.
+		shift *= a->group[g] * a->group[g] / (a->group[g] * a->group[g] + said->own[g]);
 		variance += 1 / said->weight[g];
-		take_in(&out, said->mean[g] + shift, variance);
+		take_in(&out, said->mean[g] + shift, variance, said->own[g]);
 		add_to(&spread, 1 / variance, 0, said->spread[g]);
 		out.nearest = out.nearest == QUOTE_GROUPS ? (enum quote_group)g : out.nearest;
 	}
-	take_in(&out, log(q->software ? a->processor : a->gpu), a->deviation * a->deviation);
+	take_in(&out, log(q->software ? a->processor : a->gpu), a->deviation * a->deviation, 0);
 	out.spread = spread.weight > 0 ? spread.spread / spread.weight : 0;
 	return out;
 }
 
-// How far the ends of an interval are from its middle, as a factor.
+// How far the ends of an interval are from its middle, as a factor. What frames teach of scenes that are easy does not make
+// one sure whose own record says that it is not: of `own` variance a stretch takes nothing away.
 static double width_of(const struct quote_habits *h, uint32_t technique, int which, enum quote_group nearest,
-		       double variance)
+		       double variance, double own)
 {
-	const double learned = h ? h->stretch[technique][which][nearest] : 0;
-	return exp(fmin(NORMAL_90 * (learned > 0 ? learned : 1) * sqrt(variance), WIDTH_MOST));
+	const double learned = h ? h->stretch[technique][which][nearest] : 0, stretch = learned > 0 ? learned : 1;
+	const double all = stretch * stretch * variance + fmax(stretch * stretch, 1) * own;
+	return exp(fmin(NORMAL_90 * sqrt(all), WIDTH_MOST));
 }
 
 struct quote_prediction quote_predict(const struct quote_model *m, const struct quote_query *q)
@@ -371,7 +384,7 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 		if (part == QUOTE_SAMPLE)
 			out.nearest[0] = g.nearest;
 	}
-	const double time_width = width_of(habits, q->technique, 0, out.nearest[0], variance / (out.us * out.us));
+	const double time_width = width_of(habits, q->technique, 0, out.nearest[0], variance / (out.us * out.us), 0);
 	out.us_low = out.us / time_width;
 	out.us_high = out.us * time_width;
 	if (q->cold)
@@ -380,7 +393,7 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 	// One picture by noise is better or worse than the next, as far as its pixels are few.
 	const double luck = has_noise(q->technique) ? fmin(e.spread, 1) : 0;
 	out.nearest[1] = e.nearest;
-	const double width = width_of(habits, q->technique, 1, e.nearest, e.variance + luck * luck);
+	const double width = width_of(habits, q->technique, 1, e.nearest, fmax(e.variance - e.own, 0), e.own + luck * luck);
 	out.error.kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
 	out.error.relmse = exp(e.mean) / (has_noise(q->technique) ? q->samples : 1);
 	out.error.low = out.error.relmse / width;
