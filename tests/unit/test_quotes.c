@@ -656,10 +656,16 @@ static void keys_know_what_shows(void **state)
 	y = quote_key_of(&b, PT, "s", "e", "other");
 	assert_true(x.look != y.look && x.scene != y.scene && x.where != y.where);
 	// Those of another technique are none of a reference's.
-	x = quote_key_of(&a, candil_Technique_TECHNIQUE_VCT, "s", NULL, "d");
-	a.options_count = 0;
-	y = quote_key_of(&a, candil_Technique_TECHNIQUE_VCT, "s", NULL, "d");
+	const candil_Technique vct = candil_Technique_TECHNIQUE_VCT;
+	candil_Render plain = a;
+	plain.options_count = 0;
+	x = quote_key_of(&a, vct, "s", NULL, "d");
+	y = quote_key_of(&plain, vct, "s", NULL, "d");
 	assert_true(x.look == y.look);
+	// But some techniques take those of others.
+	strcpy(a.options[0].name, "direct.samples");
+	x = quote_key_of(&a, vct, "s", NULL, "d");
+	assert_true(x.look != y.look);
 }
 
 int main(void)

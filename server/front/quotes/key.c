@@ -56,13 +56,10 @@ static uint64_t hash_look(const candil_Render *render, candil_Technique techniqu
 	size_t count = 0;
 	XXH64_state_t state;
 	XXH64_reset(&state, technique);
-	// Those of another technique are what a reference is not drawn by.
-	for (pb_size_t i = 0; i < render->options_count; i++) {
-		const char *name = render->options[i].name;
-		const int of = technique_number(name, strcspn(name, "."));
-		if (of < 0 || of == (int)technique)
+	// What it does not take, a reference is not drawn by.
+	for (pb_size_t i = 0; i < render->options_count; i++)
+		if (technique_takes(technique, render->options[i].name))
 			options[count++] = render->options[i];
-	}
 	qsort(options, count, sizeof *options, compare_options);
 	for (size_t i = 0; i < count; i++) {
 		add_text(&state, options[i].name);
