@@ -9,9 +9,9 @@
 #define WORKER_MS 60000
 #define LOADER_MS 20000
 #define WORKER_BYTES 262144u
-#define PROGRAMS 4
+#define PROGRAMS 5
 
-enum { DAEMON, LOADER, WORKER, COMPARE };
+enum { DAEMON, LOADER, WORKER, COMPARE, REPORT };
 
 struct findings {
 	struct program_check programs[PROGRAMS];
@@ -38,13 +38,14 @@ static void check_programs(struct findings *f)
 		const char *argument;
 	} wanted[PROGRAMS] = {
 	    [DAEMON] = {"candild", "the daemon", true, "--version"},
-	    [LOADER] = {"candil-loader", "reads scenes", true, "--help"},
-	    [WORKER] = {"candil-worker", "renders", true, "--help"},
+	    [LOADER] = {"candil-loader", "reads scenes", true, "--sandbox-report"},
+	    [WORKER] = {"candil-worker", "renders", true, "--libraries"},
 	    [COMPARE] = {"candil-compare", "measures images", false, "--help"},
+	    [REPORT] = {"candil-report", "writes reports", false, "--help"},
 	};
 	for (int i = 0; i < PROGRAMS; i++) {
 		struct program_check *p = &f->programs[i];
-		char argument[16];
+		char argument[20];
 		snprintf(argument, sizeof(argument), "%s", wanted[i].argument);
 		p->name = wanted[i].name;
 		p->purpose = wanted[i].purpose;

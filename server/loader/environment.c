@@ -6,7 +6,6 @@
 #include "protocol/limits.h"
 #include "server/base/angle.h"
 #include "server/base/luminance.h"
-#include "server/loader/image_read.h"
 #include "server/scene/alias.h"
 
 // ---- mending ----------------------------------------------------------------------------------------------------------
@@ -176,7 +175,7 @@ static enum status read_picture(struct import *im, const char *file, struct imag
 	float *rgb = malloc((size_t)count * 3 * sizeof *rgb);
 	if (!rgb)
 		return error_set(err, STATUS_MEMORY, "no memory for '%.100s'", file);
-	enum status status = image_radiance(reader, rgb, &why);
+	enum status status = im->decoder->radiance(reader, rgb, &why);
 	if (status == STATUS_OK) {
 		mend_all(im, rgb, (size_t)count * 3);
 		status = environment_build(im, rgb, err);
@@ -192,7 +191,9 @@ enum status environment_import(struct import *im, const char *file, const struct
 	struct image_reader *reader;
 	struct error why;
 	uint32_t width, height;
-	if (image_open_surroundings(bytes->data, bytes->size, &reader, &width, &height, &why) != STATUS_OK)
+	if (import_expect_images(im, err) != STATUS_OK)
+		return err->code;
+	if (im->decoder->open_surroundings(bytes->data, bytes->size, &reader, &width, &height, &why) != STATUS_OK)
 		return error_set(err, why.code, "'%.60s': %.150s", file, why.text);
 	im->environment_width = width;
 	im->environment_height = height;
@@ -203,6 +204,6 @@ enum status environment_import(struct import *im, const char *file, const struct
 	enum status status = read_picture(im, file, reader, err);
 	if (status == STATUS_OK && im->environment_power == 0)
 		import_warn(im, "the picture is black");
-	image_close(reader);
+	im->decoder->close(reader);
 	return status;
 }

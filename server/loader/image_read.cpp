@@ -134,15 +134,20 @@ static enum status open_as(const uint8_t *bytes, size_t size, const char *format
 	}
 }
 
-extern "C" enum status image_open(const uint8_t *bytes, size_t size, const char *name, bool any_format,
-				  struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
+static enum status open_image(const uint8_t *bytes, size_t size, const char *name, bool any_format,
+			      struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
 {
 	return open_as(bytes, size, format_of(bytes, size, name, any_format),
 		       any_format ? "png, jpeg, tga, bmp or tiff" : "png or jpeg", reader, width, height, err);
 }
 
-extern "C" enum status image_open_surroundings(const uint8_t *bytes, size_t size, struct image_reader **reader,
-					       uint32_t *width, uint32_t *height, struct error *err)
+static void close_image(struct image_reader *reader)
+{
+	delete reader;
+}
+
+static enum status open_surroundings(const uint8_t *bytes, size_t size, struct image_reader **reader, uint32_t *width,
+				     uint32_t *height, struct error *err)
 {
 	enum status status =
 	    open_as(bytes, size, surroundings_of(bytes, size), "exr, hdr, tiff, png or jpeg", reader, width, height, err);
@@ -152,7 +157,7 @@ extern "C" enum status image_open_surroundings(const uint8_t *bytes, size_t size
 	if (spec.width == spec.full_width && spec.height == spec.full_height && spec.x == spec.full_x &&
 	    spec.y == spec.full_y)
 		return STATUS_OK;
-	image_close(*reader);
+	close_image(*reader);
 	*reader = nullptr;
 	return error_set(err, STATUS_SCENE_UNSUPPORTED,
 			 "its pixels fill another window than the picture's: crop or extend it to all directions");
@@ -184,7 +189,7 @@ static bool has_deep_channels(const image_reader *reader)
 	return reader->input->spec().format.size() > 1;
 }
 
-extern "C" uint32_t image_words(const struct image_reader *reader)
+static uint32_t image_words(const struct image_reader *reader)
 {
 	return has_deep_channels(reader) ? 2 : 1;
 }
@@ -213,8 +218,7 @@ static enum status deep_pixels(image_reader *reader, int channels, std::vector<u
 	return STATUS_OK;
 }
 
-extern "C" enum status image_pixels(struct image_reader *reader, uint32_t words, uint32_t *texels, bool *deep,
-				    struct error *err)
+static enum status image_pixels(struct image_reader *reader, uint32_t words, uint32_t *texels, bool *deep, struct error *err)
 {
 	*deep = false;
 	try {
@@ -244,7 +248,7 @@ static float linear(float v)
 	return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
 
-extern "C" enum status image_radiance(struct image_reader *reader, float *rgb, struct error *err)
+static enum status image_radiance(struct image_reader *reader, float *rgb, struct error *err)
 {
 	try {
 		ignore_leaks here;
@@ -268,7 +272,11 @@ extern "C" enum status image_radiance(struct image_reader *reader, float *rgb, s
 	}
 }
 
-extern "C" void image_close(struct image_reader *reader)
-{
-	delete reader;
-}
+const struct image_decoder image_decoder = {
+    .open = open_image,
+    .words = image_words,
+    .pixels = image_pixels,
+    .open_surroundings = open_surroundings,
+    .radiance = image_radiance,
+    .close = close_image,
+};

@@ -11,6 +11,7 @@
 #include "server/base/error.h"
 #include "server/base/remarks.h"
 #include "server/loader/files.h"
+#include "server/loader/image_read.h"
 #include "server/scene/blob.h"
 
 // A vertex in world space, metres. Positions are doubles until the blob's origin is known. They may have any value here,
@@ -57,6 +58,8 @@ struct import {
 	struct scene_remarks remarks; // those of them that leave pictures as they are
 	double unit; // metres per unit of length, OBJ only
 	bool z_up; // OBJ only
+	const struct image_decoder *decoder; // NULL: there is none
+	bool wants_decoder; // it failed for that reason alone
 
 	struct import_vertex *vertices;
 	struct import_extra *extras; // for the first `extra_count` vertices; later ones have none
@@ -142,7 +145,7 @@ struct import_sampling import_plain_sampling(uint32_t flags);
 
 // Make a texture of the image `key`. If no image has this key yet, decode one from the encoded bytes (png, jpeg, and with
 // `any_format` tga, bmp, tiff too). *texture becomes its index. If the image cannot be read, *texture is NONE, and there is
-// a warning and a count. Fails only with STATUS_SCENE_LIMIT and STATUS_MEMORY.
+// a warning and a count. Fails only as import_expect_images does, and with STATUS_SCENE_LIMIT and STATUS_MEMORY.
 enum status import_texture(struct import *import, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 			   const struct import_sampling *sampling, uint32_t *texture, struct error *err);
 // Make a texture of what was derived from the image `key`, such as the normals of a bump map. If nothing was derived from it
@@ -151,6 +154,10 @@ enum status import_texture(struct import *import, const char *key, const uint8_t
 enum status import_derived_texture(struct import *import, const char *key, const uint32_t *texels, uint32_t width,
 				   uint32_t height, bool deep, const struct import_sampling *sampling, uint32_t *texture,
 				   struct error *err);
+
+// Tell that images are to be read. As early as that is known, for without a decoder it fails: STATUS_SCENE_UNSUPPORTED, and
+// wants_decoder is set.
+enum status import_expect_images(struct import *import, struct error *err);
 
 // Whether an image with this key exists, readable or not.
 bool import_knows_image(const struct import *import, const char *key);

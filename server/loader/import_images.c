@@ -1,7 +1,6 @@
 // The images of an import, and the textures that use them.
 #include <string.h>
 
-#include "server/loader/image_read.h"
 #include "server/loader/import.h"
 #include "server/loader/import_parts.h"
 #include "server/scene/texel.h"
@@ -119,6 +118,14 @@ static enum status make_texel_room(struct import *im, size_t count, struct error
 	return STATUS_OK;
 }
 
+enum status import_expect_images(struct import *im, struct error *err)
+{
+	if (im->decoder)
+		return STATUS_OK;
+	im->wants_decoder = true;
+	return error_set(err, STATUS_SCENE_UNSUPPORTED, "the scene has images, and nothing decodes them");
+}
+
 static enum status image_decode(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 				struct error *err)
 {
@@ -126,20 +133,23 @@ static enum status image_decode(struct import *im, const char *key, const uint8_
 	struct error why;
 	struct image_reader *reader = NULL;
 
-	enum status status = image_open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why);
+	enum status status = import_expect_images(im, err);
+	if (status != STATUS_OK)
+		return status;
+	status = im->decoder->open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why);
 	if (status == STATUS_MEMORY)
 		return error_set(err, status, "%s", why.text);
 	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
 	const size_t count = (size_t)image.width * image.height; // both ≤ LIMIT_TEXTURE_SIDE
-	const uint32_t words = count * image_words(reader) <= room_left(im) ? image_words(reader) : 1;
+	const uint32_t wanted = im->decoder->words(reader), words = count * wanted <= room_left(im) ? wanted : 1;
 	if (make_texel_room(im, count * words, err) != STATUS_OK) {
-		image_close(reader);
+		im->decoder->close(reader);
 		return err->code;
 	}
 	image.offset = (uint32_t)im->texel_count;
-	status = image_pixels(reader, words, im->texels + image.offset, &image.deep, &why);
-	image_close(reader);
+	status = im->decoder->pixels(reader, words, im->texels + image.offset, &image.deep, &why);
+	im->decoder->close(reader);
 	if (status == STATUS_MEMORY)
 		return error_set(err, status, "%s", why.text);
 	if (status != STATUS_OK)

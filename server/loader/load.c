@@ -62,7 +62,7 @@ static enum status import_file(struct import *import, const char *file, struct e
 	return status;
 }
 
-enum status load_scene(const struct load_options *options, candil_SceneInfo *info, struct scene_remarks *remarks, int *fd,
+enum status load_scene(struct load_options *options, candil_SceneInfo *info, struct scene_remarks *remarks, int *fd,
 		       struct error *err)
 {
 	struct files files = {0};
@@ -78,6 +78,7 @@ enum status load_scene(const struct load_options *options, candil_SceneInfo *inf
 	import_init(&import, &files, info);
 	import.z_up = options->z_up;
 	import.unit = options->metres_per_unit;
+	import.decoder = options->decoder;
 	enum status status = import_file(&import, file, err);
 	if (status == STATUS_OK && import.light_count > 0)
 		snprintf(info->light_units, sizeof info->light_units,
@@ -85,6 +86,7 @@ enum status load_scene(const struct load_options *options, candil_SceneInfo *inf
 	if (status == STATUS_OK)
 		status = build_blob(&import, fd, err);
 	*remarks = import.remarks;
+	options->wants_decoder = import.wants_decoder;
 	import_finish(&import);
 	close(files.dir);
 	return status;

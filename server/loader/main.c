@@ -4,13 +4,23 @@
 // If a parser loops or crashes on a hostile file, only this process is lost: the front sees the socket close without a
 // message. If a parser is taken over, it is in a sandbox, which is entered after every descriptor is open and before a byte
 // of the scene is read. --sandbox-report prints which parts of the sandbox this kernel supports.
+//
+// Design note. The decoder of images cannot be linked in the sandbox, and takes longer to link than most scenes without
+// images take to load. So a child, in a sandbox of its own, loads the scene without a decoder. If it finds that there are
+// images, which it does before it reads the geometry, it says so by its exit code, and this process links the decoder,
+// enters the sandbox and begins anew. Until then it has seen nothing of the scene.
+#include <errno.h>
 #include <fcntl.h>
 #include <getopt.h>
 #include <jansson.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "server/base/ipc.h"
@@ -20,7 +30,7 @@
 #include "server/loader/load.h"
 #include "server/loader/sandbox.h"
 
-enum { EXIT_USAGE = 2 };
+enum { EXIT_USAGE = 2, EXIT_NO_LIBRARY = 127, EXIT_IMAGES = 3 }; // the last a child's: the scene has images
 
 struct arguments {
 	struct load_options load;
@@ -100,9 +110,19 @@ static void confine(int dir, const char *file, struct sandbox_report *report)
 		close(folder);
 }
 
+// As the dynamic linker ends a program whose libraries are not there.
+static int tell_no_decoder(const struct error *err)
+{
+	fprintf(stderr, "candil-loader: error while loading shared libraries: %s\n", err->text);
+	return EXIT_NO_LIBRARY;
+}
+
 static int report_sandbox(void)
 {
 	struct sandbox_report report;
+	struct error err;
+	if (!image_decoder_open(&err)) // its libraries start threads
+		return tell_no_decoder(&err);
 	confine(-1, NULL, &report);
 	sandbox_try(&report);
 	json_t *layers = json_array();
@@ -126,12 +146,14 @@ static bool copy_blob(int fd, FILE *out)
 	return good && n == 0 && fflush(out) == 0;
 }
 
-static int describe_in_sandbox(const struct arguments *a, struct ipc_loaded *loaded, FILE *blob)
+static int describe_in_sandbox(struct arguments *a, struct ipc_loaded *loaded, FILE *blob)
 {
 	int fd;
 	struct sandbox_report report;
 	confine(a->load.dir, a->load.file, &report);
 	const enum status status = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
+	if (a->load.wants_decoder)
+		return EXIT_IMAGES;
 	if (status != STATUS_OK) {
 		fprintf(stderr, "candil-loader: %s: %s\n", status_name(status), loaded->error.text);
 		return EXIT_FAILURE;
@@ -176,11 +198,55 @@ static int serve(struct arguments *a, struct ipc_loaded *loaded)
 	loaded->head.op = IPC_LOADED;
 	snprintf(loaded->build, sizeof loaded->build, "%s", ipc_build());
 	loaded->error.code = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
+	if (a->load.wants_decoder)
+		return EXIT_IMAGES;
 	if (ipc_send(IPC_FD, loaded, sizeof *loaded, fd, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "the front did not take the scene: %s", err.text);
 		return EXIT_FAILURE;
 	}
 	return EXIT_SUCCESS; // the message says whether loading succeeded
+}
+
+static int load(struct arguments *a, struct ipc_loaded *loaded)
+{
+	return a->describe ? describe(a, loaded) : serve(a, loaded);
+}
+
+// End as a child did, which was killed: the front tells by the signal what went wrong.
+static int end_by(int signal_number)
+{
+	setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
+	signal(signal_number, SIG_DFL);
+	raise(signal_number);
+	return EXIT_FAILURE;
+}
+
+// Load without a decoder of images, in a child. EXIT_IMAGES: that cannot be, or there is no child.
+static int load_plain(struct arguments *a, struct ipc_loaded *loaded)
+{
+	int how = 0;
+	const pid_t self = getpid(), child = fork();
+	if (child < 0)
+		return EXIT_IMAGES;
+	if (child == 0) {
+		// Whoever kills this process kills its child.
+		if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != self)
+			exit(EXIT_FAILURE);
+		exit(load(a, loaded));
+	}
+	while (waitpid(child, &how, 0) < 0)
+		if (errno != EINTR)
+			return EXIT_FAILURE;
+	return WIFEXITED(how) ? WEXITSTATUS(how) : end_by(WTERMSIG(how));
+}
+
+static int load_with_images(struct arguments *a, struct ipc_loaded *loaded)
+{
+	struct error err;
+	a->load.decoder = image_decoder_open(&err);
+	if (!a->load.decoder)
+		return tell_no_decoder(&err);
+	return load(a, loaded);
 }
 
 int main(int argc, char **argv)
@@ -194,7 +260,9 @@ int main(int argc, char **argv)
 	struct ipc_loaded *loaded = calloc(1, sizeof *loaded);
 	if (!loaded)
 		return EXIT_FAILURE;
-	const int result = arguments.describe ? describe(&arguments, loaded) : serve(&arguments, loaded);
+	int result = load_plain(&arguments, loaded);
+	if (result == EXIT_IMAGES)
+		result = load_with_images(&arguments, loaded);
 	free(loaded);
 	return result;
 }

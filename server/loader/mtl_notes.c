@@ -225,12 +225,13 @@ static enum status note_map(struct reader *r, struct mtl_note *note, bool *known
 		if (mtl_map_read(r->import, &r->text, &map, err) != STATUS_OK)
 			return err->code;
 		struct mtl_map *old = &note->maps[map_keywords[i].kind];
-		if (!map.file)
+		if (!map.file) {
 			tell_malformed(r, "names no file");
-		else
-			free(old->file);
-		*old = map.file ? map : *old;
-		return STATUS_OK;
+			return STATUS_OK;
+		}
+		free(old->file);
+		*old = map;
+		return import_expect_images(r->import, err);
 	}
 	*known = false;
 	return STATUS_OK;

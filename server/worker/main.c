@@ -11,25 +11,26 @@
 #include "server/base/log.h"
 #include "server/worker/devices.h"
 #include "server/worker/doctor.h"
+#include "server/worker/image/codec.h"
 #include "server/worker/serve.h"
 #include "server/worker/vk/device.h"
 
 static const char usage[] = "usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB]\n"
 			    "       candil-worker --doctor [--device …]     list the devices as JSON\n"
+			    "       candil-worker --libraries               only link what pictures need\n"
 			    "candild starts this program; it serves the descriptor that candild leaves it.\n";
 
 struct settings {
 	struct device_options device;
-	bool doctor;
+	bool doctor, libraries;
 };
 
 static bool parse(int argc, char **argv, struct settings *out)
 {
-	static const struct option longs[] = {{"device", required_argument, NULL, 'd'},
-					      {"require-gpu", no_argument, NULL, 'g'},
-					      {"memory-budget", required_argument, NULL, 'm'},
-					      {"doctor", no_argument, NULL, 'D'},
-					      {NULL, 0, NULL, 0}};
+	static const struct option longs[] = {
+	    {"device", required_argument, NULL, 'd'},        {"require-gpu", no_argument, NULL, 'g'},
+	    {"memory-budget", required_argument, NULL, 'm'}, {"doctor", no_argument, NULL, 'D'},
+	    {"libraries", no_argument, NULL, 'L'},           {NULL, 0, NULL, 0}};
 	int c;
 	while ((c = getopt_long(argc, argv, "", longs, NULL)) != -1) {
 		char *end;
@@ -48,11 +49,24 @@ static bool parse(int argc, char **argv, struct settings *out)
 		case 'D':
 			out->doctor = true;
 			break;
+		case 'L':
+			out->libraries = true;
+			break;
 		default:
 			return false;
 		}
 	}
 	return optind == argc;
+}
+
+// As the dynamic linker ends a program whose libraries are not there.
+static int link_libraries(void)
+{
+	struct error err;
+	if (codec_open(&err))
+		return 0;
+	fprintf(stderr, "candil-worker: error while loading shared libraries: %s\n", err.text);
+	return 127;
 }
 
 int main(int argc, char **argv)
@@ -65,6 +79,8 @@ int main(int argc, char **argv)
 		fputs(usage, stderr);
 		return 2;
 	}
+	if (settings.libraries)
+		return link_libraries();
 	if (settings.doctor)
 		return doctor(&settings.device);
 	// A worker without its front has nobody to serve.

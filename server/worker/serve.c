@@ -182,6 +182,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 	struct ipc_begun answer = {.head = {.op = IPC_BEGUN, .job = m->head.job}};
 	const uint64_t start = clock_us();
 	struct job *job = calloc(1, sizeof *job);
+	encoder_prepare(s->encoder);
 	if (!job) {
 		error_set(&answer.error, STATUS_MEMORY, "out of memory");
 	} else {
@@ -511,7 +512,7 @@ enum status serve(int socket, struct devices *devices, const struct error *why)
 		s.no_device = *why;
 		ready.error = *why;
 	}
-	if (encoder_create(socket, ready.device, &s.encoder, &err) != STATUS_OK) {
+	if (encoder_create(socket, ready.device, codec_open, &s.encoder, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "%s", err.text);
 		return STATUS_INTERNAL;
 	}

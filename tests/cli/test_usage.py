@@ -147,7 +147,7 @@ class Usage(unittest.TestCase):
         self.assertEqual(result.returncode, 0 if found["ok"] else 5)
         self.assertFalse(found["daemon"]["reachable"])
         programs = {p["name"]: p for p in found["programs"]}
-        for name in ("candild", "candil-loader", "candil-worker", "candil-compare"):
+        for name in ("candild", "candil-loader", "candil-worker", "candil-compare", "candil-report"):
             self.assertTrue(programs[name]["works"], programs[name])
         self.assertTrue(found["kernel"]["memfd_sealing"])
         self.assertIn("worker", found)
@@ -175,7 +175,7 @@ class Usage(unittest.TestCase):
         self.assertEqual(result.returncode, 5, result)
         found = json.loads(result.stdout)
         self.assertFalse(found["ok"])
-        self.assertEqual([p["works"] for p in found["programs"]], [False] * 4)
+        self.assertEqual([p["works"] for p in found["programs"]], [False] * 5)
 
 
 if __name__ == "__main__":

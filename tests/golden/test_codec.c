@@ -265,6 +265,12 @@ static void frames_beyond_the_limit_are_refused(void **state)
 	frame_destroy(NULL);
 }
 
+static codec_function *open_codec(struct error *err)
+{
+	(void)err;
+	return codec_encode;
+}
+
 static void the_encoder_answers_every_frame_in_order(void **state)
 {
 	(void)state;
@@ -274,7 +280,7 @@ static void the_encoder_answers_every_frame_in_order(void **state)
 	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, line), 0);
 	struct encoder *encoder = NULL;
 	struct error err;
-	assert_int_equal(encoder_create(line[0], "a device", &encoder, &err), STATUS_OK);
+	assert_int_equal(encoder_create(line[0], "a device", open_codec, &encoder, &err), STATUS_OK);
 	for (uint32_t i = 0; i < FRAMES; i++) {
 		struct frame *f = make_frame(16, 9, 0);
 		f->samples = i + 1;
@@ -324,6 +330,35 @@ static void the_encoder_answers_every_frame_in_order(void **state)
 	close(line[1]);
 }
 
+static codec_function *open_nothing(struct error *err)
+{
+	error_set(err, STATUS_ENCODE, "there is no codec");
+	return NULL;
+}
+
+static void without_a_codec_frames_are_answered_by_that(void **state)
+{
+	(void)state;
+	int line[2], fd = -1;
+	struct encoder *encoder = NULL;
+	struct error err;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, line), 0);
+	assert_int_equal(encoder_create(line[0], "a device", open_nothing, &encoder, &err), STATUS_OK);
+	encoder_prepare(encoder);
+	encoder_submit(encoder,
+		       &(struct encoder_task){.job = 7, .frame = make_frame(4, 4, 0), .file = {.format = CODEC_PNG}});
+	encoder_destroy(encoder);
+	struct ipc_image image;
+	size_t bytes = 0;
+	assert_int_equal(ipc_receive(line[1], &image, sizeof image, &bytes, &fd, &err), STATUS_OK);
+	assert_int_equal(image.head.job, 7);
+	assert_int_equal(image.error.code, STATUS_ENCODE);
+	assert_string_equal(image.error.text, "there is no codec");
+	assert_int_equal(fd, -1);
+	close(line[0]);
+	close(line[1]);
+}
+
 static void the_encoder_outlives_its_peer(void **state)
 {
 	(void)state;
@@ -331,7 +366,7 @@ static void the_encoder_outlives_its_peer(void **state)
 	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, line), 0);
 	struct encoder *encoder = NULL;
 	struct error err;
-	assert_int_equal(encoder_create(line[0], "a device", &encoder, &err), STATUS_OK);
+	assert_int_equal(encoder_create(line[0], "a device", open_codec, &encoder, &err), STATUS_OK);
 	close(line[1]);
 	for (uint32_t i = 0; i < 2 * ENCODER_QUEUE_FRAMES; i++)
 		encoder_submit(
@@ -353,6 +388,7 @@ int main(void)
 	    cmocka_unit_test(the_same_frame_gives_the_same_bytes),
 	    cmocka_unit_test(frames_beyond_the_limit_are_refused),
 	    cmocka_unit_test(the_encoder_answers_every_frame_in_order),
+	    cmocka_unit_test(without_a_codec_frames_are_answered_by_that),
 	    cmocka_unit_test(the_encoder_outlives_its_peer),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

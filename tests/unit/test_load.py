@@ -3,6 +3,7 @@ import base64
 import json
 import math
 import os
+import shutil
 import struct
 import subprocess
 import unittest
@@ -29,6 +30,19 @@ class Load(LoadCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         info = json.loads(done.stdout)
         self.assertEqual((info["file"], info["triangles"]), ("deep/scene.gltf", 1))
+
+    def test_the_decoder_of_images_is_linked_for_images_alone(self):
+        alone = shutil.copy(LOADER, self.folder)  # without what lies beside it
+        plain = save(self.folder, "plain.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n")
+        save(self.folder, "a.mtl", b"newmtl a\nmap_Kd a.png\n")
+        save(self.folder, "a.png", png(1, 1, lambda x, y: (255, 0, 0)))
+        with_image = save(self.folder, "image.obj", b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n")
+        for path, code, said in ((plain, 0, ""), (with_image, 127, "shared libraries: candil-images.so")):
+            done = subprocess.run([alone, "--describe", "--dir", self.folder, "--file", os.path.basename(path)], capture_output=True,
+                                  timeout=120, text=True)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(said, done.stderr)
+        self.assertEqual(self.load(with_image)[0]["textures"], 1)
 
     def test_every_scene_loads_without_a_warning(self):
         for name, write in make.SCENES.items():

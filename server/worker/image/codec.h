@@ -1,4 +1,7 @@
 // Encoding of frames as files by OpenImageIO, with a C interface. The worker's only header that C++ implements.
+//
+// Design note. OpenImageIO brings two hundred and fifty libraries. Linking them takes a third of a second of a processor, so
+// the worker does it beside its first job, not before it is ready: the codec is a shared object of its own.
 #ifndef CANDIL_WORKER_CODEC_H
 #define CANDIL_WORKER_CODEC_H
 
@@ -7,6 +10,9 @@
 
 #include "server/base/error.h"
 #include "server/worker/image/frame.h"
+
+#define CODEC_FILE "candil-codec.so" // beside the worker
+#define CODEC_NAME "codec_encode"
 
 #ifdef __cplusplus
 extern "C" {
@@ -25,8 +31,15 @@ enum codec_view { CODEC_VIEW_NONE, CODEC_VIEW_REINHARD, CODEC_VIEW_FILMIC };
 // PNG: 8-bit sRGB after the exposure and the view transform, both named in the file with the metadata.
 //
 // STATUS_ENCODE if the library refuses; STATUS_MEMORY. Any thread, but a frame in one thread at a time.
-enum status codec_encode(const struct frame *frame, enum codec_format format, enum codec_view view, double exposure_ev,
-			 int *fd, size_t *bytes, struct error *err);
+typedef enum status codec_function(const struct frame *frame, enum codec_format format, enum codec_view view,
+				   double exposure_ev, int *fd, size_t *bytes, struct error *err);
+
+// The function, for those who link it.
+codec_function codec_encode;
+
+// The same from CODEC_FILE, which stays linked. NULL on failure: STATUS_ENCODE,
+// with what the linker says. Any thread.
+codec_function *codec_open(struct error *err);
 
 #ifdef __cplusplus
 }

@@ -1,9 +1,9 @@
 // Two threads meet here. The device's thread hands over frames in encoder_submit and never touches them again; the
 // encoder's thread owns a frame from the moment it takes it out of the ring until it is destroyed. The ring, its two
-// counters and `stopping` are guarded by `mutex`; `socket` and `device` do not change after encoder_create. Encoding and
-// sending happen outside the lock, so submitting waits only when the ring is full. A front that has gone away makes sending
-// fail: the frame is dropped with a line in the log, and the worker's own loop, which reads the same socket, ends the
-// process.
+// counters, `wanted` and `stopping` are guarded by `mutex`; `socket`, `device` and `open` do not change after
+// encoder_create; `encode` is the encoder's thread's alone. Encoding and sending happen outside the lock, so submitting
+// waits only when the ring is full. A front that has gone away makes sending fail: the frame is dropped with a line in the
+// log, and the worker's own loop, which reads the same socket, ends the process.
 #include "server/worker/image/encoder.h"
 
 #include <errno.h>
@@ -27,7 +27,10 @@ struct encoder {
 	pthread_cond_t changed; // the ring has changed, or the thread is to stop
 	struct encoder_task ring[ENCODER_QUEUE_FRAMES];
 	uint32_t first, count;
+	bool wanted; // the codec, for a frame will come
 	bool stopping;
+	codec_function *(*open)(struct error *err);
+	codec_function *encode; // NULL: not open
 };
 
 static void fill_figures(const struct frame *f, candil_Done *done)
@@ -103,7 +106,7 @@ static void send_image(int socket, const struct ipc_image *image, int fd)
 	log_line(LOG_WARNING, "image of job %u dropped: %s", image->head.job, err.text);
 }
 
-static void work(const struct encoder *e, const struct encoder_task *task)
+static void work(struct encoder *e, const struct encoder_task *task)
 {
 	struct ipc_image image;
 	memset(&image, 0, sizeof image); // with the padding, which is sent too
@@ -111,10 +114,14 @@ static void work(const struct encoder *e, const struct encoder_task *task)
 	image.head.job = task->job;
 	int fd = -1;
 	size_t bytes = 0;
+	if (!e->encode)
+		e->encode = e->open(&image.error);
 	const uint64_t start = clock_us();
 	frame_add_stage(task->frame, "encoder", start - task->submitted_us);
 	const struct verdict_file *file = &task->file;
-	image.error.code = codec_encode(task->frame, file->format, file->view, file->exposure_ev, &fd, &bytes, &image.error);
+	if (e->encode)
+		image.error.code =
+		    e->encode(task->frame, file->format, file->view, file->exposure_ev, &fd, &bytes, &image.error);
 	judge(task, &image);
 	frame_add_stage(task->frame, "encode", clock_us() - start);
 	fill_image(e, task, bytes, &image);
@@ -123,12 +130,26 @@ static void work(const struct encoder *e, const struct encoder_task *task)
 		close(fd);
 }
 
+static void open_early(struct encoder *e)
+{
+	struct error ignored; // if it is still so, the frame's own attempt tells
+	pthread_mutex_unlock(&e->mutex);
+	e->encode = e->open(&ignored);
+	pthread_mutex_lock(&e->mutex);
+}
+
 // Wait for the next task. False: the thread is to stop, and nothing is queued.
 static bool encoder_take(struct encoder *e, struct encoder_task *task)
 {
 	pthread_mutex_lock(&e->mutex);
-	while (e->count == 0 && !e->stopping)
-		pthread_cond_wait(&e->changed, &e->mutex);
+	while (e->count == 0 && !e->stopping) {
+		const bool early = e->wanted && !e->encode;
+		e->wanted = false;
+		if (early)
+			open_early(e);
+		else
+			pthread_cond_wait(&e->changed, &e->mutex);
+	}
 	bool got = e->count > 0;
 	if (got) {
 		*task = e->ring[e->first];
@@ -151,12 +172,14 @@ static void *encoder_run(void *argument)
 	return NULL;
 }
 
-enum status encoder_create(int socket, const char *device, struct encoder **encoder, struct error *err)
+enum status encoder_create(int socket, const char *device, codec_function *(*open)(struct error *err),
+			   struct encoder **encoder, struct error *err)
 {
 	struct encoder *e = calloc(1, sizeof *e);
 	if (!e)
 		return error_set(err, STATUS_MEMORY, "no memory for the encoder");
 	e->socket = socket;
+	e->open = open;
 	snprintf(e->device, sizeof e->device, "%s", device);
 	pthread_mutex_init(&e->mutex, NULL);
 	pthread_cond_init(&e->changed, NULL);
@@ -175,6 +198,14 @@ enum status encoder_create(int socket, const char *device, struct encoder **enco
 	}
 	*encoder = e;
 	return STATUS_OK;
+}
+
+void encoder_prepare(struct encoder *encoder)
+{
+	pthread_mutex_lock(&encoder->mutex);
+	encoder->wanted = true;
+	pthread_cond_broadcast(&encoder->changed);
+	pthread_mutex_unlock(&encoder->mutex);
 }
 
 void encoder_submit(struct encoder *encoder, const struct encoder_task *task)

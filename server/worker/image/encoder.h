@@ -26,9 +26,13 @@ struct encoder_task {
 };
 
 // Start the thread. `socket`, the one to the front, stays the caller's and must outlive the encoder. `device`, the device's
-// name for the reply, is copied and cut to fit. *encoder is the caller's. STATUS_MEMORY; STATUS_INTERNAL if the
-// thread cannot start.
-enum status encoder_create(int socket, const char *device, struct encoder **encoder, struct error *err);
+// name for the reply, is copied and cut to fit. `open`, as codec_open, is called by the thread, once it is needed. *encoder
+// is the caller's. STATUS_MEMORY; STATUS_INTERNAL if the thread cannot start.
+enum status encoder_create(int socket, const char *device, codec_function *(*open)(struct error *err),
+			   struct encoder **encoder, struct error *err);
+
+// Open the codec if it is not, for a frame will come. Returns at once.
+void encoder_prepare(struct encoder *encoder);
 
 // Queue a frame. Blocks while ENCODER_QUEUE_FRAMES are queued, so that memory stays bounded. The encoder answers every frame
 // by exactly one IPC_IMAGE, in the order of submission: with the file, or with an error.
