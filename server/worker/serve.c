@@ -82,6 +82,7 @@ static enum status answer_front(const struct server *s, const void *answer, size
 static void on_scene(struct server *s, const struct ipc_scene *m, int fd)
 {
 	struct error err;
+	encoder_prepare(s->encoder); // someone will want a picture of it
 	if (fd >= 0 && resident_add(&s->scenes, m->scene, fd, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "scene %llu: %s", (unsigned long long)m->scene, err.text);
 }
@@ -182,7 +183,6 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 	struct ipc_begun answer = {.head = {.op = IPC_BEGUN, .job = m->head.job}};
 	const uint64_t start = clock_us();
 	struct job *job = calloc(1, sizeof *job);
-	encoder_prepare(s->encoder);
 	if (!job) {
 		error_set(&answer.error, STATUS_MEMORY, "out of memory");
 	} else {

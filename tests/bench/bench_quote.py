@@ -185,6 +185,9 @@ def summary(rows):
                   f"±{100 * (numpy.median([width(r, 'time') for r in group]) - 1):.0f} % | "
                   f"{share(known, lambda r: ratio(r, 'error') <= 1.3)} | {share(known, lambda r: ratio(r, 'error') <= 1.5)} | "
                   f"{share(known, lambda r: inside(r, 'error'))} | ×{numpy.median([width(r, 'error') for r in group]):.2f} |")
+            print(f"| its next frame | | {share(group, lambda r: apart(r, 'time') <= 1.1)} | "
+                  f"{share(group, lambda r: apart(r, 'time') <= 1.25)} | | | {share(known, lambda r: apart(r, 'error') <= 1.3)} | "
+                  f"{share(known, lambda r: apart(r, 'error') <= 1.5)} | | |")
 
 
 def main():

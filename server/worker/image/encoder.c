@@ -114,10 +114,13 @@ static void work(struct encoder *e, const struct encoder_task *task)
 	image.head.job = task->job;
 	int fd = -1;
 	size_t bytes = 0;
-	if (!e->encode)
+	const uint64_t taken = clock_us();
+	frame_add_stage(task->frame, "encoder", taken - task->submitted_us);
+	if (!e->encode) {
 		e->encode = e->open(&image.error);
+		frame_add_stage(task->frame, FRAME_STAGE_OPEN, clock_us() - taken);
+	}
 	const uint64_t start = clock_us();
-	frame_add_stage(task->frame, "encoder", start - task->submitted_us);
 	const struct verdict_file *file = &task->file;
 	if (e->encode)
 		image.error.code =

@@ -319,6 +319,22 @@ static enum status look_noisy(const struct pilot *pilot, struct pilot_picture pi
 	return s;
 }
 
+void pilot_carry(struct pilot_bias bias[2], double asked)
+{
+	struct estimate *many = &bias[0].error, *one = &bias[1].error;
+	if (!(bias[0].samples > 1) || bias[1].samples != 1 || many->relmse < 0 || one->relmse < 0)
+		return;
+	const double k = bias[0].samples;
+	const double edges = fmin(fmax(one->relmse - many->relmse, 0) * k / (k - 1), one->relmse);
+	const double gone = edges * (1 - fmin(sqrt(bias[1].pixels / asked), 1));
+	const double scales[2] = {fmax(many->relmse - gone / k, many->low) / fmax(many->relmse, 1e-30),
+				  fmax(one->relmse - gone, one->low) / fmax(one->relmse, 1e-30)};
+	for (int i = 0; i < 2; i++) {
+		bias[i].error.relmse *= scales[i];
+		bias[i].error.low *= scales[i];
+	}
+}
+
 // Those of another: as large as the reference, with few samples and with one, to see the bias; then one as large as fits,
 // for the time. Each sample of a raster has a time that no pixel decides, so what a small one takes tells little of a large
 // one.
@@ -335,6 +351,7 @@ static enum status look_clear(const struct pilot *pilot, struct pilot_picture pi
 		s = look_once(pilot, &picture, reference, result, &bias[i], err);
 	}
 	memcpy(result->bias, bias, sizeof bias);
+	pilot_carry(result->bias, asked);
 	if (s != STATUS_OK)
 		return s;
 	pixels[1] = result->pixels;
@@ -348,6 +365,7 @@ static enum status look_clear(const struct pilot *pilot, struct pilot_picture pi
 	if (s != STATUS_OK)
 		return s;
 	memcpy(result->bias, bias, sizeof bias);
+	pilot_carry(result->bias, asked);
 	pixels[0] = pixels[1];
 	us[0] = us[1];
 	pixels[1] = result->pixels;
