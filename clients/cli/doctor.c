@@ -34,14 +34,14 @@ static void check_programs(struct findings *f)
 {
 	static const struct {
 		const char *name, *purpose;
-		bool needed;
+		const char *user; // NULL: a render needs it
 		const char *argument;
 	} wanted[PROGRAMS] = {
-	    [DAEMON] = {"candild", "the daemon", true, "--version"},
-	    [LOADER] = {"candil-loader", "reads scenes", true, "--sandbox-report"},
-	    [WORKER] = {"candil-worker", "renders", true, "--libraries"},
-	    [COMPARE] = {"candil-compare", "measures images", false, "--help"},
-	    [REPORT] = {"candil-report", "writes reports", false, "--help"},
+	    [DAEMON] = {"candild", "the daemon", NULL, "--version"},
+	    [LOADER] = {"candil-loader", "reads scenes", NULL, "--sandbox-report"},
+	    [WORKER] = {"candil-worker", "renders", NULL, "--libraries"},
+	    [COMPARE] = {"candil-compare", "measures images", "candil compare", "--help"},
+	    [REPORT] = {"candil-report", "writes reports", "candil study", "--help"},
 	};
 	for (int i = 0; i < PROGRAMS; i++) {
 		struct program_check *p = &f->programs[i];
@@ -49,7 +49,8 @@ static void check_programs(struct findings *f)
 		snprintf(argument, sizeof(argument), "%s", wanted[i].argument);
 		p->name = wanted[i].name;
 		p->purpose = wanted[i].purpose;
-		p->needed = wanted[i].needed;
+		p->needed = !wanted[i].user;
+		p->user = wanted[i].user;
 		if (i == DAEMON)
 			program_daemon(p->path, sizeof(p->path));
 		else if (!program_libexec(p->name, p->path, sizeof(p->path)))
@@ -185,11 +186,11 @@ static void print_findings(const struct findings *f)
 		printf("           %s%s\n", f->daemon.ready ? "renders on " : "cannot render: ", f->daemon.device);
 	for (int i = 0; i < PROGRAMS; i++) {
 		const struct program_check *p = &f->programs[i];
-		printf("  program  %s (%s): %s%s%s\n", p->name, p->purpose,
-		       p->works ? "starts" : "does not start: ", p->works ? "" : p->why,
-		       p->works    ? ""
-		       : p->needed ? ""
-				   : "; only candil compare needs it");
+		printf("  program  %s (%s): %s%s", p->name, p->purpose,
+		       p->works ? "starts" : "does not start: ", p->works ? "" : p->why);
+		if (!p->works && !p->needed)
+			printf("; only %s needs it", p->user);
+		putchar('\n');
 	}
 	printf("  kernel   sealed memory %s, openat2 %s, seccomp %s, landlock ", f->kernel.memfd_sealing ? "yes" : "NO",
 	       f->kernel.openat2 ? "yes" : "NO", f->kernel.seccomp ? "yes" : "no");

@@ -133,6 +133,7 @@ struct ipc_loaded {
 	struct error error;
 	candil_SceneInfo info; // without name and load_us, which the front knows
 	struct scene_remarks remarks;
+	uint32_t wants_images; // it failed because it was started without their decoder, and is to be started with it
 };
 
 // The identification of a build: version and message sizes. Static storage. Any thread.

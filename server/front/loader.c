@@ -172,18 +172,26 @@ static void loader_too_late(void *owner)
 }
 
 enum status loader_start(struct loader *loader, const char *libexec, const struct source *source, candil_UpAxis up,
-			 double metres_per_unit, struct error *err)
+			 double metres_per_unit, bool images, struct error *err)
 {
 	char program[4096], unit[32];
 	snprintf(unit, sizeof unit, "%.17g", metres_per_unit);
 	int length = snprintf(program, sizeof program, "%s/candil-loader", libexec);
 	if (length < 0 || (size_t)length >= sizeof program)
 		return error_set(err, STATUS_INTERNAL, "the path of candil-loader is too long");
-	char file_option[] = "--file", up_option[] = "--up", unit_option[] = "--unit", y[] = "y", z[] = "z";
+	char file_option[] = "--file", up_option[] = "--up", unit_option[] = "--unit", y[] = "y", z[] = "z",
+	     images_option[] = "--images";
 	char file[LIMIT_PATH + 1];
 	memcpy(file, source->file, sizeof file);
-	char *const argv[] = {program,     file_option, file, up_option, up == candil_UpAxis_UP_Z ? z : y,
-			      unit_option, unit,        NULL};
+	char *const argv[] = {program,
+			      file_option,
+			      file,
+			      up_option,
+			      up == candil_UpAxis_UP_Z ? z : y,
+			      unit_option,
+			      unit,
+			      images ? images_option : NULL,
+			      NULL};
 	enum status status = child_start(&loader->child, argv, source->folder, err);
 	if (status != STATUS_OK)
 		return status;

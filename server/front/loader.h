@@ -4,6 +4,7 @@
 #ifndef CANDIL_FRONT_LOADER_H
 #define CANDIL_FRONT_LOADER_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "server/base/ipc.h"
@@ -29,10 +30,11 @@ struct loader {
 void loader_init(struct loader *loader, struct children *children, loader_done *done, void *owner);
 
 // Start `libexec`/candil-loader on a file of `source`, which stays the caller's. `metres_per_unit` is that of a file which
-// does not state its own. The run has LIMIT_LOAD_SECONDS; `done` tells what came of it. Failures, without a call of `done`:
-// STATUS_INTERNAL, STATUS_MEMORY.
+// does not state its own. `images`: a scene that has some can be loaded; without, the loader starts sooner, and of such a
+// scene says that it wants them. The run has LIMIT_LOAD_SECONDS; `done` tells what came of it. Failures, without a call of
+// `done`: STATUS_INTERNAL, STATUS_MEMORY.
 enum status loader_start(struct loader *loader, const char *libexec, const struct source *source, candil_UpAxis up,
-			 double metres_per_unit, struct error *err);
+			 double metres_per_unit, bool images, struct error *err);
 
 // Kill it if it runs; `done` is not called. Does not wait for its end.
 void loader_stop(struct loader *loader);

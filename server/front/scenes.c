@@ -140,10 +140,26 @@ static enum status check_bytes(const struct scenes *scenes, const struct scene *
 			 (unsigned long long)bytes >> 20, (unsigned long long)others >> 20, LIMIT_SCENES_BYTES >> 20);
 }
 
+static void start_loader(struct scene *scene)
+{
+	struct scenes *table = scene->table;
+	struct error err;
+	scene->state = SCENE_LOADING;
+	table->loader_starts++;
+	if (loader_start(&scene->loader, table->libexec, &scene->source, scene->up, scene->metres_per_unit,
+			 scene->has_images, &err) != STATUS_OK)
+		scenes_stop_load(scene, &err);
+}
+
 static void scene_loaded(void *owner, const struct ipc_loaded *message, int blob)
 {
 	struct scene *scene = owner;
 	struct scenes *table = scene->table;
+	if (message->error.code != STATUS_OK && message->wants_images && !scene->has_images) {
+		scene->has_images = true;
+		start_loader(scene);
+		return;
+	}
 	if (message->error.code != STATUS_OK) {
 		scenes_stop_load(scene, &message->error);
 		return;
@@ -224,13 +240,8 @@ static struct scene *next_waiting(struct scenes *scenes)
 
 void scenes_dispatch(struct scenes *scenes)
 {
-	for (struct scene *s = next_waiting(scenes); s; s = next_waiting(scenes)) {
-		struct error err;
-		s->state = SCENE_LOADING;
-		scenes->loader_starts++;
-		if (loader_start(&s->loader, scenes->libexec, &s->source, s->up, s->metres_per_unit, &err) != STATUS_OK)
-			scenes_stop_load(s, &err);
-	}
+	for (struct scene *s = next_waiting(scenes); s; s = next_waiting(scenes))
+		start_loader(s);
 }
 
 uint32_t scenes_count(const struct scenes *scenes, uint64_t *bytes)

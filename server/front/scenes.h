@@ -40,6 +40,7 @@ struct scene {
 	struct source source;
 	candil_UpAxis up;
 	double metres_per_unit;
+	bool has_images; // so the loader said
 	uint64_t asked_us;
 	struct loader loader;
 	struct scenes *table;

@@ -292,7 +292,7 @@ static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
 		struct pilot_result *r = &piloted->results[i];
 		for (unsigned b = 0; b < sizeof r->bias / sizeof *r->bias; b++)
 			good = good && estimate_holds(&r->bias[b].error) && r->bias[b].pixels <= LIMIT_PIXELS &&
-			       r->bias[b].samples <= LIMIT_SAMPLES;
+			       r->bias[b].samples <= LIMIT_SAMPLES && r->bias[b].edges >= 0 && r->bias[b].edges <= 1;
 		if (!good || !estimate_holds(&r->error) || !is_known(r->cold_us) || !is_known(r->setup_us) ||
 		    !is_known(r->pixel_us) || !is_known(r->sample_us) || r->pixels > LIMIT_PIXELS ||
 		    r->samples > LIMIT_SAMPLES) {

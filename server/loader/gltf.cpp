@@ -88,6 +88,8 @@ enum status parse(gltf_reader *reader, const struct file_bytes *bytes, struct er
 	data_uri_hide(bytes->data + (text.json - reinterpret_cast<const char *>(bytes->data)), text.json_bytes);
 	if (gltf_check_json(&text, &side.externals, err) != STATUS_OK)
 		return err->code;
+	if (side.externals.has_images && import_expect_images(reader->import, err) != STATUS_OK)
+		return err->code;
 
 	tinygltf::TinyGLTF parser;
 	parser.SetImageLoader(keep_image, nullptr);

@@ -395,6 +395,7 @@ enum status gltf_check_json(const struct gltf_text *text, struct gltf_externals 
 		status = check_section(root, &sections[i], err);
 	if (status == STATUS_OK)
 		status = list_externals(root, text, externals, err);
+	externals->has_images = status == STATUS_OK && json_array_size(json_object_get(root, "images")) > 0;
 	json_decref(root);
 	return status;
 }

@@ -36,6 +36,7 @@ struct gltf_externals {
 	uint64_t *lengths;
 	struct file_bytes *contents;
 	size_t count;
+	bool has_images; // not buffers, but as much to be read
 };
 
 // Free what gltf_check_json has filled in.

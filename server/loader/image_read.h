@@ -3,8 +3,8 @@
 // STATUS_SCENE_LIMIT. One thread.
 //
 // Design note. OpenImageIO brings two hundred and fifty libraries, and linking them takes longer than reading a plain scene
-// does. So the functions are in a table, in a shared object of their own, which image_decoder_open links when a scene has
-// images.
+// does. So the functions are in a table, in a shared object of their own, which image_decoder_open links for scenes that
+// have images.
 #ifndef CANDIL_LOADER_IMAGE_READ_H
 #define CANDIL_LOADER_IMAGE_READ_H
 

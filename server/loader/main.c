@@ -6,21 +6,15 @@
 // of the scene is read. --sandbox-report prints which parts of the sandbox this kernel supports.
 //
 // Design note. The decoder of images cannot be linked in the sandbox, and takes longer to link than most scenes without
-// images take to load. So a child, in a sandbox of its own, loads the scene without a decoder. If it finds that there are
-// images, which it does before it reads the geometry, it says so by its exit code, and this process links the decoder,
-// enters the sandbox and begins anew. Until then it has seen nothing of the scene.
-#include <errno.h>
+// images take to load. So it is linked with --images alone. Without, a scene that has images fails and says so, as early as
+// that is known, and whoever started this process starts it again with --images.
 #include <fcntl.h>
 #include <getopt.h>
 #include <jansson.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "server/base/ipc.h"
@@ -30,7 +24,7 @@
 #include "server/loader/load.h"
 #include "server/loader/sandbox.h"
 
-enum { EXIT_USAGE = 2, EXIT_NO_LIBRARY = 127, EXIT_IMAGES = 3 }; // the last a child's: the scene has images
+enum { EXIT_USAGE = 2, EXIT_IMAGES = 3, EXIT_NO_LIBRARY = 127 };
 
 struct arguments {
 	struct load_options load;
@@ -38,12 +32,13 @@ struct arguments {
 	const char *blob; // --describe only: copy the blob into this file
 	bool describe;
 	bool report;
+	bool images; // link their decoder
 };
 
 static int usage(void)
 {
-	fputs("usage: candil-loader --file NAME [--up y|z] [--unit METRES]            (started by candild)\n"
-	      "       candil-loader --describe --dir PATH --file NAME [--up y|z] [--unit METRES] [--blob FILE]\n"
+	fputs("usage: candil-loader --file NAME [--images] [--up y|z] [--unit METRES]            (started by candild)\n"
+	      "       candil-loader --describe --dir PATH --file NAME [--images] [--up y|z] [--unit METRES] [--blob FILE]\n"
 	      "       candil-loader --sandbox-report\n",
 	      stderr);
 	return EXIT_USAGE;
@@ -74,6 +69,9 @@ static bool parse_option(struct arguments *a, int option)
 	case 's':
 		a->report = true;
 		return true;
+	case 'i':
+		a->images = true;
+		return true;
 	}
 	return false;
 }
@@ -81,10 +79,15 @@ static bool parse_option(struct arguments *a, int option)
 static bool parse_arguments(struct arguments *a, int argc, char **argv)
 {
 	static const struct option options[] = {
-	    {"file", required_argument, NULL, 'f'},     {"up", required_argument, NULL, 'u'},
-	    {"unit", required_argument, NULL, 'm'},     {"dir", required_argument, NULL, 'd'},
-	    {"blob", required_argument, NULL, 'b'},     {"describe", no_argument, NULL, 'p'},
-	    {"sandbox-report", no_argument, NULL, 's'}, {NULL, 0, NULL, 0},
+	    {"file", required_argument, NULL, 'f'},
+	    {"up", required_argument, NULL, 'u'},
+	    {"unit", required_argument, NULL, 'm'},
+	    {"dir", required_argument, NULL, 'd'},
+	    {"blob", required_argument, NULL, 'b'},
+	    {"describe", no_argument, NULL, 'p'},
+	    {"sandbox-report", no_argument, NULL, 's'},
+	    {"images", no_argument, NULL, 'i'},
+	    {NULL, 0, NULL, 0},
 	};
 	int option;
 	while ((option = getopt_long(argc, argv, "", options, NULL)) != -1)
@@ -152,8 +155,10 @@ static int describe_in_sandbox(struct arguments *a, struct ipc_loaded *loaded, F
 	struct sandbox_report report;
 	confine(a->load.dir, a->load.file, &report);
 	const enum status status = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
-	if (a->load.wants_decoder)
+	if (a->load.wants_decoder) {
+		fputs("candil-loader: the scene has images: add --images\n", stderr);
 		return EXIT_IMAGES;
+	}
 	if (status != STATUS_OK) {
 		fprintf(stderr, "candil-loader: %s: %s\n", status_name(status), loaded->error.text);
 		return EXIT_FAILURE;
@@ -198,55 +203,12 @@ static int serve(struct arguments *a, struct ipc_loaded *loaded)
 	loaded->head.op = IPC_LOADED;
 	snprintf(loaded->build, sizeof loaded->build, "%s", ipc_build());
 	loaded->error.code = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
-	if (a->load.wants_decoder)
-		return EXIT_IMAGES;
+	loaded->wants_images = a->load.wants_decoder;
 	if (ipc_send(IPC_FD, loaded, sizeof *loaded, fd, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "the front did not take the scene: %s", err.text);
 		return EXIT_FAILURE;
 	}
 	return EXIT_SUCCESS; // the message says whether loading succeeded
-}
-
-static int load(struct arguments *a, struct ipc_loaded *loaded)
-{
-	return a->describe ? describe(a, loaded) : serve(a, loaded);
-}
-
-// End as a child did, which was killed: the front tells by the signal what went wrong.
-static int end_by(int signal_number)
-{
-	setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
-	signal(signal_number, SIG_DFL);
-	raise(signal_number);
-	return EXIT_FAILURE;
-}
-
-// Load without a decoder of images, in a child. EXIT_IMAGES: that cannot be, or there is no child.
-static int load_plain(struct arguments *a, struct ipc_loaded *loaded)
-{
-	int how = 0;
-	const pid_t self = getpid(), child = fork();
-	if (child < 0)
-		return EXIT_IMAGES;
-	if (child == 0) {
-		// Whoever kills this process kills its child.
-		if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || getppid() != self)
-			exit(EXIT_FAILURE);
-		exit(load(a, loaded));
-	}
-	while (waitpid(child, &how, 0) < 0)
-		if (errno != EINTR)
-			return EXIT_FAILURE;
-	return WIFEXITED(how) ? WEXITSTATUS(how) : end_by(WTERMSIG(how));
-}
-
-static int load_with_images(struct arguments *a, struct ipc_loaded *loaded)
-{
-	struct error err;
-	a->load.decoder = image_decoder_open(&err);
-	if (!a->load.decoder)
-		return tell_no_decoder(&err);
-	return load(a, loaded);
 }
 
 int main(int argc, char **argv)
@@ -260,9 +222,11 @@ int main(int argc, char **argv)
 	struct ipc_loaded *loaded = calloc(1, sizeof *loaded);
 	if (!loaded)
 		return EXIT_FAILURE;
-	int result = load_plain(&arguments, loaded);
-	if (result == EXIT_IMAGES)
-		result = load_with_images(&arguments, loaded);
+	int result;
+	if (arguments.images && !(arguments.load.decoder = image_decoder_open(&loaded->error)))
+		result = tell_no_decoder(&loaded->error);
+	else
+		result = arguments.describe ? describe(&arguments, loaded) : serve(&arguments, loaded);
 	free(loaded);
 	return result;
 }

@@ -69,8 +69,8 @@ def blobs(folder):
     with tempfile.TemporaryDirectory() as scenes:
         for name in ("cornell", "textured_quad", "spot", "normal_mapped_quad", "alpha_mask", "vertex_colours", "second_uvs"):
             path = make.SCENES[name](scenes)
-            subprocess.run([sys.argv[2], "--describe", "--dir", scenes, "--file", os.path.basename(path), "--blob",
-                            os.path.join(folder, name)], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([sys.argv[2], "--describe", "--dir", scenes, "--file", os.path.basename(path), "--images",
+                            "--blob", os.path.join(folder, name)], check=True, stdout=subprocess.DEVNULL)
 
 
 def main():

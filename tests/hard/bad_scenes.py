@@ -94,7 +94,7 @@ EXPECTED = {
 
 
 def describe(path):
-    command = [LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path)]
+    command = [LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--images"]
     return subprocess.run(command, capture_output=True, timeout=120, text=True)
 
 

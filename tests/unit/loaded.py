@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 import unittest
 
+WANTS_IMAGES = 3  # exit code of the loader
 LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
 SECTIONS = ["nodes", "leaf_triangles", "triangles", "vertices", "materials", "textures", "texels", "emitters", "lights",
             "cameras", "names", "uv1", "colors", "tangents"]
@@ -48,7 +49,10 @@ class LoadCase(unittest.TestCase):
     def load(self, path, *more):
         blob = os.path.join(self.folder, "blob")
         command = [LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--blob", blob]
-        done = subprocess.run(command + list(more), capture_output=True, timeout=120, text=True)
+        for images in ([], ["--images"]):
+            done = subprocess.run(command + list(more) + images, capture_output=True, timeout=120, text=True)
+            if done.returncode != WANTS_IMAGES:
+                break
         self.assertEqual(done.returncode, 0, done.stderr)
         with open(blob, "rb") as file:
             return json.loads(done.stdout), Blob(file.read())

@@ -203,7 +203,7 @@ static void the_bias_of_few_samples_is_more_than_that_of_many(void **state)
 	    .samples = 1,
 	    .sample_us = 9000,
 	    .error = ESTIMATE_UNKNOWN,
-	    .bias = {{1024, 4, {0.021, 0.018, 0.024, kind}}, {1024, 1, {0.0585, 0.053, 0.064, kind}}}};
+	    .bias = {{1024, 4, 0, {0.021, 0.018, 0.024, kind}}, {1024, 1, 0, {0.0585, 0.053, 0.064, kind}}}};
 	(void)state;
 	quote_known_pilot(&known, &f, VCT, &result);
 	struct quote_query q = ask(&room, VCT);
@@ -217,6 +217,28 @@ static void the_bias_of_few_samples_is_more_than_that_of_many(void **state)
 	q.samples = 16;
 	assert_true(quote_predict(known.model, &q).error.low < 0.01);
 	assert_int_equal(quote_known_refused(&known, &f), 0);
+}
+
+static void edges_are_fewer_in_larger_pictures(void **state)
+{
+	const struct rendered f = of(&room);
+	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
+	const struct pilot_result result = {
+	    .pixels = 4096,
+	    .samples = 1,
+	    .sample_us = 9000,
+	    .error = ESTIMATE_UNKNOWN,
+	    .bias = {{1024, 4, 0.5, {0.02, 0.018, 0.022, kind}}, {1024, 1, 0.8, {0.05, 0.047, 0.053, kind}}}};
+	(void)state;
+	quote_known_pilot(&known, &f, VCT, &result);
+	struct quote_query q = ask(&room, VCT);
+	// 0.01 is bias; of what is left a picture twice as wide has half.
+	for (int wide = 0; wide < 2; wide++) {
+		q.samples = 1;
+		q.pixels = wide ? 4096 : 1024;
+		const double one = quote_predict(known.model, &q).error.relmse, expected = wide ? 0.03 : 0.05;
+		assert_true(fabs(log(one / expected)) < 0.15);
+	}
 }
 
 static void a_view_that_was_looked_at_is_not_looked_at_again(void **state)
@@ -294,6 +316,7 @@ int main(void)
 	    TEST(a_frame_of_a_worker_that_is_gone_makes_nothing_warm),
 	    TEST(times_of_a_picture_that_compiled_are_no_rate),
 	    TEST(the_bias_of_few_samples_is_more_than_that_of_many),
+	    TEST(edges_are_fewer_in_larger_pictures),
 	    TEST(a_view_that_was_looked_at_is_not_looked_at_again),
 	    TEST(an_error_that_may_be_far_higher_is_expected_to_be_higher),
 	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),

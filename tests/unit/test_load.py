@@ -9,7 +9,7 @@ import subprocess
 import unittest
 
 import make
-from loaded import FLAGS, LOADER, POWER, LoadCase
+from loaded import FLAGS, LOADER, POWER, WANTS_IMAGES, LoadCase
 from writers import Gltf, Obj, look_at, png, quad, save
 
 
@@ -37,9 +37,10 @@ class Load(LoadCase):
         save(self.folder, "a.mtl", b"newmtl a\nmap_Kd a.png\n")
         save(self.folder, "a.png", png(1, 1, lambda x, y: (255, 0, 0)))
         with_image = save(self.folder, "image.obj", b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n")
-        for path, code, said in ((plain, 0, ""), (with_image, 127, "shared libraries: candil-images.so")):
-            done = subprocess.run([alone, "--describe", "--dir", self.folder, "--file", os.path.basename(path)], capture_output=True,
-                                  timeout=120, text=True)
+        for path, more, code, said in ((plain, [], 0, ""), (with_image, [], WANTS_IMAGES, "add --images"),
+                                       (with_image, ["--images"], 127, "shared libraries: candil-images.so")):
+            done = subprocess.run([alone, "--describe", "--dir", self.folder, "--file", os.path.basename(path), *more],
+                                  capture_output=True, timeout=120, text=True)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(said, done.stderr)
         self.assertEqual(self.load(with_image)[0]["textures"], 1)

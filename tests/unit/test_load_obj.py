@@ -25,7 +25,7 @@ class ObjCase(LoadCase):
 
     def refusal(self, text):
         path = save(self.folder, "a.obj", text.encode())
-        done = subprocess.run([LOADER, "--describe", "--dir", self.folder, "--file", os.path.basename(path)], capture_output=True,
+        done = subprocess.run([LOADER, "--describe", "--dir", self.folder, "--file", os.path.basename(path), "--images"], capture_output=True,
                               timeout=120, text=True)
         self.assertEqual(done.returncode, 1)
         return done.stderr

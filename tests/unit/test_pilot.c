@@ -148,27 +148,21 @@ static void a_sample_has_a_time_that_no_pixel_decides(void **state)
 	assert_true(fabs(pilot_sample_us((const double[]){4000, 4000}, (const double[]){9, 20000}, 2000) - 10000) < 1e-6);
 }
 
-static void edges_are_fewer_in_larger_pictures(void **state)
+static void what_more_samples_mend_lies_at_edges(void **state)
 {
 	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
-	const struct pilot_bias small[2] = {{1024, 4, {0.02, 0.005, 0.03, kind}}, {1024, 1, {0.05, 0.005, 0.06, kind}}};
-	struct pilot_bias bias[2] = {small[0], small[1]};
+	struct pilot_bias bias[2] = {{1024, 4, 0, {0.02, 0.005, 0.03, kind}}, {1024, 1, 0, {0.05, 0.005, 0.06, kind}}};
 	(void)state;
-	// 0.01 is bias, 0.04 of one sample lies at edges, of which four times as many pixels have half the share.
-	pilot_carry(bias, 4096);
-	assert_true(fabs(bias[1].error.relmse - 0.03) < 1e-9 && fabs(bias[1].error.high - 0.06) < 1e-9);
-	assert_true(fabs(bias[0].error.relmse - 0.015) < 1e-9 && bias[0].error.low < 0.005);
-	// A picture that is no larger has as many.
-	memcpy(bias, small, sizeof bias);
-	pilot_carry(bias, 1024);
-	assert_true(fabs(bias[1].error.relmse - 0.05) < 1e-9);
-	// Pictures that more samples do not mend are as they are, and so is what is not known.
+	// 0.01 is bias; 0.04 of one sample lies at edges, and so 0.01 of four.
+	pilot_edges(bias);
+	assert_true(fabs(bias[0].edges - 0.5) < 1e-9 && fabs(bias[1].edges - 0.8) < 1e-9);
+	// What more samples do not mend does not.
 	bias[0].error = bias[1].error;
-	pilot_carry(bias, 4096);
-	assert_true(fabs(bias[1].error.relmse - 0.05) < 1e-9);
-	bias[0].error = ESTIMATE_UNKNOWN;
-	pilot_carry(bias, 4096);
-	assert_true(fabs(bias[1].error.relmse - 0.05) < 1e-9);
+	pilot_edges(bias);
+	assert_true(bias[0].edges < 1e-9 && bias[1].edges < 1e-9);
+	bias[0] = (struct pilot_bias){1024, 4, 0, ESTIMATE_UNKNOWN};
+	pilot_edges(bias);
+	assert_true(bias[0].edges < 1e-9 && bias[1].edges < 1e-9);
 }
 
 static void the_longest_pilot_is_not_given_up(void **state)
@@ -201,7 +195,7 @@ int main(void)
 	    cmocka_unit_test(a_reference_is_drawn_by_its_own_options),
 	    cmocka_unit_test(two_halves_say_what_both_know),
 	    cmocka_unit_test(a_sample_has_a_time_that_no_pixel_decides),
-	    cmocka_unit_test(edges_are_fewer_in_larger_pictures),
+	    cmocka_unit_test(what_more_samples_mend_lies_at_edges),
 	    cmocka_unit_test(the_longest_pilot_is_not_given_up),
 	    cmocka_unit_test(no_number_is_no_answer),
 	};

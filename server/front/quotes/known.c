@@ -209,6 +209,7 @@ static void keep_bias(struct quote_known *known, const struct quote_record *time
 	r.known = 0;
 	r.pixels = bias->pixels;
 	r.samples = bias->samples;
+	r.edges = (float)bias->edges;
 	r.stamp = next_stamp(known);
 	set_error(&r, &bias->error, 1);
 	log_line(LOG_DEBUG, "%s, %u pixels, %u samples: bias %.3g (%.3g … %.3g)", technique_name(r.technique), r.pixels,

@@ -9,6 +9,7 @@
 #define STRETCH_MOST 4.0
 #define AGE_LEAST 1e-3 // weight below which a record does not count any more
 #define OCTAVE 0.04 // deviation that each octave of pixels or samples between a record and a request adds
+#define EDGES_MOST 0.9 // of an error, that are taken to lie at edges
 #define COARSE 0.15 // the same of a pilot's error, with each octave of pixels
 #define EDGES \
 	0.4 // the same of an error without noise, with each octave of samples: by as much as it is one of edges it falls
@@ -253,8 +254,10 @@ static void hear(struct hearing *h, const struct quote_record *r)
 		    own * own + coarse * coarse * pixels * pixels + edges * edges * samples * samples + 1e-6;
 		struct sums *sums = cluster ? &cluster->sums[part] : &h->sums[part][g];
 		sums->own += *age / variance * (error ? own * own / variance : 0);
+		const double share = error ? (double)r->edges : 0;
+		const double fewer = log(1 + fmin(share, EDGES_MOST) * (sqrt(r->pixels / q->pixels) - 1));
 		add_to(sums, *age / variance,
-		       (double)r->part[part] + h->drift[part][0] * pixels + h->drift[part][1] * samples,
+		       (double)r->part[part] + h->drift[part][0] * pixels + h->drift[part][1] * samples + fewer,
 		       error ? (double)r->spread * sqrt(r->pixels / q->pixels) : 0);
 		*age *= cluster ? CLUSTER_AGE : ages[g];
 	}
@@ -559,8 +562,8 @@ bool quote_refused(const struct quote_model *m, const struct quote_key *key)
 bool quote_record_holds(const struct quote_record *r)
 {
 	if (!(technique_traits(r->technique) & TECHNIQUE_RENDERS) || r->technique >= TECHNIQUE_COUNT || r->pilot > 1 ||
-	    r->unused != 0 || r->pixels == 0 || r->pixels > LIMIT_PIXELS || r->samples == 0 || r->samples > LIMIT_SAMPLES ||
-	    r->known >> QUOTE_PARTS || !(r->spread >= 0 && r->spread <= 100))
+	    !(r->edges >= 0 && r->edges <= 1) || r->pixels == 0 || r->pixels > LIMIT_PIXELS || r->samples == 0 ||
+	    r->samples > LIMIT_SAMPLES || r->known >> QUOTE_PARTS || !(r->spread >= 0 && r->spread <= 100))
 		return false;
 	for (int part = 0; part < QUOTE_PARTS; part++)
 		if (!(fabs((double)r->part[part]) <= 100))

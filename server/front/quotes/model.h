@@ -62,7 +62,8 @@ struct quote_record {
 	uint32_t known; // bits 1 << enum quote_part
 	float part[QUOTE_PARTS]; // those that are known
 	float spread; // deviation of part[QUOTE_ERROR]
-	uint32_t unused; // 0
+	float
+	    edges; // share of part[QUOTE_ERROR], 0 … 1, that lies at edges, whose share of a picture falls as its side grows
 };
 
 // Sums over what was learned of one part of one technique.

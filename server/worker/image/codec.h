@@ -1,7 +1,7 @@
 // Encoding of frames as files by OpenImageIO, with a C interface. The worker's only header that C++ implements.
 //
 // Design note. OpenImageIO brings two hundred and fifty libraries. Linking them takes a third of a second of a processor, so
-// the worker does it beside its first job, not before it is ready: the codec is a shared object of its own.
+// the worker does it when its first scene comes, not before it is ready: the codec is a shared object of its own.
 #ifndef CANDIL_WORKER_CODEC_H
 #define CANDIL_WORKER_CODEC_H
 

@@ -1,9 +1,9 @@
 // Two threads meet here. The device's thread hands over frames in encoder_submit and never touches them again; the
 // encoder's thread owns a frame from the moment it takes it out of the ring until it is destroyed. The ring, its two
 // counters, `wanted` and `stopping` are guarded by `mutex`; `socket`, `device` and `open` do not change after
-// encoder_create; `encode` is the encoder's thread's alone. Encoding and sending happen outside the lock, so submitting
-// waits only when the ring is full. A front that has gone away makes sending fail: the frame is dropped with a line in the
-// log, and the worker's own loop, which reads the same socket, ends the process.
+// encoder_create; `encode` and `opened_us` are the encoder's thread's alone. Encoding and sending happen outside the lock,
+// so submitting waits only when the ring is full. A front that has gone away makes sending fail: the frame is dropped with a
+// line in the log, and the worker's own loop, which reads the same socket, ends the process.
 #include "server/worker/image/encoder.h"
 
 #include <errno.h>
@@ -28,6 +28,7 @@ struct encoder {
 	struct encoder_task ring[ENCODER_QUEUE_FRAMES];
 	uint32_t first, count;
 	bool wanted; // the codec, for a frame will come
+	uint64_t opened_us; // clock_us() when it was open
 	bool stopping;
 	codec_function *(*open)(struct error *err);
 	codec_function *encode; // NULL: not open
@@ -114,13 +115,16 @@ static void work(struct encoder *e, const struct encoder_task *task)
 	image.head.job = task->job;
 	int fd = -1;
 	size_t bytes = 0;
-	const uint64_t taken = clock_us();
-	frame_add_stage(task->frame, "encoder", taken - task->submitted_us);
 	if (!e->encode) {
 		e->encode = e->open(&image.error);
-		frame_add_stage(task->frame, FRAME_STAGE_OPEN, clock_us() - taken);
+		e->opened_us = clock_us();
 	}
 	const uint64_t start = clock_us();
+	// Until the codec was open, all that waited did so for it.
+	const uint64_t ready = e->opened_us > task->submitted_us ? e->opened_us : task->submitted_us;
+	if (ready > task->submitted_us)
+		frame_add_stage(task->frame, FRAME_STAGE_OPEN, ready - task->submitted_us);
+	frame_add_stage(task->frame, "encoder", start - ready);
 	const struct verdict_file *file = &task->file;
 	if (e->encode)
 		image.error.code =
@@ -138,6 +142,9 @@ static void open_early(struct encoder *e)
 	struct error ignored; // if it is still so, the frame's own attempt tells
 	pthread_mutex_unlock(&e->mutex);
 	e->encode = e->open(&ignored);
+	if (!e->encode)
+		log_line(LOG_WARNING, "the codec cannot be linked: %s", ignored.text);
+	e->opened_us = clock_us();
 	pthread_mutex_lock(&e->mutex);
 }
 

@@ -284,7 +284,7 @@ static enum status look_once(const struct pilot *pilot, const struct pilot_pictu
 	// What is wrong with a diagram is no error.
 	if (a && b && !d.frame->diagram && a->width == d.frame->width && a->height == d.frame->height) {
 		const struct pilot_reference r = {a->width, a->height, {a->radiance, b->radiance}};
-		*bias = (struct pilot_bias){result->pixels, result->samples, pilot_bias(d.frame->radiance, &r)};
+		*bias = (struct pilot_bias){result->pixels, result->samples, 0, pilot_bias(d.frame->radiance, &r)};
 	}
 	frame_destroy(d.frame);
 	return STATUS_OK;
@@ -319,20 +319,15 @@ static enum status look_noisy(const struct pilot *pilot, struct pilot_picture pi
 	return s;
 }
 
-void pilot_carry(struct pilot_bias bias[2], double asked)
+void pilot_edges(struct pilot_bias bias[2])
 {
-	struct estimate *many = &bias[0].error, *one = &bias[1].error;
-	if (!(bias[0].samples > 1) || bias[1].samples != 1 || many->relmse < 0 || one->relmse < 0)
+	const double many = bias[0].error.relmse, one = bias[1].error.relmse, k = bias[0].samples;
+	if (!(k > 1) || bias[1].samples != 1 || !(many > 0) || !(one > 0))
 		return;
-	const double k = bias[0].samples;
-	const double edges = fmin(fmax(one->relmse - many->relmse, 0) * k / (k - 1), one->relmse);
-	const double gone = edges * (1 - fmin(sqrt(bias[1].pixels / asked), 1));
-	const double scales[2] = {fmax(many->relmse - gone / k, many->low) / fmax(many->relmse, 1e-30),
-				  fmax(one->relmse - gone, one->low) / fmax(one->relmse, 1e-30)};
-	for (int i = 0; i < 2; i++) {
-		bias[i].error.relmse *= scales[i];
-		bias[i].error.low *= scales[i];
-	}
+	// The jitter of one sample has k times the variance of the mean of k.
+	const double edges = fmin(fmax(one - many, 0) * k / (k - 1), one);
+	bias[0].edges = fmin(edges / k / many, 1);
+	bias[1].edges = edges / one;
 }
 
 // Those of another: as large as the reference, with few samples and with one, to see the bias; then one as large as fits,
@@ -351,7 +346,7 @@ static enum status look_clear(const struct pilot *pilot, struct pilot_picture pi
 		s = look_once(pilot, &picture, reference, result, &bias[i], err);
 	}
 	memcpy(result->bias, bias, sizeof bias);
-	pilot_carry(result->bias, asked);
+	pilot_edges(result->bias);
 	if (s != STATUS_OK)
 		return s;
 	pixels[1] = result->pixels;
@@ -365,7 +360,7 @@ static enum status look_clear(const struct pilot *pilot, struct pilot_picture pi
 	if (s != STATUS_OK)
 		return s;
 	memcpy(result->bias, bias, sizeof bias);
-	pilot_carry(result->bias, asked);
+	pilot_edges(result->bias);
 	pixels[0] = pixels[1];
 	us[0] = us[1];
 	pixels[1] = result->pixels;

@@ -65,10 +65,9 @@ struct pilot_reference {
 // has a time of its own and one for each pixel. One size alone is taken as if it were all of pixels.
 double pilot_sample_us(const double pixels[2], const double us[2], double asked);
 
-// Carry the biases of small pictures, with several samples and with one, to a picture of `asked` pixels. What more samples
-// mend of one lies at edges, whose share of the pixels falls as the side of the picture grows; the rest stays. No more is
-// taken off than the lower end leaves; the upper end stays. Without both nothing changes.
-void pilot_carry(struct pilot_bias bias[2], double asked);
+// Fill in the shares at edges of the biases of one picture with several samples and of one with a single sample: what more
+// samples mend. Without both they stay 0.
+void pilot_edges(struct pilot_bias bias[2]);
 
 // The relMSE of `picture`, without noise and of the same size, beside what the reference tends to. With a and b the halves
 // (x − a)(x − b) has the mean (x − r)², whatever their noise. It is divided by ρ² + 0.01, where ρ is the mean of the
