@@ -67,10 +67,13 @@ static void worker_give(struct worker *worker, const void *message, size_t bytes
 
 static void send_parcels(struct worker *worker)
 {
-	while (worker->waiting.first) {
+	while (worker->waiting.first && !worker->holding) {
 		const struct parcel *p = worker->waiting.first;
-		if (send_now(worker, p->message, p->bytes, p->fd) == SENT_LATER)
+		if (send_now(worker, p->message, p->bytes, p->fd) == SENT_LATER) {
+			// What was kept while a pilot was out has not asked for it.
+			loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
 			return;
+		}
 		parcels_drop_first(&worker->waiting);
 	}
 	loop_want(worker->loop, worker->child.socket, EPOLLIN);
