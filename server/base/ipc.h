@@ -124,6 +124,7 @@ struct ipc_pilot {
 struct ipc_piloted {
 	struct ipc_head head;
 	struct error error; // code != OK: nothing came of it
+	uint32_t cut; // 1: its PILOT_END came in time to keep something from being seen
 	struct pilot_result results[TECHNIQUE_COUNT]; // by technique
 };
 

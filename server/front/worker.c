@@ -152,12 +152,11 @@ void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_
 	worker->holding = !worker->waiting.first;
 }
 
-void worker_pilot_end(struct worker *worker)
+bool worker_pilot_end(struct worker *worker)
 {
 	const struct ipc_job message = {.head = {.op = IPC_PILOT_END, .job = worker->pilot}};
-	// If it cannot be sent now, because the worker has not come to its PILOT yet, the pilot takes its time.
-	if (worker->state == WORKER_READY && worker->holding)
-		send_now(worker, &message, sizeof message, -1);
+	// While the worker has not come to its PILOT yet, this would wait in line with the rest.
+	return worker->state == WORKER_READY && worker->holding && send_now(worker, &message, sizeof message, -1) == SENT;
 }
 
 // ---- the watchdog ----------------------------------------------------------------------------------------------------

@@ -103,8 +103,8 @@ void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_
 		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us);
 
 // End the pilot that is out before its time; `piloted` answers with what it has seen, unless it has answered already. What
-// cannot be cut short, such as compiling, is waited for.
-void worker_pilot_end(struct worker *worker);
+// cannot be cut short, such as compiling, is waited for. False: it cannot be told now, and the pilot takes its time.
+bool worker_pilot_end(struct worker *worker);
 
 // Encode the job's picture as it is, `final` for the last time; `image` answers. `predicted`: as of struct ipc_read.
 void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted);

@@ -47,6 +47,7 @@ struct server {
 	struct resident_scenes scenes;
 	struct encoder *encoder;
 	struct job *jobs;
+	bool pilot_cut; // the pilot that is made was ended before it had seen all
 };
 
 static struct job **find_job(struct server *s, uint32_t id)
@@ -397,8 +398,9 @@ static bool make_room_for_pilot(void *user)
 
 static bool pilot_is_ended(void *user)
 {
-	const struct server *s = user;
-	return ipc_next_is(s->socket, IPC_PILOT_END);
+	struct server *s = user;
+	s->pilot_cut = ipc_next_is(s->socket, IPC_PILOT_END);
+	return s->pilot_cut;
 }
 
 static enum status look(struct server *s, const struct ipc_pilot *m, struct job *job, struct pilot_result *results,
@@ -432,10 +434,12 @@ static enum status on_pilot(struct server *s, const struct ipc_pilot *m)
 {
 	struct ipc_piloted answer = {.head = {.op = IPC_PILOTED, .job = m->head.job}};
 	struct job *job = calloc(1, sizeof *job);
+	s->pilot_cut = false;
 	if (!job)
 		error_set(&answer.error, STATUS_MEMORY, "out of memory");
 	else if (look(s, m, job, answer.results, &answer.error) == STATUS_OK)
 		answer.error = (struct error){.code = STATUS_OK};
+	answer.cut = s->pilot_cut;
 	job_destroy(s, job);
 	return answer_front(s, &answer, sizeof answer);
 }

@@ -12,8 +12,7 @@
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
 //   FAKE_PILOT         "die": be killed on PILOT; "refuse" it; "nonsense", "kind", "code", "other": answer with no number,
-//   no kind
-//                      of error, no status, for another pilot
+//                      no kind of error, no status, for another pilot; "whole": do not look for its end
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
@@ -228,10 +227,11 @@ static void on_pilot(const struct ipc_pilot *message)
 		piloted.error.code = (enum status)9999;
 	if (!strcmp(wrong, "other"))
 		piloted.head.job++;
-	for (unsigned long left = fake_number("FAKE_PILOT_US", 0); left > 0 && !ipc_next_is(IPC_FD, IPC_PILOT_END);) {
+	for (unsigned long left = fake_number("FAKE_PILOT_US", 0); left > 0 && !piloted.cut;) {
 		const unsigned long us = left < 1000 ? left : 1000;
 		usleep((useconds_t)us);
 		left -= us;
+		piloted.cut = left > 0 && strcmp(wrong, "whole") != 0 && ipc_next_is(IPC_FD, IPC_PILOT_END);
 	}
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
 		const bool noisy = technique_traits(t) & TECHNIQUE_NOISE;

@@ -249,6 +249,19 @@ class Ended(QuoteCase):
         self.assert_free(connection)
 
 
+class Whole(QuoteCase):
+    environment = {"FAKE_PILOT_US": "1500000", "FAKE_PILOT": "whole"}
+
+    def test_a_pilot_that_was_ended_too_late_to_be_cut_counts(self):
+        connection, asker = self.with_box(), self.connect()
+        asked = asker.send(wire.QUOTE, quote(pilot_ms=1000))
+        wire.wait_for(lambda: "pilot" in self.trace(), "the pilot is out")
+        job = connection.send(wire.RENDER, endless(deadline_ms=2000))
+        self.assertEqual(getattr(asker.receive_for(asked).body, "from"), "pilot")
+        self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
+        self.assertEqual((self.trace().count("pilot"), self.trace().count("end")), (1, 1))
+
+
 class NoWorker(QuoteCase):
     environment = {"FAKE_EXIT": "1"}
 

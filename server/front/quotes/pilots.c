@@ -116,9 +116,7 @@ static void send_pilot(struct quotes *quotes, struct quote *quote)
 
 void pilots_end(struct quotes *quotes)
 {
-	if (!quotes->ending)
-		worker_pilot_end(quotes->worker);
-	quotes->ending = true;
+	quotes->ending = quotes->ending || worker_pilot_end(quotes->worker);
 }
 
 // A job that has come since may have to leave the device before the pilot does.

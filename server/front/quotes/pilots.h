@@ -3,7 +3,7 @@
 // - One pilot is out at a time. It begins when no STEP and no BEGIN is outstanding, and none is sent meanwhile, so that its
 //   times are its own.
 // - It has an end of its own as a whole (struct ipc_pilot's limit_us). None begins while a job's deadline is nearer than
-//   that, and one that is out when such a job comes is ended; it is made again later.
+//   that, and one that is out when such a job comes is ended; if that cut it short, it is made again later.
 // - It is ended when nobody waits for it any more, but for one whose question was answered without it: that tells the next.
 // - After one the jobs have the device for at least as long as it took, if they can use it.
 // - A job with a deadline gets none of techniques whose programs are still to be compiled, none that takes more than a share
@@ -25,7 +25,7 @@ bool pilot_plan(const struct quotes *quotes, struct quote *quote);
 // Send the next one if it may have the device, or make way for it.
 void pilots_dispatch(struct quotes *quotes);
 
-// End the one that is out.
+// End the one that is out, if the worker can be told now.
 void pilots_end(struct quotes *quotes);
 
 // None is out any more: it came back, or was lost with the worker.

@@ -223,7 +223,7 @@ void quotes_dispatch(struct quotes *quotes)
 void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted *piloted)
 {
 	struct quote *quote = quote_by_id(quotes, id);
-	const bool cut = quotes->ending;
+	const bool cut = piloted->cut != 0;
 	pilots_back(quotes);
 	if (!quote)
 		return;

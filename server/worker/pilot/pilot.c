@@ -128,8 +128,8 @@ static enum status draw(const struct pilot *pilot, const candil_Render *render, 
 			pilot->devices->vk->wanted = 0;
 			s = t->step(job, PILOT_SLICE_US, &result, err);
 		} while (s == STATUS_MEMORY && pilot->make_room(pilot->user));
-		const bool late = is_over(pilot) || clock_us() - start > pilot_patience_us(pilot->budget_us);
-		if (s == STATUS_OK && !result.finished && late)
+		if (s == STATUS_OK && !result.finished &&
+		    (is_over(pilot) || clock_us() - start > pilot_patience_us(pilot->budget_us)))
 			s = error_set(err, STATUS_LIMIT, "a pilot takes too long");
 	}
 	if (s == STATUS_OK)

@@ -26,7 +26,8 @@ struct pilot {
 	uint64_t end_us; // clock_us() from which on no picture is begun or gone on with
 	uint64_t memory; // bytes of the device that it may take
 	bool (*make_room)(void *user); // after STATUS_MEMORY: whether there is more than before, and another try is worth it
-	bool (*is_ended)(void *user); // asked between slices, and before each picture: whether nobody wants more of it
+	// Whether nobody wants more of it: asked between slices and before each picture. If so, that picture is given up.
+	bool (*is_ended)(void *user);
 	void *user;
 };
 
