@@ -19,6 +19,7 @@ static int fresh(void **state)
 	(void)state;
 	memset(&info, 0, sizeof info);
 	import_init(&import, NULL, &info);
+	import.decoder = &image_decoder;
 	return 0;
 }
 
