@@ -239,6 +239,10 @@ static void edges_are_fewer_in_larger_pictures(void **state)
 		const double one = quote_predict(known.model, &q).error.relmse, expected = wide ? 0.03 : 0.05;
 		assert_true(fabs(log(one / expected)) < 0.15);
 	}
+	// Sixteen samples leave a sixteenth of it.
+	q.samples = 16;
+	const double many = quote_predict(known.model, &q).error.relmse;
+	assert_true(many < 0.02 && many > 0.005);
 }
 
 static void a_view_that_was_looked_at_is_not_looked_at_again(void **state)

@@ -160,7 +160,14 @@ static void what_more_samples_mend_lies_at_edges(void **state)
 	bias[0].error = bias[1].error;
 	pilot_edges(bias);
 	assert_true(bias[0].edges < 1e-9 && bias[1].edges < 1e-9);
+	// One pixel of a lamp's rim does not make a picture ten times worse than four samples have it.
+	bias[0].error = (struct estimate){0.01, 0.005, 0.015, kind};
+	bias[1].error = (struct estimate){0.1, 0.05, 0.2, kind};
+	pilot_edges(bias);
+	assert_true(fabs(bias[1].error.relmse - 0.04) < 1e-9 && fabs(bias[1].error.high - 0.08) < 1e-9);
+	assert_true(fabs(bias[1].edges - 1) < 1e-9);
 	bias[0] = (struct pilot_bias){1024, 4, 0, ESTIMATE_UNKNOWN};
+	bias[1].edges = 0;
 	pilot_edges(bias);
 	assert_true(bias[0].edges < 1e-9 && bias[1].edges < 1e-9);
 }

@@ -34,10 +34,11 @@ bool quote_can(const candil_Render *r, candil_Technique technique)
 			  r->filter != candil_Filter_FILTER_BOX;
 	if (lens && !(traits & TECHNIQUE_LENS))
 		return false;
-	if (r->technique != candil_Technique_TECHNIQUE_AUTO)
-		return technique == r->technique;
+	const bool open = r->technique == candil_Technique_TECHNIQUE_AUTO;
+	if (!open && technique != r->technique)
+		return false;
 	// Samples by index are asked for to be merged with others of the same noise.
-	if (r->first_sample > 0 && !(traits & TECHNIQUE_NOISE))
+	if (open && r->first_sample > 0 && !(traits & TECHNIQUE_NOISE))
 		return false;
 	for (pb_size_t i = 0; i < r->options_count; i++)
 		if (!technique_takes(technique, r->options[i].name))

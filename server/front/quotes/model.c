@@ -255,7 +255,9 @@ static void hear(struct hearing *h, const struct quote_record *r)
 		struct sums *sums = cluster ? &cluster->sums[part] : &h->sums[part][g];
 		sums->own += *age / variance * (error ? own * own / variance : 0);
 		const double share = error ? (double)r->edges : 0;
-		const double fewer = log(1 + fmin(share, EDGES_MOST) * (sqrt(r->pixels / q->pixels) - 1));
+		// Of those a larger picture has fewer, and their jitter falls as 1 / N.
+		const double left = sqrt(r->pixels / q->pixels) * r->samples / q->samples;
+		const double fewer = log(1 + fmin(share, EDGES_MOST) * (left - 1));
 		add_to(sums, *age / variance,
 		       (double)r->part[part] + h->drift[part][0] * pixels + h->drift[part][1] * samples + fewer,
 		       error ? (double)r->spread * sqrt(r->pixels / q->pixels) : 0);

@@ -62,8 +62,7 @@ struct quote_record {
 	uint32_t known; // bits 1 << enum quote_part
 	float part[QUOTE_PARTS]; // those that are known
 	float spread; // deviation of part[QUOTE_ERROR]
-	float
-	    edges; // share of part[QUOTE_ERROR], 0 … 1, that lies at edges, whose share of a picture falls as its side grows
+	float edges; // share of part[QUOTE_ERROR], 0 … 1, that more samples mend: edges, of which a larger picture has fewer
 };
 
 // Sums over what was learned of one part of one technique.

@@ -321,9 +321,14 @@ static enum status look_noisy(const struct pilot *pilot, struct pilot_picture pi
 
 void pilot_edges(struct pilot_bias bias[2])
 {
-	const double many = bias[0].error.relmse, one = bias[1].error.relmse, k = bias[0].samples;
-	if (!(k > 1) || bias[1].samples != 1 || !(many > 0) || !(one > 0))
+	const double many = bias[0].error.relmse, k = bias[0].samples, told = bias[1].error.relmse;
+	if (!(k > 1) || bias[1].samples != 1 || !(many > 0) || !(told > 0))
 		return;
+	// One sample is no better than k and at most k times as far off; more than that is luck, of a lamp's rim say.
+	const double one = fmin(fmax(told, many), k * many);
+	bias[1].error.relmse = one;
+	bias[1].error.low *= one / told;
+	bias[1].error.high *= one / told;
 	// The jitter of one sample has k times the variance of the mean of k.
 	const double edges = fmin(fmax(one - many, 0) * k / (k - 1), one);
 	bias[0].edges = fmin(edges / k / many, 1);

@@ -67,7 +67,7 @@ struct pilot_reference {
 double pilot_sample_us(const double pixels[2], const double us[2], double asked);
 
 // Fill in the shares at edges of the biases of one picture with several samples and of one with a single sample: what more
-// samples mend. Without both they stay 0.
+// samples mend. The latter is held to what the former allows. Without both they stay as they are.
 void pilot_edges(struct pilot_bias bias[2]);
 
 // The relMSE of `picture`, without noise and of the same size, beside what the reference tends to. With a and b the halves

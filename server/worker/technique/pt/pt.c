@@ -307,7 +307,9 @@ static void note_estimate(const struct technique_job *j, struct frame *f)
 	const char *end = j->plan.target_error > 0 ? ", and no target is known to be reached" : "";
 	if (j->error_sample == 0 || j->estimate.high >= 0)
 		return;
-	if (j->estimate.relmse < 0)
+	if (j->sample < 2)
+		frame_add_note(f, "one sample cannot tell its error%s", end);
+	else if (j->estimate.relmse < 0)
 		frame_add_note(f, "no sample has found light, though the scene gives some: the error is not known%s", end);
 	else
 		frame_add_note(
