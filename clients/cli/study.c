@@ -189,6 +189,8 @@ static enum exit_code do_study(struct study *study)
 		study_make_report(study);
 	if (code == EXIT_DONE && interrupt_seen() && !study->report_made)
 		code = job_fail_between(&study->job);
+	if (code == EXIT_CANCELLED)
+		fputs("candil: what is done is kept; the same command goes on from there\n", stderr);
 	return code == EXIT_DONE ? study_say_end(study) : code;
 }
 
