@@ -145,7 +145,6 @@ static void start_loader(struct scene *scene)
 	struct scenes *table = scene->table;
 	struct error err;
 	scene->state = SCENE_LOADING;
-	table->loader_starts++;
 	if (loader_start(&scene->loader, table->libexec, &scene->source, scene->up, scene->metres_per_unit,
 			 scene->has_images, &err) != STATUS_OK)
 		scenes_stop_load(scene, &err);
@@ -240,8 +239,10 @@ static struct scene *next_waiting(struct scenes *scenes)
 
 void scenes_dispatch(struct scenes *scenes)
 {
-	for (struct scene *s = next_waiting(scenes); s; s = next_waiting(scenes))
+	for (struct scene *s = next_waiting(scenes); s; s = next_waiting(scenes)) {
+		scenes->loader_starts++;
 		start_loader(s);
+	}
 }
 
 uint32_t scenes_count(const struct scenes *scenes, uint64_t *bytes)
