@@ -1,14 +1,11 @@
 #include <dlfcn.h>
 
+#include "server/base/library.h"
 #include "server/worker/image/codec.h"
 
 codec_function *codec_open(struct error *err)
 {
 	codec_function *encode = NULL;
-	void *file = dlopen(CODEC_FILE, RTLD_NOW | RTLD_LOCAL);
-	if (file)
-		*(void **)&encode = dlsym(file, CODEC_NAME);
-	if (!encode)
-		error_set(err, STATUS_ENCODE, "%s", dlerror());
+	*(void **)&encode = library_symbol(CODEC_FILE, RTLD_NOW | RTLD_LOCAL, CODEC_NAME, STATUS_ENCODE, err);
 	return encode;
 }
