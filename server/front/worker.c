@@ -17,6 +17,12 @@
 #include "server/base/log.h"
 #include "server/base/memfd.h"
 
+#ifdef __SANITIZE_ADDRESS__
+#define SLOWNESS 4 // times that an instrumented worker may take longer: it compiles in minutes what others do in seconds
+#else
+#define SLOWNESS 1
+#endif
+
 #define FIRST_PAUSE_US 50000u
 #define PAUSE_DOUBLINGS 8u
 #define HOPELESS_STARTS 3u
@@ -165,7 +171,7 @@ static uint64_t worker_deadline(const struct worker *worker)
 {
 	uint64_t due = UINT64_MAX;
 	if (worker->answers_due > 0)
-		due = worker->answer_wait_us + LIMIT_STEP_SECONDS * 1000000ull;
+		due = worker->answer_wait_us + SLOWNESS * LIMIT_STEP_SECONDS * 1000000ull;
 	uint64_t image = worker->image_wait_us + LIMIT_ENCODE_SECONDS * 1000000ull;
 	return worker->images_due > 0 && image < due ? image : due;
 }
