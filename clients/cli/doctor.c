@@ -49,7 +49,6 @@ static void check_programs(struct findings *f)
 		snprintf(argument, sizeof(argument), "%s", wanted[i].argument);
 		p->name = wanted[i].name;
 		p->purpose = wanted[i].purpose;
-		p->needed = !wanted[i].user;
 		p->user = wanted[i].user;
 		if (i == DAEMON)
 			program_daemon(p->path, sizeof(p->path));
@@ -58,7 +57,7 @@ static void check_programs(struct findings *f)
 		doctor_check_program(p, argument);
 		if (p->library[0])
 			add_missing(f, p->library, doctor_package_of(p->library));
-		f->ok = f->ok && (p->works || !p->needed);
+		f->ok = f->ok && (p->works || p->user);
 	}
 }
 
@@ -126,7 +125,7 @@ static json_t *findings_json(const struct findings *f)
 	for (int i = 0; i < PROGRAMS; i++) {
 		const struct program_check *p = &f->programs[i];
 		json_array_append_new(programs, json_pack("{s:s,s:o,s:b,s:b,s:o}", "name", p->name, "path",
-							  cli_json_text(p->path), "needed", (int)p->needed, "works",
+							  cli_json_text(p->path), "needed", (int)!p->user, "works",
 							  (int)p->works, "why", cli_json_text(p->why)));
 	}
 	json_t *daemon = json_pack("{s:b,s:o,s:o,s:b,s:o}", "reachable", (int)f->daemon.reachable, "address",
@@ -188,7 +187,7 @@ static void print_findings(const struct findings *f)
 		const struct program_check *p = &f->programs[i];
 		printf("  program  %s (%s): %s%s", p->name, p->purpose,
 		       p->works ? "starts" : "does not start: ", p->works ? "" : p->why);
-		if (!p->works && !p->needed)
+		if (!p->works && p->user)
 			printf("; only %s needs it", p->user);
 		putchar('\n');
 	}

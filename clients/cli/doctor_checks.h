@@ -8,8 +8,7 @@
 struct program_check {
 	const char *name;
 	const char *purpose;
-	bool needed; // for a render
-	const char *user; // the command that needs it, if no render does
+	const char *user; // the only command that needs it; NULL: a render does
 	bool works; // it is there and starts
 	char path[PROGRAM_PATH];
 	char why[256]; // why it does not work; "" if it does

@@ -28,3 +28,9 @@ void *library_symbol(const char *file, int flags, const char *symbol, enum statu
 		error_set(err, code, "%.200s", dlerror());
 	return found;
 }
+
+int library_missing(const char *program, const struct error *err)
+{
+	fprintf(stderr, "%s: error while loading shared libraries: %s\n", program, err->text);
+	return 127;
+}

@@ -9,4 +9,7 @@
 // linker says.
 void *library_symbol(const char *file, int flags, const char *symbol, enum status code, struct error *err);
 
+// Say on standard error that `program` lacks one, as the dynamic linker does, and return its exit status for that.
+int library_missing(const char *program, const struct error *err);
+
 #endif

@@ -18,13 +18,14 @@
 #include <unistd.h>
 
 #include "server/base/ipc.h"
+#include "server/base/library.h"
 #include "server/base/log.h"
 #include "server/loader/describe.h"
 #include "server/loader/files.h"
 #include "server/loader/load.h"
 #include "server/loader/sandbox.h"
 
-enum { EXIT_USAGE = 2, EXIT_IMAGES = 3, EXIT_NO_LIBRARY = 127 };
+enum { EXIT_USAGE = 2, EXIT_IMAGES = 3 };
 
 struct arguments {
 	struct load_options load;
@@ -113,19 +114,12 @@ static void confine(int dir, const char *file, struct sandbox_report *report)
 		close(folder);
 }
 
-// As the dynamic linker ends a program whose libraries are not there.
-static int tell_no_decoder(const struct error *err)
-{
-	fprintf(stderr, "candil-loader: error while loading shared libraries: %s\n", err->text);
-	return EXIT_NO_LIBRARY;
-}
-
 static int report_sandbox(void)
 {
 	struct sandbox_report report;
 	struct error err;
 	if (!image_decoder_open(&err)) // its libraries start threads
-		return tell_no_decoder(&err);
+		return library_missing("candil-loader", &err);
 	confine(-1, NULL, &report);
 	sandbox_try(&report);
 	json_t *layers = json_array();
@@ -224,7 +218,7 @@ int main(int argc, char **argv)
 		return EXIT_FAILURE;
 	int result;
 	if (arguments.images && !(arguments.load.decoder = image_decoder_open(&loaded->error)))
-		result = tell_no_decoder(&loaded->error);
+		result = library_missing("candil-loader", &loaded->error);
 	else
 		result = arguments.describe ? describe(&arguments, loaded) : serve(&arguments, loaded);
 	free(loaded);

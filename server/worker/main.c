@@ -8,6 +8,7 @@
 #include <sys/prctl.h>
 
 #include "server/base/ipc.h"
+#include "server/base/library.h"
 #include "server/base/log.h"
 #include "server/worker/devices.h"
 #include "server/worker/doctor.h"
@@ -59,14 +60,10 @@ static bool parse(int argc, char **argv, struct settings *out)
 	return optind == argc;
 }
 
-// As the dynamic linker ends a program whose libraries are not there.
 static int link_libraries(void)
 {
 	struct error err;
-	if (codec_open(&err))
-		return 0;
-	fprintf(stderr, "candil-worker: error while loading shared libraries: %s\n", err.text);
-	return 127;
+	return codec_open(&err) ? 0 : library_missing("candil-worker", &err);
 }
 
 int main(int argc, char **argv)

@@ -16,6 +16,7 @@
 
 #define PT candil_Technique_TECHNIQUE_PT
 #define VCT candil_Technique_TECHNIQUE_VCT
+#define ERROR_KIND candil_ErrorKind_ERROR_KIND_PREDICTED
 
 static struct jobs jobs;
 static struct worker worker;
@@ -193,19 +194,22 @@ static void times_of_a_picture_that_compiled_are_no_rate(void **state)
 	assert_true(quote_predict(known.model, &q).us > 10 * before);
 }
 
+// A pilot of the room by vct, which has seen these two biases.
+static void look_for_bias(const struct pilot_bias bias[2])
+{
+	const struct rendered f = of(&room);
+	const struct pilot_result result = {
+	    .pixels = 4096, .samples = 1, .sample_us = 9000, .error = ESTIMATE_UNKNOWN, .bias = {bias[0], bias[1]}};
+	quote_known_pilot(&known, &f, VCT, &result);
+}
+
 static void the_bias_of_few_samples_is_more_than_that_of_many(void **state)
 {
 	const struct rendered f = of(&room);
-	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
-	// Of a village seen from afar, measured.
-	const struct pilot_result result = {
-	    .pixels = 4096,
-	    .samples = 1,
-	    .sample_us = 9000,
-	    .error = ESTIMATE_UNKNOWN,
-	    .bias = {{1024, 4, 0, {0.021, 0.018, 0.024, kind}}, {1024, 1, 0, {0.0585, 0.053, 0.064, kind}}}};
 	(void)state;
-	quote_known_pilot(&known, &f, VCT, &result);
+	// Of a village seen from afar, measured.
+	look_for_bias((const struct pilot_bias[]){{1024, 4, 0, {0.021, 0.018, 0.024, ERROR_KIND}},
+						  {1024, 1, 0, {0.0585, 0.053, 0.064, ERROR_KIND}}});
 	struct quote_query q = ask(&room, VCT);
 	q.samples = 4;
 	struct estimate e = quote_predict(known.model, &q).error;
@@ -221,16 +225,9 @@ static void the_bias_of_few_samples_is_more_than_that_of_many(void **state)
 
 static void edges_are_fewer_in_larger_pictures(void **state)
 {
-	const struct rendered f = of(&room);
-	const candil_ErrorKind kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
-	const struct pilot_result result = {
-	    .pixels = 4096,
-	    .samples = 1,
-	    .sample_us = 9000,
-	    .error = ESTIMATE_UNKNOWN,
-	    .bias = {{1024, 4, 0.5, {0.02, 0.018, 0.022, kind}}, {1024, 1, 0.8, {0.05, 0.047, 0.053, kind}}}};
 	(void)state;
-	quote_known_pilot(&known, &f, VCT, &result);
+	look_for_bias((const struct pilot_bias[]){{1024, 4, 0.5, {0.02, 0.018, 0.022, ERROR_KIND}},
+						  {1024, 1, 0.8, {0.05, 0.047, 0.053, ERROR_KIND}}});
 	struct quote_query q = ask(&room, VCT);
 	// 0.01 is bias; of what is left a picture twice as wide has half.
 	for (int wide = 0; wide < 2; wide++) {

@@ -68,11 +68,10 @@ void pilot_request(const candil_Render *asked, const struct pilot_picture *pictu
 	render->width = (uint32_t)fmax(round(render->width * scale), 1);
 	render->height = (uint32_t)fmax(round(render->height * scale), 1);
 	render->technique = picture->technique;
-	const struct option_table *known = technique_find(picture->technique)->options;
 	render->options_count = 0;
 	// What a reference makes its picture by is none of the request's.
 	for (pb_size_t i = 0; i < asked->options_count; i++)
-		if (option_known(known, asked->options[i].name))
+		if (technique_takes(picture->technique, asked->options[i].name))
 			render->options[render->options_count++] = asked->options[i];
 	render->samples = picture->samples;
 	// More samples of one sequence would fill the gaps of the first: not independent of them.
@@ -343,15 +342,15 @@ static enum status look_clear(const struct pilot *pilot, struct pilot_picture pi
 {
 	const double asked = (double)pilot->render->width * pilot->render->height;
 	double pixels[2] = {result->pixels, result->pixels}, us[2] = {result->sample_us, result->sample_us};
-	struct pilot_bias bias[2] = {{0}};
+	struct pilot_bias bias[2] = {{0}}, again; // of a large picture that is no larger
 	enum status s = STATUS_OK;
 	for (int i = 0; i < 2 && reference[0].frame && s == STATUS_OK; i++) {
 		picture.pixels = (double)reference[0].frame->width * reference[0].frame->height;
 		picture.samples = i == 0 ? PILOT_SMOOTH : 1;
 		s = look_once(pilot, &picture, reference, result, &bias[i], err);
 	}
+	pilot_edges(bias);
 	memcpy(result->bias, bias, sizeof bias);
-	pilot_edges(result->bias);
 	if (s != STATUS_OK)
 		return s;
 	pixels[1] = result->pixels;
@@ -361,11 +360,10 @@ static enum status look_clear(const struct pilot *pilot, struct pilot_picture pi
 	const double a_pixel = fmax(fmax(one, us[1] / pixels[1] / PILOT_DOUBT), 1e-4);
 	picture.samples = 1;
 	picture.pixels = fmin(pixels[1] + fmax(pilot->budget_us - us[1], 0) / a_pixel, fmin(asked, PILOT_MOST));
-	s = look_once(pilot, &picture, reference, result, &bias[1], err);
+	s = look_once(pilot, &picture, reference, result, &again, err);
 	if (s != STATUS_OK)
 		return s;
 	memcpy(result->bias, bias, sizeof bias);
-	pilot_edges(result->bias);
 	pixels[0] = pixels[1];
 	us[0] = us[1];
 	pixels[1] = result->pixels;
