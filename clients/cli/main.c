@@ -1,7 +1,9 @@
 // candil, the command line: finds the command and runs it.
 #include "clients/cli/cli.h"
 
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 #define X(name) &name##_command,
 static const struct command *const commands[] = {CLI_COMMANDS(X)};
@@ -47,6 +49,16 @@ static enum exit_code run_help(int argc, char **argv)
 	return command ? cli_help(command) : no_such_command(argv[1]);
 }
 
+// Started with a standard stream closed, a file that is opened later would get its number, and the answer would be printed
+// into a picture. What stands in for it can be used as little as the closed one.
+static bool fill_standard_descriptors(void)
+{
+	for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+		if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+			return false;
+	return true;
+}
+
 int main(int argc, char **argv)
 {
 	static char program[] = "candil";
@@ -59,6 +71,8 @@ int main(int argc, char **argv)
 	};
 	struct cli cli = {0};
 	int option;
+	if (!fill_standard_descriptors())
+		return EXIT_OTHER; // and no place to say it
 	if (argc > 0)
 		argv[0] = program; // getopt_long puts it before its sentences
 	while ((option = getopt_long(argc, argv, "+hV", options, NULL)) != -1) {

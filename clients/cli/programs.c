@@ -47,7 +47,7 @@ void program_daemon(char *path, size_t capacity)
 	snprintf(path, capacity, "candild");
 }
 
-int program_start(char *const argv[], const posix_spawn_file_actions_t *actions, bool own_group, pid_t *pid)
+int program_start(char *const argv[], posix_spawn_file_actions_t *actions, int kept, bool own_group, pid_t *pid)
 {
 	posix_spawnattr_t attributes;
 	sigset_t none, ours;
@@ -60,7 +60,11 @@ int program_start(char *const argv[], const posix_spawn_file_actions_t *actions,
 	    &attributes, (short)(POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | (own_group ? POSIX_SPAWN_SETPGROUP : 0)));
 	posix_spawnattr_setsigmask(&attributes, &none);
 	posix_spawnattr_setsigdefault(&attributes, &ours);
-	int failure = posix_spawnp(pid, argv[0], actions, &attributes, argv, environ);
+	int failure = posix_spawn_file_actions_addopen(actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+	if (failure == 0)
+		failure = posix_spawn_file_actions_addclosefrom_np(actions, STDERR_FILENO + 1 + kept);
+	if (failure == 0)
+		failure = posix_spawnp(pid, argv[0], actions, &attributes, argv, environ);
 	posix_spawnattr_destroy(&attributes);
 	return failure;
 }
@@ -69,10 +73,9 @@ static int start_piped(char *const argv[], int out, int err, pid_t *pid)
 {
 	posix_spawn_file_actions_t actions;
 	posix_spawn_file_actions_init(&actions);
-	posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
 	posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
 	posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-	int failure = program_start(argv, &actions, false, pid);
+	int failure = program_start(argv, &actions, 0, false, pid);
 	posix_spawn_file_actions_destroy(&actions);
 	return failure;
 }

@@ -17,9 +17,11 @@ bool program_libexec(const char *name, char *path, size_t capacity);
 // The path of candild beside this executable; if there is none, the bare name, which is looked for in PATH.
 void program_daemon(char *path, size_t capacity);
 
-// Start a program, which is looked for in PATH if argv[0] has no slash, without the interrupts that are held back here. In a
-// process group of its own a Ctrl-C in the terminal does not reach it. Returns errno's value, 0 if it was started.
-int program_start(char *const argv[], const posix_spawn_file_actions_t *actions, bool own_group, pid_t *pid);
+// Start a program, which is looked for in PATH if argv[0] has no slash, without the interrupts that are held back here.
+// After `actions`, which is the caller's to destroy, its standard input is empty, and of other descriptors it has `kept`
+// from 3 on: what the caller of this program has left open is none of its business. In a process group of its own a Ctrl-C
+// in the terminal does not reach it. Returns errno's value, 0 if it was started.
+int program_start(char *const argv[], posix_spawn_file_actions_t *actions, int kept, bool own_group, pid_t *pid);
 
 // Run a program with empty standard input; it is looked for in PATH if argv[0] has no slash. `out` and `err` get the first
 // `capacity` - 1 bytes of each stream and a zero. The program is killed after `timeout_ms`. Returns its exit status, or 128

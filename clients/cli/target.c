@@ -56,7 +56,7 @@ static int spawn_private(int fd, pid_t *pid)
 	posix_spawn_file_actions_adddup2(&actions, fd, PRIVATE_FD);
 	posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
 	setenv("CANDIL_LOG", "error", 0);
-	int failure = program_start(argv, &actions, true, pid);
+	int failure = program_start(argv, &actions, 1, true, pid);
 	posix_spawn_file_actions_destroy(&actions);
 	return failure;
 }
@@ -233,11 +233,10 @@ candil_status target_surroundings(struct target *target, struct candil_render_re
 
 static void wait_private(pid_t pid)
 {
-	const struct timespec pause = {0, 10 * 1000 * 1000};
 	for (int waited = 0; waited < END_MS; waited += 10) {
 		if (waitpid(pid, NULL, WNOHANG) != 0)
 			return;
-		nanosleep(&pause, NULL);
+		interrupt_pause(10);
 	}
 	kill(pid, SIGKILL);
 	waitpid(pid, NULL, 0);

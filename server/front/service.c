@@ -216,15 +216,13 @@ static void close_door(struct service *service)
 	service->listener = NULL;
 }
 
-// End all requests, give the clients LIMIT_LINGER_MS to read why, and stop.
+// End all requests, tell every client, those without a request under id 0, give them LIMIT_LINGER_MS to read it, and stop.
 static void service_leave(struct service *service)
 {
 	struct error err;
-	if (service->leaving) {
-		service->stop = true; // the second signal: at once
-		return;
-	}
 	log_line(LOG_INFO, "shutting down");
+	if (service->listener)
+		accept_some(service, 0); // who has just connected is told, too
 	service->leaving = true;
 	loop_timer_stop(service->loop, &service->accept_pause);
 	close_door(service);
@@ -237,8 +235,11 @@ static void service_leave(struct service *service)
 		else
 			scenes_stop_load(service->scenes.first, &err);
 	worker_finish(&service->worker);
-	for (struct session *s = service->sessions.first; s; s = s->next)
+	for (struct session *s = service->sessions.first; s; s = s->next) {
+		if (s->state < SESSION_FLUSHING)
+			reply_error(s, 0, &err);
 		session_close(s);
+	}
 	loop_timer_set(service->loop, &service->departure, clock_us() + LIMIT_LINGER_MS * 1000ull, stop_now, service);
 }
 
@@ -266,8 +267,16 @@ static void signalled(void *owner, uint32_t events)
 	struct service *service = owner;
 	struct signalfd_siginfo info;
 	(void)events;
-	if (read(service->signal_fd, &info, sizeof info) == (ssize_t)sizeof info)
+	if (read(service->signal_fd, &info, sizeof info) != (ssize_t)sizeof info)
+		return;
+	if (info.ssi_signo == SIGHUP) {
+		log_line(LOG_INFO, "SIGHUP: there is no configuration to read again; SIGTERM ends the daemon");
+	} else if (service->leaving) {
+		log_line(LOG_INFO, "a second signal: ending at once");
+		service->stop = true;
+	} else {
 		service_leave(service);
+	}
 }
 
 static enum status watch_signals(struct service *service, struct error *err)
@@ -276,6 +285,7 @@ static enum status watch_signals(struct service *service, struct error *err)
 	sigemptyset(&set);
 	sigaddset(&set, SIGTERM);
 	sigaddset(&set, SIGINT);
+	sigaddset(&set, SIGHUP); // of a terminal that closes, which is no reason to end
 	signal(SIGPIPE, SIG_IGN);
 	// A parent may have left SIGCHLD ignored. Then the kernel would collect our children itself and give their numbers
 	// away.
@@ -336,15 +346,16 @@ static enum status set_up(struct service *service, struct error *err)
 	enum status status = loop_create(&service->loop, err);
 	if (status != STATUS_OK)
 		return status;
+	// First: until then a signal ends the process as it stands.
+	status = watch_signals(service, err);
 	children_init(&service->children, service->loop);
 	sessions_init(&service->sessions, service->loop, &session_events, service);
 	scenes_init(&service->scenes, &service->children, service->options->libexec, &scenes_events, service);
 	jobs_init(&service->jobs, &service->worker, service->options->slice_ms);
-	status = worker_init(&service->worker, &service->children, service->options, &worker_events, service, err);
+	if (status == STATUS_OK)
+		status = worker_init(&service->worker, &service->children, service->options, &worker_events, service, err);
 	if (status == STATUS_OK)
 		status = quotes_init(&service->quotes, &service->jobs, &service->worker, service->options->state, err);
-	if (status == STATUS_OK)
-		status = watch_signals(service, err);
 	if (status == STATUS_OK)
 		status = open_root(service, err);
 	if (status == STATUS_OK)

@@ -103,7 +103,7 @@ class Socket(FakeCase):
 
 class Signals(FakeCase):
     def leave(self, how):
-        connection, loading, silent = self.with_box(), self.connect(), self.connect(greet=False)
+        connection, loading, idle, silent = self.with_box(), self.connect(), self.connect(), self.connect(greet=False)
         self.write("slow.gltf", "hang")
         job = connection.send(wire.RENDER, endless())
         connection.receive(wire.ACCEPTED, job)
@@ -113,8 +113,11 @@ class Signals(FakeCase):
         self.daemon.process.send_signal(how)
         self.assert_error(connection.follow(job)[-1], "shutting-down")
         self.assert_error(loading.receive_for(load), "shutting-down")
-        self.assertEqual(connection.drained(), [])
-        self.assertEqual(silent.drained(), [])
+        # Under id 0 everybody is told, also those who wait for nothing.
+        for other in (connection, loading, idle, silent):
+            told = other.drained()
+            self.assertEqual([reply.request for reply in told], [0])
+            self.assert_error(told[0], "shutting-down")
         self.assertEqual(self.daemon.process.wait(wire.PATIENCE), 0)
         self.assertFalse(os.path.exists(self.daemon.socket))
         for pid in children:
@@ -125,6 +128,28 @@ class Signals(FakeCase):
 
     def test_int(self):
         self.leave(signal.SIGINT)
+
+    def test_a_hangup_ends_nothing(self):
+        connection = self.with_box()
+        job = connection.send(wire.RENDER, endless())
+        connection.receive(wire.ACCEPTED, job)
+        self.daemon.process.send_signal(signal.SIGHUP)
+        wire.wait_for(lambda: "SIGHUP" in self.daemon.log_text(), "it has taken the signal")
+        connection.send(wire.CANCEL, pb.Cancel(request=job))
+        self.assert_error(connection.follow(job)[-1], "cancelled")
+        self.assert_serves()
+
+    def test_the_second_ends_it_at_once(self):
+        connection = self.with_box()
+        connection.send(wire.RENDER, render(width=4000, height=4000))
+        other = self.connect()
+        wire.wait_for(lambda: other.stats().buffered_bytes > 0, "the image waits")
+        os.kill(self.daemon.process.pid, signal.SIGSTOP)  # both signals come before it looks
+        for how in (signal.SIGTERM, signal.SIGINT, signal.SIGCONT):
+            os.kill(self.daemon.process.pid, how)
+        self.assertEqual(self.daemon.process.wait(wire.PATIENCE), 0)
+        self.assertIn("at once", self.daemon.log_text())
+        self.assertFalse(os.path.exists(self.daemon.socket))
 
     def test_a_client_that_does_not_read_delays_it_little(self):
         connection = self.with_box()
@@ -157,7 +182,9 @@ class LeaveDuringAPilot(FakeCase):
         connection = self.with_box()
         connection.send(wire.QUOTE, pb.Quote(render=render()))
         connection.ask(wire.PING)
-        self.assert_error(self.leave(connection)[-1], "shutting-down")
+        told = self.leave(connection)
+        self.assertEqual([reply.request for reply in told], [connection.last - 1, 0])
+        self.assert_error(told[0], "shutting-down")
 
     def test_behind_the_answer(self):
         connection = self.with_box()
