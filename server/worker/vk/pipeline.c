@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "protocol/names.h"
+#include "server/worker/vk/specialise.h"
 
 _Static_assert(EFFECT_COUNT <= SPEC_EFFECTS, "every effect has a constant");
 
@@ -51,6 +52,27 @@ static enum status make_layout(struct device *d, struct pipeline *p, struct erro
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "making a pipeline layout", err);
 }
 
+// A module of its own for these constants. Where SPIRV-Tools cannot make one, the driver specialises the whole module, which
+// takes it longer.
+static enum status make_module(struct device *d, const struct pipeline *p, VkShaderModule *module, bool *specialised,
+			       struct error *err)
+{
+	const struct constants *c = &p->constants;
+	uint32_t ids[PIPELINE_CONSTANTS_MAX], values[PIPELINE_CONSTANTS_MAX];
+	for (uint32_t i = 0; i < c->count; i++) {
+		ids[i] = c->of[i].id;
+		values[i] = c->of[i].value;
+	}
+	size_t bytes = p->shader->bytes;
+	uint32_t *own = specialise(p->shader->code, p->shader->bytes, ids, values, c->count, &bytes);
+	const VkShaderModuleCreateInfo code = {
+	    .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = bytes, .pCode = own ? own : p->shader->code};
+	VkResult r = vkCreateShaderModule(d->handle, &code, NULL, module);
+	*specialised = own != NULL;
+	free(own);
+	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "loading a shader", err);
+}
+
 static enum status make_pipeline(struct device *d, struct pipeline *p, struct error *err)
 {
 	VkSpecializationMapEntry entries[PIPELINE_CONSTANTS_MAX];
@@ -65,19 +87,18 @@ static enum status make_pipeline(struct device *d, struct pipeline *p, struct er
 	const VkSpecializationInfo special = {
 	    .mapEntryCount = c->count, .pMapEntries = entries, .dataSize = c->count * stride, .pData = c->of};
 	VkShaderModule module;
-	const VkShaderModuleCreateInfo code = {
-	    .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = p->shader->bytes, .pCode = p->shader->code};
-	VkResult r = vkCreateShaderModule(d->handle, &code, NULL, &module);
-	if (r != VK_SUCCESS)
-		return device_error(r, "loading a shader", err);
+	bool specialised;
+	enum status s = make_module(d, p, &module, &specialised, err);
+	if (s != STATUS_OK)
+		return s;
 	const VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
 						  .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
 							    .stage = VK_SHADER_STAGE_COMPUTE_BIT,
 							    .module = module,
 							    .pName = "main",
-							    .pSpecializationInfo = &special},
+							    .pSpecializationInfo = specialised ? NULL : &special},
 						  .layout = p->layout};
-	r = vkCreateComputePipelines(d->handle, VK_NULL_HANDLE, 1, &info, NULL, &p->handle);
+	VkResult r = vkCreateComputePipelines(d->handle, VK_NULL_HANDLE, 1, &info, NULL, &p->handle);
 	vkDestroyShaderModule(d->handle, module, NULL);
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "compiling a pipeline", err);
 }
