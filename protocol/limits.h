@@ -93,16 +93,19 @@
 #define LIMIT_CHANNELS 65536u // of all animations
 #define LIMIT_CURVE_FLOATS (16u * 1024u * 1024u) // times and values of all channels
 #define LIMIT_BVH_DEPTH 48u // levels; the shader's stack has as many entries
-#define LIMIT_LOAD_SECONDS 120u // of the clock, and of processor time, that one loader may take
+#define LIMIT_LOAD_SECONDS 120u // of processor time that one loader may take
+#define LIMIT_LOAD_CLOCK_SECONDS 1200u // of the clock, whether or not it gets a processor
 #define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob
 #define LIMIT_LOADER_FILES 64u // descriptors of one loader
 #define LIMIT_LOADERS 2u // at once; further loads wait
 
 // ---- the worker ----
 #define LIMIT_SLICE_MS 1000u
-#define LIMIT_STEP_SECONDS 120u // a slice (first compilation included) past this: the worker hangs
+#define LIMIT_HANG_SECONDS 30u // a child that owes an answer, and is still for so long, hangs
+#define LIMIT_HANG_GPU_SECONDS 120u // the same of a worker on a GPU, which sleeps while the GPU works
+#define LIMIT_ANSWER_SECONDS 300u // of work on one order (first compilation included) past which the worker hangs
+#define LIMIT_PROBE_SECONDS 60u // of the clock, that pilots and measurements of effects may take
 #define LIMIT_JOB_RETRIES 1u // times the job that a dying worker held is begun again
-#define LIMIT_ENCODE_SECONDS 600u // an image that is not encoded by then: the worker hangs
 #define LIMIT_IPC_QUEUE 4096u // messages that wait for a worker to take them; more: it hangs
 
 // ---- a study on disk, as the program that reports on it reads it ----

@@ -16,15 +16,17 @@
 #include "server/base/clock.h"
 #include "server/base/memfd.h"
 
-void loader_init(struct loader *loader, struct children *children, loader_done *done, void *owner)
+void loader_init(struct loader *loader, struct children *children, const struct options *options, loader_done *done,
+		 void *owner)
 {
-	*loader = (struct loader){.loop = children->loop, .children = children, .done = done, .owner = owner};
+	*loader =
+	    (struct loader){.loop = children->loop, .children = children, .options = options, .done = done, .owner = owner};
 	child_init(&loader->child);
 }
 
 void loader_stop(struct loader *loader)
 {
-	loop_timer_stop(loader->loop, &loader->timer);
+	loop_timer_stop(loader->loop, &loader->look);
 	child_abandon(&loader->child, loader->children);
 }
 
@@ -162,21 +164,47 @@ static void loader_ended(void *owner, uint32_t events)
 	loader_fail(loader, &err);
 }
 
-static void loader_too_late(void *owner)
+static void look_again(struct loader *loader);
+
+static unsigned patience_s(const struct loader *loader)
+{
+	return loader->options->hang_s > 0 ? loader->options->hang_s : LIMIT_HANG_SECONDS;
+}
+
+// The limit of processor time is the kernel's. The one of the clock is for what works too little to come by it: whoever
+// wrote the file may have the loader by now, and another load waits for its end.
+static void loader_look(void *owner)
 {
 	struct loader *loader = owner;
 	struct error err;
-	error_set(&err, STATUS_SCENE_LIMIT,
-		  "the scene takes more than %u s to read: make it smaller, the file may be broken", LIMIT_LOAD_SECONDS);
+	pulse_look(&loader->pulse);
+	if (loader->pulse.still < PULSE_LOOKS && clock_us() < loader->end_us) {
+		look_again(loader);
+		return;
+	}
+	if (loader->pulse.still >= PULSE_LOOKS)
+		error_set(&err, STATUS_SCENE_LIMIT,
+			  "the loader hung: for %u s it neither worked on the file nor waited for a processor or a disk",
+			  patience_s(loader));
+	else
+		error_set(&err, STATUS_SCENE_LIMIT,
+			  "the scene takes more than %u s to read: load it when less is under way, or make it smaller",
+			  LIMIT_LOAD_CLOCK_SECONDS);
 	loader_fail(loader, &err);
 }
 
-enum status loader_start(struct loader *loader, const char *libexec, const struct source *source, candil_UpAxis up,
-			 double metres_per_unit, bool images, struct error *err)
+static void look_again(struct loader *loader)
+{
+	loop_timer_set(loader->loop, &loader->look, clock_us() + patience_s(loader) * 1000000ull / PULSE_LOOKS, loader_look,
+		       loader);
+}
+
+enum status loader_start(struct loader *loader, const struct source *source, candil_UpAxis up, double metres_per_unit,
+			 bool images, struct error *err)
 {
 	char program[4096], unit[32];
 	snprintf(unit, sizeof unit, "%.17g", metres_per_unit);
-	int length = snprintf(program, sizeof program, "%s/candil-loader", libexec);
+	int length = snprintf(program, sizeof program, "%s/candil-loader", loader->options->libexec);
 	if (length < 0 || (size_t)length >= sizeof program)
 		return error_set(err, STATUS_INTERNAL, "the path of candil-loader is too long");
 	char file_option[] = "--file", up_option[] = "--up", unit_option[] = "--unit", y[] = "y", z[] = "z",
@@ -198,10 +226,12 @@ enum status loader_start(struct loader *loader, const char *libexec, const struc
 	status = loop_watch(loader->loop, loader->child.socket, EPOLLIN, loader_spoke, loader, err);
 	if (status == STATUS_OK)
 		status = loop_watch(loader->loop, loader->child.pidfd, EPOLLIN, loader_ended, loader, err);
-	if (status != STATUS_OK)
+	if (status != STATUS_OK) {
 		loader_stop(loader);
-	else
-		loop_timer_set(loader->loop, &loader->timer, clock_us() + LIMIT_LOAD_SECONDS * 1000000ull, loader_too_late,
-			       loader);
-	return status;
+		return status;
+	}
+	pulse_begin(&loader->pulse, loader->child.pid);
+	loader->end_us = clock_us() + LIMIT_LOAD_CLOCK_SECONDS * 1000000ull;
+	look_again(loader);
+	return STATUS_OK;
 }

@@ -9,6 +9,7 @@
 #include "protocol/text.h"
 
 #define DEFAULT_SLICE_MS 50u
+#define SECONDS_MAX 86400u
 #define MEMORY_BUDGET_MAX_MIB (1u << 24)
 
 enum option_id {
@@ -19,6 +20,8 @@ enum option_id {
 	REQUIRE_GPU,
 	MEMORY_BUDGET,
 	SLICE,
+	HANG,
+	ANSWER,
 	LIBEXEC,
 	PRIVATE_FD,
 	STATE,
@@ -35,6 +38,8 @@ static const struct option long_options[] = {
     {"require-gpu", no_argument, NULL, REQUIRE_GPU},
     {"memory-budget", required_argument, NULL, MEMORY_BUDGET},
     {"slice", required_argument, NULL, SLICE},
+    {"hang", required_argument, NULL, HANG},
+    {"answer", required_argument, NULL, ANSWER},
     {"libexec", required_argument, NULL, LIBEXEC},
     {"private-fd", required_argument, NULL, PRIVATE_FD},
     {"state", required_argument, NULL, STATE},
@@ -56,6 +61,10 @@ const char *options_help(void)
 	       "  --require-gpu        refuse to render on a software device\n"
 	       "  --memory-budget MIB  device memory that may be used (default: the worker's choice)\n"
 	       "  --slice MS           length of a slice of device time, 1 to 1000 (default 50)\n"
+	       "  --hang SECONDS       a loader or worker that for so long neither works nor waits for a processor or a\n"
+	       "                       disk hangs, and is killed (default 30; of a worker on a GPU 120)\n"
+	       "  --answer SECONDS     so does a worker that has worked on one order for so long (default 300; what waits\n"
+	       "                       for a processor does not count, and several threads count as one)\n"
 	       "  --libexec DIR        where candil-loader and candil-worker are\n"
 	       "  --state DIR          keep there what is learned of times and errors, for quotes (default\n"
 	       "                       $XDG_STATE_HOME/candil, or ~/.local/state/candil)\n"
@@ -134,6 +143,10 @@ static enum status set_option(struct options *options, int id, const char *text,
 		return parse_number(text, "memory-budget", 1, MEMORY_BUDGET_MAX_MIB, &options->memory_budget_mib, err);
 	case SLICE:
 		return parse_number(text, "slice", 1, LIMIT_SLICE_MS, &options->slice_ms, err);
+	case HANG:
+		return parse_number(text, "hang", 1, SECONDS_MAX, &options->hang_s, err);
+	case ANSWER:
+		return parse_number(text, "answer", 1, SECONDS_MAX, &options->answer_s, err);
 	case LIBEXEC:
 		return copy_path(text, "libexec", options->libexec, err);
 	case PRIVATE_FD:
@@ -212,6 +225,7 @@ enum status options_parse(struct options *options, int argc, char *const argv[],
 	memset(options, 0, sizeof *options);
 	options->private_fd = -1;
 	options->slice_ms = DEFAULT_SLICE_MS;
+	options->answer_s = LIMIT_ANSWER_SECONDS;
 	enum status status = STATUS_OK;
 	optind = 0;
 	opterr = 0;

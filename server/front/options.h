@@ -23,6 +23,8 @@ struct options {
 	bool require_gpu;
 	uint32_t memory_budget_mib; // 0: the worker's choice
 	uint32_t slice_ms;
+	uint32_t hang_s; // that a child may be still (pulse.h); 0: the usual
+	uint32_t answer_s; // that the worker may work on one order
 	int private_fd; // -1: none
 	struct scene_option scenes[LIMIT_SCENES];
 	unsigned scene_count;

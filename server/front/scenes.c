@@ -8,10 +8,10 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
-void scenes_init(struct scenes *scenes, struct children *children, const char *libexec, const struct scenes_events *events,
-		 void *owner)
+void scenes_init(struct scenes *scenes, struct children *children, const struct options *options,
+		 const struct scenes_events *events, void *owner)
 {
-	*scenes = (struct scenes){.children = children, .libexec = libexec, .events = events, .owner = owner, .next_id = 1};
+	*scenes = (struct scenes){.children = children, .options = options, .events = events, .owner = owner, .next_id = 1};
 }
 
 static bool is_loading(const struct scene *scene)
@@ -142,11 +142,10 @@ static enum status check_bytes(const struct scenes *scenes, const struct scene *
 
 static void start_loader(struct scene *scene)
 {
-	struct scenes *table = scene->table;
 	struct error err;
 	scene->state = SCENE_LOADING;
-	if (loader_start(&scene->loader, table->libexec, &scene->source, scene->up, scene->metres_per_unit,
-			 scene->has_images, &err) != STATUS_OK)
+	if (loader_start(&scene->loader, &scene->source, scene->up, scene->metres_per_unit, scene->has_images, &err) !=
+	    STATUS_OK)
 		scenes_stop_load(scene, &err);
 }
 
@@ -217,7 +216,7 @@ enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct s
 	s->metres_per_unit = load->metres_per_unit;
 	s->asked_us = clock_us();
 	s->table = scenes;
-	loader_init(&s->loader, scenes->children, scene_loaded, s);
+	loader_init(&s->loader, scenes->children, scenes->options, scene_loaded, s);
 	struct scene **link = &scenes->first;
 	while (*link)
 		link = &(*link)->next;

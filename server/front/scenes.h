@@ -63,7 +63,7 @@ struct scenes_events {
 // Others may read `first` and the figures at the end.
 struct scenes {
 	struct children *children;
-	const char *libexec;
+	const struct options *options;
 	const struct scenes_events *events;
 	void *owner;
 	struct scene *first; // in the order of asking
@@ -72,9 +72,9 @@ struct scenes {
 	uint64_t loader_failures;
 };
 
-// No scene yet. `libexec` is the folder of candil-loader. All four pointers must outlive it.
-void scenes_init(struct scenes *scenes, struct children *children, const char *libexec, const struct scenes_events *events,
-		 void *owner);
+// No scene yet. `options` are those of the loaders. All four pointers must outlive it.
+void scenes_init(struct scenes *scenes, struct children *children, const struct options *options,
+		 const struct scenes_events *events, void *owner);
 
 // Free all scenes and kill their loaders. No event is called; jobs must have given their scenes back.
 void scenes_finish(struct scenes *scenes);

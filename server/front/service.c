@@ -350,7 +350,7 @@ static enum status set_up(struct service *service, struct error *err)
 	status = watch_signals(service, err);
 	children_init(&service->children, service->loop);
 	sessions_init(&service->sessions, service->loop, &session_events, service);
-	scenes_init(&service->scenes, &service->children, service->options->libexec, &scenes_events, service);
+	scenes_init(&service->scenes, &service->children, service->options, &scenes_events, service);
 	jobs_init(&service->jobs, &service->worker, service->options->slice_ms);
 	if (status == STATUS_OK)
 		status = worker_init(&service->worker, &service->children, service->options, &worker_events, service, err);

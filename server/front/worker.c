@@ -17,12 +17,6 @@
 #include "server/base/log.h"
 #include "server/base/memfd.h"
 
-#ifdef __SANITIZE_ADDRESS__
-#define SLOWNESS 4 // times that an instrumented worker may take longer: it compiles in minutes what others do in seconds
-#else
-#define SLOWNESS 1
-#endif
-
 #define FIRST_PAUSE_US 50000u
 #define PAUSE_DOUBLINGS 8u
 #define HOPELESS_STARTS 3u
@@ -88,7 +82,7 @@ static void send_parcels(struct worker *worker)
 static void expect_answer(struct worker *worker)
 {
 	if (worker->answers_due++ == 0)
-		worker->answer_wait_us = clock_us();
+		worker->answer_work_us = 0;
 	watch_over(worker);
 }
 
@@ -132,7 +126,7 @@ void worker_read(struct worker *worker, uint32_t job, bool final, const struct e
 	struct ipc_read message = {.head = {.op = IPC_READ, .job = job}, .final = final, .predicted = *predicted};
 	worker_give(worker, &message, sizeof message, -1);
 	if (worker->images_due++ == 0)
-		worker->image_wait_us = clock_us();
+		worker->image_work_us = 0;
 	watch_over(worker);
 }
 
@@ -167,38 +161,55 @@ bool worker_pilot_end(struct worker *worker)
 
 // ---- the watchdog ----------------------------------------------------------------------------------------------------
 
-static uint64_t worker_deadline(const struct worker *worker)
+// Seconds that it may be still. Of a software device the worker does all work itself. While a GPU works the worker sleeps;
+// most drivers give up on a GPU that hangs within seconds, and the device is then lost. Where none does, this bound is left.
+static unsigned patience_s(const struct worker *worker)
 {
-	uint64_t due = UINT64_MAX;
-	if (worker->answers_due > 0)
-		due = worker->answer_wait_us + SLOWNESS * LIMIT_STEP_SECONDS * 1000000ull;
-	uint64_t image = worker->image_wait_us + LIMIT_ENCODE_SECONDS * 1000000ull;
-	return worker->images_due > 0 && image < due ? image : due;
+	const struct options *o = worker->options;
+	return o->hang_s > 0 ? o->hang_s : worker->software ? LIMIT_HANG_SECONDS : LIMIT_HANG_GPU_SECONDS;
 }
 
-static void worker_hangs(void *owner)
+static void look_again(struct worker *worker);
+
+static void worker_look(void *owner)
 {
 	struct worker *worker = owner;
-	if (worker_deadline(worker) > clock_us())
-		watch_over(worker);
+	const uint64_t work_us = pulse_look(&worker->pulse), most_us = worker->options->answer_s * 1000000ull;
+	worker->answer_work_us += work_us;
+	worker->image_work_us += work_us;
+	if (worker->pulse.still >= PULSE_LOOKS)
+		kill_for(worker, "it hung: with an order to carry out it neither worked nor waited for a processor");
+	else if (worker->answers_due > 0 && worker->answer_work_us > most_us)
+		kill_for(worker, "it hung: it worked on one order without an end");
+	// An image may have to wait for an order before it is encoded.
+	else if (worker->images_due > 0 && worker->image_work_us > 2 * most_us)
+		kill_for(worker, "it hung: it worked on one image without an end");
 	else
-		kill_for(worker, "it hung: no answer came in time");
+		look_again(worker);
+}
+
+static void look_again(struct worker *worker)
+{
+	loop_timer_set(worker->loop, &worker->watchdog, clock_us() + patience_s(worker) * 1000000ull / PULSE_LOOKS,
+		       worker_look, worker);
 }
 
 static void watch_over(struct worker *worker)
 {
-	uint64_t due = worker_deadline(worker);
-	if (due == UINT64_MAX)
+	if (worker->answers_due == 0 && worker->images_due == 0) {
 		loop_timer_stop(worker->loop, &worker->watchdog);
-	else
-		loop_timer_set(worker->loop, &worker->watchdog, due, worker_hangs, worker);
+	} else if (!worker->watchdog.running) {
+		pulse_begin(&worker->pulse, worker->child.pid);
+		look_again(worker);
+	}
 }
 
-static void worker_answered(struct worker *worker, unsigned *due, uint64_t *wait_us)
+static void worker_answered(struct worker *worker, unsigned *due, uint64_t *work_us)
 {
 	if (*due > 0)
 		(*due)--;
-	*wait_us = clock_us();
+	*work_us = 0;
+	worker->pulse.still = 0;
 	watch_over(worker);
 }
 
@@ -210,7 +221,7 @@ static void got_ready(struct worker *worker, struct ipc_ready *ready)
 		kill_for(worker, "it is of another build than candild: install both anew");
 		return;
 	}
-	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
 	text_clean(ready->device, sizeof ready->device);
 	text_clean(ready->error.text, sizeof ready->error.text);
 	memcpy(worker->device, ready->device, sizeof worker->device);
@@ -227,7 +238,7 @@ static void got_ready(struct worker *worker, struct ipc_ready *ready)
 
 static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 {
-	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
 	worker->failures = 0;
 	worker->device_bytes = stepped->device_bytes;
 	worker->validation_errors = stepped->validation_errors;
@@ -278,7 +289,7 @@ static void got_begun(struct worker *worker, struct ipc_begun *begun)
 		kill_for(worker, "it sent nonsense");
 		return;
 	}
-	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
 	text_clean(begun->error.text, sizeof begun->error.text);
 	worker->events->begun(worker->owner, begun->head.job, begun);
 }
@@ -311,7 +322,7 @@ static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
 	worker->pilot = 0;
 	worker->holding = false;
 	send_parcels(worker);
-	worker_answered(worker, &worker->answers_due, &worker->answer_wait_us);
+	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
 	text_clean(piloted->error.text, sizeof piloted->error.text);
 	worker->events->piloted(worker->owner, piloted->head.job, piloted);
 }
@@ -326,7 +337,7 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 			close(fd);
 		return;
 	}
-	worker_answered(worker, &worker->images_due, &worker->image_wait_us);
+	worker_answered(worker, &worker->images_due, &worker->image_work_us);
 	text_clean(image->error.text, sizeof image->error.text);
 	if (image->error.code == STATUS_OK && memfd_map_sealed(fd, &map, &size, &image->error) == STATUS_OK) {
 		munmap((void *)(uintptr_t)map, size);

@@ -1,9 +1,9 @@
 // candil-worker, seen from the front: a process that may die at any time and is then started again, with every scene.
 //
 // Orders never wait: what the worker's socket does not take is kept here, in order. At most one STEP and one BEGIN are
-// outstanding; the jobs see to that. A watchdog kills a worker that leaves a STEP or a BEGIN without an answer for
-// LIMIT_STEP_SECONDS, or an image for LIMIT_ENCODE_SECONDS. After a loss the next worker starts after a pause that doubles
-// with each loss, until a slice is done.
+// outstanding; the jobs see to that. A watchdog kills a worker that hangs: with an order to answer it is still for a while
+// (as pulse.h has it), or works on one order, or on one image, without an end. Slow it may be: neither bound is one of the
+// clock. After a loss the next worker starts after a pause that doubles with each loss, until a slice is done.
 //
 // For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_WORKER_H
@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "server/base/ipc.h"
+#include "server/base/pulse.h"
 #include "server/front/child.h"
 #include "server/front/options.h"
 #include "server/front/parcels.h"
@@ -59,8 +60,9 @@ struct worker {
 	unsigned images_due;
 	uint32_t pilot; // number of the PILOT without an answer; 0: none
 	bool holding; // it has that PILOT: it is sent nothing but the pilot's end, which it can then see at once
-	uint64_t answer_wait_us; // since when the oldest order without an answer is worked on
-	uint64_t image_wait_us; // the same for images
+	struct pulse pulse; // while an answer or an image is due
+	uint64_t answer_work_us; // that it has worked since the last answer, or since an answer is due
+	uint64_t image_work_us; // the same for images
 	const char *killed_for; // why the front killed it; NULL: it did not
 	unsigned failures; // losses since the last slice that was done
 	unsigned failed_starts; // in a row

@@ -2,6 +2,7 @@
 //   ok [BYTES]   a blob of BYTES (default 4096)          refuse     an error of its own
 //   sparse BYTES a blob that takes no memory             overrun    be ended for its processor time
 //   hang         nothing, for ever                       die        be killed
+//   burn US      a blob of US bytes, after so many µs      stop       itself
 //   unsealed     a blob that could still change          dirty      text that is no UTF-8, counts out of bounds if asked
 //   other-build  a message of another build              nonsense   a message too short
 //   counts       array counts past their bounds
@@ -10,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "server/base/ipc.h"
@@ -61,6 +63,10 @@ int main(int argc, char *argv[])
 	if (!strcmp(word, "hang"))
 		for (;;)
 			pause();
+	if (!strcmp(word, "stop"))
+		raise(SIGSTOP);
+	while (!strcmp(word, "burn") && (unsigned long)clock() < bytes)
+		;
 	if (!strcmp(word, "die"))
 		raise(SIGKILL);
 	if (!strcmp(word, "other-build"))

@@ -2,6 +2,9 @@
 // (i * 31 + seed + camera.eye.x) modulo 256. The environment says what goes wrong:
 //   FAKE_DIE_STEP=K    be killed on receiving the K-th STEP of this process, FAKE_DIE_TIMES (default 1) times over all
 //   FAKE_STATE=DIR     where those times are counted
+//   FAKE_HANG=HOW      "sleep", "burn" or "stop" itself for ever, on receiving the message that FAKE_HANG_ON names: "scene",
+//                      "begin", "step", "read", "pilot", or "ready" in place of sending that; FAKE_DIE_TIMES over all
+//   FAKE_BURN_US=N     a step burns so much processor time (default 0)
 //   FAKE_STEP_US=N     a step takes so long (default 200)
 //   FAKE_MEMORY_JOBS=N there is memory for N jobs
 //   FAKE_STEP_MEMORY_JOBS=N there is memory for N jobs to make their second step
@@ -23,6 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "server/base/ipc.h"
@@ -118,13 +122,11 @@ static void on_begin(const struct ipc_begin *message)
 	answer(&begun, sizeof begun, -1);
 }
 
-// One of the deaths that are due, counted over all workers by files.
-static bool death_is_due(void)
+// Is one of the deaths left? They are counted over all workers by files.
+static bool take_death(void)
 {
 	char path[4096];
 	unsigned long times = fake_number("FAKE_DIE_TIMES", 1);
-	if (steps != fake_number("FAKE_DIE_STEP", 0))
-		return false;
 	for (unsigned long i = 0; i < times; i++) {
 		snprintf(path, sizeof path, "%s/death.%lu", getenv("FAKE_STATE"), i);
 		int fd = open(path, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
@@ -136,6 +138,26 @@ static bool death_is_due(void)
 	return false;
 }
 
+static uint64_t burnt_us(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+	return (uint64_t)t.tv_sec * 1000000 + (uint64_t)t.tv_nsec / 1000;
+}
+
+static void hang_on(const char *what)
+{
+	const char *how = getenv("FAKE_HANG"), *on = getenv("FAKE_HANG_ON");
+	if (!how || !on || strcmp(on, what) != 0 || !take_death())
+		return;
+	if (!strcmp(how, "stop"))
+		raise(SIGSTOP);
+	while (!strcmp(how, "burn"))
+		burnt_us();
+	for (;;)
+		pause();
+}
+
 static void on_step(const struct ipc_step *message)
 {
 	struct ipc_stepped stepped = {.head = {.op = IPC_STEPPED, .job = message->head.job}};
@@ -143,8 +165,11 @@ static void on_step(const struct ipc_step *message)
 	steps++;
 	if (trace)
 		fprintf(trace, "%u\n", message->head.job);
-	if (death_is_due())
+	if (steps == fake_number("FAKE_DIE_STEP", 0) && take_death())
 		raise(SIGKILL);
+	const uint64_t enough_us = burnt_us() + fake_number("FAKE_BURN_US", 0);
+	while (burnt_us() < enough_us)
+		;
 	unsigned long us = fake_number("FAKE_STEP_US", 200);
 	usleep((useconds_t)us);
 	if (!job) {
@@ -254,21 +279,26 @@ static void on_message(const void *message, int fd)
 	struct job *job;
 	switch ((enum ipc_op)head->op) {
 	case IPC_SCENE:
+		hang_on("scene");
 		on_scene(message, fd);
 		return;
 	case IPC_FORGET:
 		on_forget(message);
 		return;
 	case IPC_BEGIN:
+		hang_on("begin");
 		on_begin(message);
 		return;
 	case IPC_STEP:
+		hang_on("step");
 		on_step(message);
 		return;
 	case IPC_READ:
+		hang_on("read");
 		on_read(message);
 		return;
 	case IPC_PILOT:
+		hang_on("pilot");
 		on_pilot(message);
 		return;
 	case IPC_PILOT_END:
@@ -299,6 +329,7 @@ int main(void)
 		setvbuf(trace, NULL, _IOLBF, 0);
 	}
 	usleep((useconds_t)fake_number("FAKE_READY_US", 0));
+	hang_on("ready");
 	struct ipc_ready ready = {.head = {.op = IPC_READY}};
 	snprintf(ready.build, sizeof ready.build, "%s", getenv("FAKE_OTHER_BUILD") ? "0.0" : ipc_build());
 	snprintf(ready.device, sizeof ready.device, "%s", inherited ? "inherited descriptors" : "fake");

@@ -43,6 +43,11 @@ static void everything_is_read(void **state)
 	assert_string_equal(options.scenes[1].name, "c");
 	assert_int_equal(options.memory_budget_mib, 512);
 	assert_int_equal(options.slice_ms, 50);
+	assert_int_equal(options.hang_s, 0);
+	assert_int_equal(options.answer_s, LIMIT_ANSWER_SECONDS);
+	assert_int_equal(PARSE("--socket=x", "--hang", "7", "--answer", "9"), STATUS_OK);
+	assert_int_equal(options.hang_s, 7);
+	assert_int_equal(options.answer_s, 9);
 	assert_int_equal(options.private_fd, -1);
 	assert_int_equal(PARSE("--private-fd", "5"), STATUS_OK);
 	assert_int_equal(options.private_fd, 5);
@@ -59,6 +64,8 @@ static void nonsense_is_refused(void **state)
 	assert_int_equal(PARSE("--socket", "x", "--slice", "1001"), STATUS_BAD_ARGUMENT);
 	assert_int_equal(PARSE("--socket", "x", "--slice", "5s"), STATUS_BAD_ARGUMENT);
 	assert_int_equal(PARSE("--socket", "x", "--slice", "-5"), STATUS_BAD_ARGUMENT);
+	assert_int_equal(PARSE("--socket", "x", "--hang", "0"), STATUS_BAD_ARGUMENT);
+	assert_int_equal(PARSE("--socket", "x", "--answer", "86401"), STATUS_BAD_ARGUMENT);
 	assert_int_equal(PARSE("--socket", "x", "--scene", "box"), STATUS_BAD_ARGUMENT);
 	assert_int_equal(PARSE("--socket", "x", "--scene", "=box"), STATUS_BAD_ARGUMENT);
 	assert_int_equal(PARSE("--socket", "x", "--scene", "box="), STATUS_BAD_ARGUMENT);

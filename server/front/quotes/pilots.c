@@ -20,8 +20,7 @@ static void set_limit(struct quote *quote, bool warm)
 	const uint64_t count = (uint64_t)__builtin_popcount(quote->techniques);
 	const uint64_t us =
 	    PILOT_EXTRA_US + (warm || count == 0 ? 0 : PILOT_COLD_US) + count * PILOT_ROOM * quote->budget_us;
-	// The worker is not to look as if it hung.
-	const uint64_t most = LIMIT_STEP_SECONDS * 1000000ull / 2;
+	const uint64_t most = LIMIT_PROBE_SECONDS * 1000000ull;
 	quote->limit_us = (uint32_t)(us < most ? us : most);
 }
 

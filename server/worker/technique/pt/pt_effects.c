@@ -12,8 +12,7 @@
 
 #define PROBE_TILES 64u // 4,096 pixels
 #define PROBE_TURNS 3
-#define PROBE_US \
-	(LIMIT_STEP_SECONDS * 1000000ull / 2) // no effect is begun after this, lest the front take the worker to hang
+#define PROBE_US (LIMIT_PROBE_SECONDS * 1000000ull) // no effect is begun after this: nobody else is served meanwhile
 
 // A set of effects with its pipelines, ready to be timed.
 struct contestant {

@@ -1,0 +1,74 @@
+#include "server/base/pulse.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "server/base/clock.h"
+
+#define LEAST_SHARE 100u // less than a hundredth of a processor is no work: threads of drivers wake now and then
+
+// Processor time of all threads that it has and had.
+static uint64_t burnt_us(pid_t pid)
+{
+	clockid_t clock;
+	struct timespec t;
+	if (clock_getcpuclockid(pid, &clock) != 0 || clock_gettime(clock, &t) != 0)
+		return 0;
+	return (uint64_t)t.tv_sec * 1000000u + (uint64_t)t.tv_nsec / 1000u;
+}
+
+// The state of a thread, which follows its name in parentheses, and the name may have some itself. 0: unknown.
+static char state_of(int tasks, const char *thread)
+{
+	char path[64], text[512];
+	const int length = snprintf(path, sizeof path, "%s/stat", thread);
+	const int fd = length > 0 && (size_t)length < sizeof path ? openat(tasks, path, O_RDONLY | O_CLOEXEC) : -1;
+	if (fd < 0)
+		return 0;
+	const ssize_t got = read(fd, text, sizeof text - 1);
+	close(fd);
+	text[got > 0 ? got : 0] = 0;
+	const char *end = strrchr(text, ')');
+	return end && end[1] == ' ' ? end[2] : 0;
+}
+
+// Does any thread run or wait for a processor (R), or for a disk (D), or is held by a debugger (t)?
+static bool could_work(pid_t pid)
+{
+	char path[32];
+	bool found = false;
+	snprintf(path, sizeof path, "/proc/%d/task", (int)pid);
+	DIR *tasks = opendir(path);
+	if (!tasks)
+		return false;
+	for (const struct dirent *entry = readdir(tasks); entry && !found; entry = readdir(tasks)) {
+		const char state = entry->d_name[0] == '.' ? 0 : state_of(dirfd(tasks), entry->d_name);
+		found = state == 'R' || state == 'D' || state == 't';
+	}
+	closedir(tasks);
+	return found;
+}
+
+void pulse_begin(struct pulse *pulse, pid_t pid)
+{
+	*pulse = (struct pulse){.pid = pid, .burnt_us = burnt_us(pid), .looked_us = clock_us()};
+}
+
+uint64_t pulse_look(struct pulse *pulse)
+{
+	const uint64_t now = clock_us(), burnt = burnt_us(pulse->pid);
+	const uint64_t passed = now - pulse->looked_us;
+	const uint64_t worked = burnt > pulse->burnt_us ? burnt - pulse->burnt_us : 0;
+	pulse->looked_us = now;
+	pulse->burnt_us = burnt;
+	if (worked * LEAST_SHARE > passed || could_work(pulse->pid))
+		pulse->still = 0;
+	else
+		pulse->still++;
+	return worked < passed ? worked : passed;
+}

@@ -1,0 +1,153 @@
+"""Who hangs is found, whatever it is doing, and who is slow is waited for. The bounds are small here; none is one of the clock for
+what works."""
+import os
+import signal
+import subprocess
+import sys
+import unittest
+
+import wire
+from fakes import FakeCase, pattern, render
+from wire import pb
+
+BOUNDS = ("--hang", "1", "--answer", "1")
+
+
+class HangCase(FakeCase):
+    arguments = BOUNDS
+
+    def answers_after_a_loss(self, why, **fields):
+        """A render is answered as if nothing had been, by a second worker."""
+        connection = self.with_box()
+        replies = connection.follow(connection.send(wire.RENDER, render(samples=10, seed=4, **fields)))
+        self.assertEqual(replies[-1].kind, wire.DONE, replies[-1])
+        self.assertEqual(bytes(wire.images(replies)[-1][1]), pattern(64, 4))
+        self.assertEqual(connection.stats().worker_starts, 2)
+        self.assertIn(why, self.daemon.log_text())
+        return replies[-1].body
+
+
+class Sleeps(HangCase):
+    environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "step"}
+
+    def test_in_a_step(self):
+        self.assertEqual(self.answers_after_a_loss("neither worked nor waited").retries, 1)
+
+
+class Stopped(HangCase):
+    environment = {"FAKE_HANG": "stop", "FAKE_HANG_ON": "step"}
+
+    def test_in_a_step(self):
+        self.assertEqual(self.answers_after_a_loss("neither worked nor waited").retries, 1)
+
+
+class Burns(HangCase):
+    environment = {"FAKE_HANG": "burn", "FAKE_HANG_ON": "step"}
+
+    def test_in_a_step(self):
+        self.assertEqual(self.answers_after_a_loss("without an end").retries, 1)
+
+
+class SleepsInBegin(HangCase):
+    environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "begin"}
+
+    def test_in_a_beginning(self):
+        self.assertEqual(self.answers_after_a_loss("neither worked nor waited").retries, 1)
+
+
+class StoppedInRead(HangCase):
+    environment = {"FAKE_HANG": "stop", "FAKE_HANG_ON": "read"}
+
+    def test_while_it_encodes(self):
+        self.assertEqual(self.answers_after_a_loss("neither worked nor waited").retries, 1)
+
+
+class BurnsInRead(HangCase):
+    environment = {"FAKE_HANG": "burn", "FAKE_HANG_ON": "read"}
+
+    def test_while_it_encodes(self):
+        self.assertEqual(self.answers_after_a_loss("one image without an end").retries, 1)
+
+
+class SleepsAtStart(HangCase):
+    environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "ready"}
+
+    def test_before_it_is_ready(self):
+        self.answers_after_a_loss("neither worked nor waited")
+
+
+class StoppedTwice(HangCase):
+    environment = {"FAKE_HANG": "stop", "FAKE_HANG_ON": "step", "FAKE_DIE_TIMES": "2"}
+
+    def test_the_second_loss_is_told(self):
+        connection = self.with_box()
+        reply = connection.follow(connection.send(wire.RENDER, render()))[-1]
+        self.assert_error(reply, "worker-lost")
+        self.assertIn("it hung", reply.body.message)
+        self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+
+
+class StoppedInPilot(HangCase):
+    environment = {"FAKE_HANG": "stop", "FAKE_HANG_ON": "pilot"}
+
+    def test_the_quote_is_answered(self):
+        connection = self.with_box()
+        reply = connection.receive_for(connection.send(wire.QUOTE, pb.Quote(render=render(technique=pb.TECHNIQUE_AUTO), pilot_ms=10)))
+        self.assertEqual(reply.kind, wire.QUOTE_REPLY, reply)
+        wire.wait_for(lambda: connection.stats().worker_starts == 2, "another worker is started")
+
+
+class Slow(FakeCase):
+    """A step takes more processor time than a worker may be still, and there are others that are preferred."""
+    arguments = ("--hang", "1")
+    environment = {"FAKE_BURN_US": "1200000"}
+
+    def test_slow_is_not_hung(self):
+        connection = self.with_box()
+        worker = wire.wait_for(lambda: connection.stats().worker_pid, "a worker runs")
+        os.setpriority(os.PRIO_PROCESS, worker, 5)
+        for _ in range(os.cpu_count()):
+            other = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+            self.addCleanup(other.wait)
+            self.addCleanup(other.kill)
+        replies = connection.follow(connection.send(wire.RENDER, render(samples=1)))
+        self.assertEqual(replies[-1].kind, wire.DONE, replies[-1])
+        self.assertEqual((replies[-1].body.retries, connection.stats().worker_starts), (0, 1))
+
+
+class IdleIsNotHung(HangCase):
+    def test_a_worker_without_orders_may_be_stopped(self):
+        connection = self.with_box()
+        connection.follow(connection.send(wire.RENDER, render()))
+        worker = connection.stats().worker_pid
+        os.kill(worker, signal.SIGSTOP)
+        # A load takes longer than its loader may be still: the worker's bound has passed by then.
+        self.write("slow.gltf", "hang")
+        self.assert_error(connection.receive_for(connection.send_load("slow", self.scenes, "slow.gltf")), "scene-limit")
+        os.kill(worker, signal.SIGCONT)
+        self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.assertEqual(connection.stats().worker_starts, 1)
+
+
+class Loader(FakeCase):
+    arguments = ("--hang", "1")
+
+    def load(self, orders):
+        self.write("odd.gltf", orders)
+        connection = self.connect()
+        return connection.receive_for(connection.send_load("odd", self.scenes, "odd.gltf"))
+
+    def test_one_that_sleeps(self):
+        reply = self.load("hang")
+        self.assert_error(reply, "scene-limit")
+        self.assertIn("the loader hung", reply.body.message)
+
+    def test_one_that_is_stopped(self):
+        self.assert_error(self.load("stop"), "scene-limit")
+
+    def test_slow_is_not_hung(self):
+        self.assertEqual(self.load("burn 1200000").kind, wire.SCENE_INFO)
+
+
+if __name__ == "__main__":
+    unittest.main()
