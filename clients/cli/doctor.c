@@ -6,8 +6,6 @@
 #include "clients/cli/cli.h"
 #include "clients/cli/doctor_checks.h"
 
-#define WORKER_MS 60000
-#define LOADER_MS 20000
 #define WORKER_BYTES 262144u
 #define PROGRAMS 5
 
@@ -76,7 +74,7 @@ static void check_devices(struct findings *f)
 		f->worker = failure_json("candil-worker does not start");
 		return;
 	}
-	int status = program_run(argv, WORKER_MS, out, err, sizeof(out));
+	int status = program_run(argv, DOCTOR_TIME, out, err, sizeof(out));
 	json_error_t wrong;
 	f->worker = status >= 0 ? json_loads(out, 0, &wrong) : failure_json(strerror(errno));
 	if (!json_is_object(f->worker)) {
@@ -101,7 +99,7 @@ static void check_sandbox(struct findings *f)
 		return;
 	}
 	json_error_t wrong;
-	const int status = program_run(argv, LOADER_MS, out, err, sizeof(out));
+	const int status = program_run(argv, DOCTOR_TIME, out, err, sizeof(out));
 	f->sandbox = status == 0 ? json_loads(out, 0, &wrong) : NULL;
 	if (!json_is_object(f->sandbox)) {
 		json_decref(f->sandbox);

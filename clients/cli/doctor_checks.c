@@ -13,9 +13,13 @@
 #include <time.h>
 #include <unistd.h>
 
-#define START_MS 20000
-#define PING_MS 3000u
-#define WORKER_START_MS 15000u
+#include "server/base/clock.h"
+#include "server/base/pulse.h"
+
+#define STARTS_MOST 3u // of workers that are waited for one after the other
+#define PING_MS (1000u * LIMIT_HANG_SECONDS)
+#define LOOK_MS (PING_MS / PULSE_LOOKS)
+#define ASK_MS 50u // between two looks whether a worker is ready by now
 #define NOT_FOUND 127 // exit status of the dynamic linker when a library is missing
 
 const char *doctor_package_of(const char *library)
@@ -64,7 +68,7 @@ void doctor_check_program(struct program_check *check, char *argument)
 		snprintf(check->why, sizeof(check->why), "%s", strerror(errno));
 		return;
 	}
-	int status = program_run(argv, START_MS, out, err, sizeof(out));
+	int status = program_run(argv, DOCTOR_TIME, out, err, sizeof(out));
 	if (status < 0) {
 		snprintf(check->why, sizeof(check->why), "%s", strerror(errno));
 	} else if (status == NOT_FOUND) {
@@ -78,19 +82,27 @@ void doctor_check_program(struct program_check *check, char *argument)
 	}
 }
 
-// A worker that is starting has neither a device nor a reason for having none, so the check waits for it.
+// A worker that is starting has neither a device nor a reason for having none, so the check waits for it, as long as it
+// works.
 static void check_worker_of(candil_client *client, struct daemon_check *check)
 {
-	const struct timespec pause = {0, 50 * 1000 * 1000};
+	const struct timespec pause = {0, ASK_MS * 1000 * 1000};
 	static struct candil_stats stats;
 	struct candil_error error;
-	for (unsigned waited = 0; waited < WORKER_START_MS; waited += 50) {
+	struct pulse pulse = {0};
+	uint32_t first = 0;
+	while (pulse.still < PULSE_LOOKS) {
 		if (candil_stats(client, &stats, &error) != CANDIL_STATUS_OK) {
 			snprintf(check->device, sizeof(check->device), "%s", error.text);
 			return;
 		}
-		if (stats.device[0] || stats.device_error[0])
+		first = first == 0 ? stats.worker_starts : first;
+		if (stats.device[0] || stats.device_error[0] || stats.worker_starts >= first + STARTS_MOST)
 			break;
+		if (pulse.looked_us == 0 || pulse.pid != (pid_t)stats.worker_pid)
+			pulse_begin(&pulse, (pid_t)stats.worker_pid);
+		else if (clock_us() - pulse.looked_us >= LOOK_MS * 1000ull)
+			pulse_look(&pulse);
 		nanosleep(&pause, NULL);
 	}
 	check->ready = stats.device[0] && !stats.device_error[0];

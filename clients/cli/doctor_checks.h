@@ -4,6 +4,10 @@
 
 #include "clients/cli/cli.h"
 #include "clients/cli/programs.h"
+#include "protocol/limits.h"
+
+// What a program has that doctor starts.
+#define DOCTOR_TIME ((struct program_time){.still_ms = 1000 * LIMIT_HANG_SECONDS, .work_ms = 60000})
 
 struct program_check {
 	const char *name;

@@ -8,10 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "clients/cli/interrupt.h"
+#include "server/base/clock.h"
+#include "server/base/pulse.h"
 
 // The folder of this executable.
 static bool own_folder(char *path, size_t capacity)
@@ -80,13 +81,6 @@ static int start_piped(char *const argv[], int out, int err, pid_t *pid)
 	return failure;
 }
 
-static long long now_ms(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_MONOTONIC, &t);
-	return (long long)t.tv_sec * 1000 + t.tv_nsec / 1000000;
-}
-
 // Append what can be read from one stream to `text`. false: the stream has ended.
 static bool collect_stream(int fd, char *text, size_t capacity, size_t *used)
 {
@@ -101,18 +95,19 @@ static bool collect_stream(int fd, char *text, size_t capacity, size_t *used)
 	return got > 0;
 }
 
-// Read both streams until both have ended. Returns 0, ETIMEDOUT if they have not by the deadline, or EINTR after an
+// Read both streams of a program until both have ended. Returns 0, ETIMEDOUT if they have not in its time, or EINTR after an
 // interrupt.
-static int collect_both(int out_fd, int err_fd, long long deadline, char *out, char *err, size_t capacity)
+static int collect_both(pid_t pid, int out_fd, int err_fd, struct program_time time, char *out, char *err, size_t capacity)
 {
+	const unsigned look_ms = time.still_ms / PULSE_LOOKS;
 	size_t used[2] = {0, 0};
 	char *text[2] = {out, err};
 	struct pollfd p[2] = {{out_fd, POLLIN, 0}, {err_fd, POLLIN, 0}};
+	struct pulse pulse;
+	uint64_t work_us = 0;
+	pulse_begin(&pulse, pid);
 	while (p[0].fd >= 0 || p[1].fd >= 0) {
-		long long left = deadline - now_ms();
-		if (left <= 0)
-			return ETIMEDOUT;
-		if (interrupt_poll(p, 2, (long)left) < 0 && errno != EINTR)
+		if (interrupt_poll(p, 2, look_ms) < 0 && errno != EINTR)
 			return errno;
 		if (interrupt_seen())
 			return EINTR;
@@ -121,11 +116,15 @@ static int collect_both(int out_fd, int err_fd, long long deadline, char *out, c
 				p[i].fd = -1;
 			p[i].revents = 0;
 		}
+		if (clock_us() - pulse.looked_us >= look_ms * 1000ull)
+			work_us += pulse_look(&pulse);
+		if (pulse.still >= PULSE_LOOKS || work_us > time.work_ms * 1000ull)
+			return ETIMEDOUT;
 	}
 	return 0;
 }
 
-int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t capacity)
+int program_run(char *const argv[], struct program_time time, char *out, char *err, size_t capacity)
 {
 	int out_pipe[2] = {-1, -1}, err_pipe[2] = {-1, -1}, result = -1, failure = 0;
 	pid_t pid;
@@ -139,7 +138,7 @@ int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t
 		out_pipe[1] = err_pipe[1] = -1;
 		if (failure == 0) {
 			int status;
-			failure = collect_both(out_pipe[0], err_pipe[0], now_ms() + timeout_ms, out, err, capacity);
+			failure = collect_both(pid, out_pipe[0], err_pipe[0], time, out, err, capacity);
 			if (failure != 0)
 				kill(pid, SIGKILL);
 			while (waitpid(pid, &status, 0) < 0 && errno == EINTR)

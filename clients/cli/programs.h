@@ -23,10 +23,16 @@ void program_daemon(char *path, size_t capacity);
 // in the terminal does not reach it. Returns errno's value, 0 if it was started.
 int program_start(char *const argv[], posix_spawn_file_actions_t *actions, int kept, bool own_group, pid_t *pid);
 
+// How long a program may take: neither is a time of the clock, so a busy machine ends none.
+struct program_time {
+	unsigned still_ms; // without working or waiting for a processor or a disk (server/base/pulse.h)
+	unsigned work_ms; // of work, in which several threads count as one
+};
+
 // Run a program with empty standard input; it is looked for in PATH if argv[0] has no slash. `out` and `err` get the first
-// `capacity` - 1 bytes of each stream and a zero. The program is killed after `timeout_ms`. Returns its exit status, or 128
+// `capacity` - 1 bytes of each stream and a zero. The program is killed after its `time`. Returns its exit status, or 128
 // plus the signal that ended it, or -1 with errno if it could not be started, did not end in time (ETIMEDOUT), or was killed
 // for an interrupt (EINTR; interrupt.h).
-int program_run(char *const argv[], int timeout_ms, char *out, char *err, size_t capacity);
+int program_run(char *const argv[], struct program_time time, char *out, char *err, size_t capacity);
 
 #endif

@@ -2,8 +2,9 @@
 #include <inttypes.h>
 
 #include "clients/cli/cli.h"
+#include "protocol/limits.h"
 
-#define ANSWER_MS 10000u
+#define ANSWER_MS (1000u * LIMIT_HANG_SECONDS)
 
 static json_t *ping_json(const struct candil_server *server, uint64_t us)
 {
@@ -37,7 +38,7 @@ const struct command ping_command = {
     .name = "ping",
     .summary = "ask the daemon for a sign of life",
     .help = "Usage: candil ping [--connect ADDR] [--json]\n\n"
-	    "Sends a few bytes to the daemon and waits for them to come back, 10 s at most.\n\n"
+	    "Sends a few bytes to the daemon and waits for them to come back, 30 s at most.\n\n"
 	    "--json: {\"round_trip_us\", \"server\", \"version\", \"max_message_bytes\", \"max_pixels\",\n"
 	    "\"max_samples_times_pixels\", \"max_jobs_per_connection\"}\n",
     .run = run_ping,

@@ -9,10 +9,11 @@
 
 #include "clients/cli/programs.h"
 #include "clients/cli/study.h"
+#include "protocol/limits.h"
 
 #define REPORT_PROGRAM "candil-report"
 #define REPORT_TABLES "../../share/candil/TABLE.md" // from where the program is; it shows rows of it
-// It is ended after so many times what it should take, and then some: it hangs.
+// It is ended after so many times the work that it should take, and then some: it hangs.
 #define REPORT_FACTOR 10
 #define REPORT_LEAST_MS 600000
 
@@ -57,7 +58,8 @@ static void run_program(struct study *study, char *path)
 	char *argv[] = {path, study->folder, NULL};
 	const double most = REPORT_LEAST_MS + REPORT_FACTOR * 1000 * study_predict_report(study);
 	progress_say(&study->job.progress, "writing the report");
-	const int status = program_run(argv, (int)fmin(most, INT_MAX), out, err, sizeof(out));
+	const struct program_time time = {.still_ms = 1000 * LIMIT_HANG_SECONDS, .work_ms = (unsigned)fmin(most, INT_MAX)};
+	const int status = program_run(argv, time, out, err, sizeof(out));
 	study->report_made = status == 0 && has_all(study);
 	if (status < 0)
 		snprintf(study->report_why, sizeof(study->report_why), "%s: %s", REPORT_PROGRAM, strerror(errno));

@@ -14,9 +14,10 @@
 #include "clients/cli/programs.h"
 #include "clients/cli/scene_options.h"
 #include "clients/libcandil/error.h"
+#include "protocol/limits.h"
 
 #define PRIVATE_FD 3
-#define ANSWER_MS 10000u
+#define ANSWER_MS (1000u * LIMIT_HANG_SECONDS)
 #define END_MS 5000
 #define LOOK_MS 50 // between two looks whether a scene is loaded by now
 

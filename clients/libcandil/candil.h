@@ -111,7 +111,7 @@ typedef struct candil_client candil_client;
 CANDIL_API bool candil_default_address(char *path, size_t capacity);
 
 // Connect to the daemon's socket at `address` ("PATH" or "unix:PATH", 1 to 107 bytes of path; NULL: the default) and shake
-// hands. Waits at most 10 s for either. On success *client is the caller's, to be ended with candil_disconnect; else it is
+// hands. Waits at most 30 s for either. On success *client is the caller's, to be ended with candil_disconnect; else it is
 // NULL. Fails with CONNECT (nobody is there, or it is no daemon), BAD_VERSION, NOT_ALLOWED, TOO_MANY_CONNECTIONS,
 // BAD_ARGUMENT (the path is too long), MEMORY.
 //

@@ -12,8 +12,9 @@
 #include "candil.pb.h"
 #include "clients/libcandil/error.h"
 #include "clients/libcandil/submit.h"
+#include "protocol/limits.h"
 
-#define HELLO_TIMEOUT_MS 10000
+#define HELLO_TIMEOUT_MS (1000 * (int)LIMIT_HANG_SECONDS) // a busy machine may starve a daemon that begins
 
 candil_status candil_process(candil_client *client, struct candil_error *error)
 {
@@ -132,7 +133,7 @@ candil_status candil_connect(const char *address, candil_client **client, struct
 	if (fd < 0)
 		return error_set(error, CANDIL_STATUS_CONNECT, "cannot make a socket: %s", strerror(errno));
 	// connect() waits while the daemon's queue of connections is full; this bounds the wait.
-	struct timeval limit = {HELLO_TIMEOUT_MS / 1000, 0};
+	struct timeval limit = {LIMIT_HANG_SECONDS, 0};
 	setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof(limit));
 	int result;
 	do
