@@ -3,7 +3,7 @@
 // `ipc_build` in the first message proves it. The child finds its end at descriptor IPC_FD.
 //
 //   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END  PILOT  PILOT_END
-//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  (the encoder's thread sends IMAGE, at any time)
+//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  STATE  (the encoder's thread sends IMAGE, at any time)
 //   loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
 #ifndef CANDIL_BASE_IPC_H
 #define CANDIL_BASE_IPC_H
@@ -28,7 +28,7 @@ enum ipc_op {
 	IPC_FORGET, // struct ipc_scene: jobs that use it go on; the blob is unmapped after the last of them
 	IPC_BEGIN, // struct ipc_begin
 	IPC_STEP, // struct ipc_step: work on the job for about budget_us
-	IPC_READ, // struct ipc_read: encode what has been accumulated
+	IPC_READ, // struct ipc_read: encode what has been accumulated; the final one is the job's END, too
 	IPC_END, // struct ipc_job: forget the job; READs already requested are still answered
 	IPC_PILOT, // struct ipc_pilot: look at a scene
 	IPC_PILOT_END, // struct ipc_job: the PILOT before it is to end as soon as can be, and is answered with what it has
@@ -38,6 +38,7 @@ enum ipc_op {
 	IPC_STEPPED, // struct ipc_stepped, the answer to a STEP
 	IPC_IMAGE, // struct ipc_image, the answer to a READ, with the file as a sealed memfd unless there is an error
 	IPC_PILOTED, // struct ipc_piloted, the answer to a PILOT
+	IPC_STATE, // struct ipc_state, when it has changed, ahead of the answer to what has changed it
 	// loader -> front
 	IPC_LOADED, // struct ipc_loaded, with the blob as a sealed memfd unless there is an error
 };
@@ -100,8 +101,6 @@ struct ipc_stepped {
 	double fraction; // done share of the job's work
 	struct estimate estimate; // the latest
 	uint64_t device_us; // device time of this slice
-	uint64_t device_bytes; // bytes held on the device now, by all jobs
-	uint64_t validation_errors; // since the worker started
 };
 
 struct ipc_image {
@@ -126,6 +125,12 @@ struct ipc_piloted {
 	struct error error; // code != OK: nothing came of it
 	uint32_t cut; // 1: its PILOT_END came in time to keep something from being seen
 	struct pilot_result results[TECHNIQUE_COUNT]; // by technique
+};
+
+struct ipc_state {
+	struct ipc_head head;
+	uint64_t device_bytes; // bytes held on the device now, by jobs and scenes; 0 until told
+	uint64_t validation_errors; // since the worker started; likewise
 };
 
 struct ipc_loaded {

@@ -268,8 +268,8 @@ static enum status on_stats(const struct message *m, struct error *err)
 				   .buffered_bytes = sessions_buffered(&s->sessions),
 				   .image_bytes = room_bytes(&s->jobs.room),
 				   .worker_pid = (uint32_t)s->worker.child.pid,
-				   .device_bytes = s->worker.device_bytes,
-				   .validation_errors = s->worker.validation_errors,
+				   .device_bytes = s->worker.held.device_bytes,
+				   .validation_errors = s->worker.held.validation_errors,
 				   .slice_ms = s->options->slice_ms,
 				   .loader_pid = (uint32_t)scenes_loader_pid(&s->scenes)};
 	reply.scenes = scenes_count(&s->scenes, &reply.scene_bytes);

@@ -240,8 +240,6 @@ static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 {
 	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
 	worker->failures = 0;
-	worker->device_bytes = stepped->device_bytes;
-	worker->validation_errors = stepped->validation_errors;
 	text_clean(stepped->error.text, sizeof stepped->error.text);
 	worker->events->stepped(worker->owner, stepped->head.job, stepped);
 }
@@ -373,6 +371,8 @@ static void worker_handle(struct worker *worker, size_t bytes, int fd)
 	} else if (is_message(head, bytes, IPC_IMAGE, sizeof(struct ipc_image))) {
 		got_image(worker, message, fd);
 		return;
+	} else if (is_message(head, bytes, IPC_STATE, sizeof(struct ipc_state))) {
+		worker->held = *(const struct ipc_state *)message;
 	} else {
 		kill_for(worker, "it sent nonsense");
 	}
@@ -426,7 +426,7 @@ static void worker_lose(struct worker *worker, const char *how)
 	worker->images_due = 0;
 	worker->pilot = 0;
 	worker->holding = false;
-	worker->device_bytes = 0;
+	worker->held = (struct ipc_state){0};
 	worker->killed_for = NULL;
 	watch_over(worker);
 	parcels_clear(&worker->waiting);

@@ -71,8 +71,7 @@ struct worker {
 	char device[128];
 	bool software; // the device is a processor
 	struct error device_error; // code != OK: no usable device
-	uint64_t device_bytes;
-	uint64_t validation_errors;
+	struct ipc_state held; // as it said last
 };
 
 // The first worker starts as soon as the loop runs; if it cannot be started, that is a loss like any other. `children`,
@@ -108,7 +107,8 @@ void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_
 // cannot be cut short, such as compiling, is waited for. False: it cannot be told now, and the pilot takes its time.
 bool worker_pilot_end(struct worker *worker);
 
-// Encode the job's picture as it is, `final` for the last time; `image` answers. `predicted`: as of struct ipc_read.
+// Encode the job's picture as it is, `final` for the last time, which ends the job; `image` answers. `predicted`: as of
+// struct ipc_read.
 void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted);
 
 // Free what it has of a job, after the orders that went before. There is no answer.

@@ -2,7 +2,9 @@
 // the two never mix. A job is begun, stepped and read here in the order in which the front asks.
 #include "server/worker/serve.h"
 
+#include <malloc.h>
 #include <math.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +18,7 @@
 #include "server/base/log.h"
 #include "server/worker/devices.h"
 #include "server/worker/gl/device.h"
+#include "server/worker/gl/settle.h"
 #include "server/worker/image/encoder.h"
 #include "server/worker/pilot/pilot.h"
 #include "server/worker/plan/effects.h"
@@ -24,6 +27,8 @@
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/technique.h"
 #include "server/worker/vk/device.h"
+
+#define REST_MS 500 // without orders, after which what was freed goes back to the system
 
 struct job {
 	struct job *next;
@@ -48,6 +53,8 @@ struct server {
 	struct encoder *encoder;
 	struct job *jobs;
 	bool pilot_cut; // the pilot that is made was ended before it had seen all
+	struct ipc_state told; // to the front, the latest
+	bool rested; // since the last order
 };
 
 static struct job **find_job(struct server *s, uint32_t id)
@@ -71,13 +78,30 @@ static void job_destroy(struct server *s, struct job *job)
 	free(job);
 }
 
+// Tell the front what is held, if it does not know.
+static enum status tell_state(struct server *s)
+{
+	const struct devices *d = s->devices;
+	if (!d->vk)
+		return STATUS_OK;
+	const struct ipc_state now = {.head = {.op = IPC_STATE},
+				      .device_bytes = d->vk->bytes,
+				      .validation_errors =
+					  atomic_load(&d->vk->validation_errors) + (d->gl ? d->gl->errors : 0)};
+	if (now.device_bytes == s->told.device_bytes && now.validation_errors == s->told.validation_errors)
+		return STATUS_OK;
+	s->told = now;
+	return ipc_send(s->socket, &now, sizeof now, -1, NULL);
+}
+
 // Send an answer, unless the device was lost. Then say nothing and end: the front starts another worker, hands it the same
 // scenes and begins the jobs again. An answer would fail a job that can still be done.
-static enum status answer_front(const struct server *s, const void *answer, size_t bytes)
+static enum status answer_front(struct server *s, const void *answer, size_t bytes)
 {
 	if (s->devices->vk && (s->devices->vk->lost || (s->devices->gl && s->devices->gl->lost)))
 		return STATUS_DEVICE;
-	return ipc_send(s->socket, answer, bytes, -1, NULL);
+	const enum status r = tell_state(s);
+	return r == STATUS_OK ? ipc_send(s->socket, answer, bytes, -1, NULL) : r;
 }
 
 static void on_scene(struct server *s, const struct ipc_scene *m, int fd)
@@ -233,12 +257,6 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	answer.device_us = clock_us() - start;
 	if (job)
 		job->work_us += answer.device_us;
-	if (s->devices->vk) {
-		answer.device_bytes = s->devices->vk->bytes;
-		answer.validation_errors = atomic_load(&s->devices->vk->validation_errors);
-		if (s->devices->gl)
-			answer.validation_errors += s->devices->gl->errors;
-	}
 	return answer_front(s, &answer, sizeof answer);
 }
 
@@ -357,6 +375,15 @@ static void add_stages(struct job *job, uint64_t read_us, bool final, struct fra
 		job->preview_us += resolve_us;
 }
 
+static void end(struct server *s, uint32_t id)
+{
+	struct job **at = find_job(s, id);
+	struct job *job = *at;
+	if (job)
+		*at = job->next;
+	job_destroy(s, job);
+}
+
 static enum status on_read(struct server *s, const struct ipc_read *m)
 {
 	struct ipc_image failure = {.head = {.op = IPC_IMAGE, .job = m->head.job}};
@@ -365,8 +392,11 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 	const uint64_t start = clock_us();
 	enum status r = job ? job->technique->read(job->work, &frame, &failure.error)
 			    : error_set(&failure.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
-	if (r != STATUS_OK)
+	if (r != STATUS_OK) {
+		if (m->final)
+			end(s, m->head.job);
 		return answer_front(s, &failure, sizeof failure);
+	}
 	if (frame->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN)
 		frame->estimate = m->predicted;
 	add_stages(job, clock_us() - start, m->final != 0, frame);
@@ -378,17 +408,12 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 						   .view = (enum codec_view)job->plan.view,
 						   .exposure_ev = job->plan.exposure_ev},
 					  .about = about_of(job)};
+	// The picture comes after what its job held is free, and told.
+	if (m->final)
+		end(s, m->head.job);
+	r = tell_state(s);
 	encoder_submit(s->encoder, &task);
-	return STATUS_OK;
-}
-
-static void on_end(struct server *s, const struct ipc_job *m)
-{
-	struct job **at = find_job(s, m->head.job);
-	struct job *job = *at;
-	if (job)
-		*at = job->next;
-	job_destroy(s, job);
+	return r;
 }
 
 static bool make_room_for_pilot(void *user)
@@ -496,9 +521,25 @@ static enum status handle(struct server *s, const void *message, size_t bytes, i
 	case IPC_PILOT_END:
 		return STATUS_OK; // its pilot has looked for it, or had ended before
 	default:
-		on_end(s, message);
+		end(s, head->job);
 		return STATUS_OK;
 	}
+}
+
+// Once nothing has been asked for a while, give back what was freed: a driver keeps what was deleted until it is told to
+// finish, and malloc keeps pieces between others.
+static void rest(struct server *s)
+{
+	struct pollfd p = {.fd = s->socket, .events = POLLIN};
+	struct error ignored; // a device that is lost says so again
+	if (s->rested || poll(&p, 1, REST_MS) != 0)
+		return;
+	if (s->devices->gl) {
+		gl_settle(s->devices->gl);
+		gl_wait(s->devices->gl, "resting", &ignored);
+	}
+	malloc_trim(0);
+	s->rested = true;
 }
 
 enum status serve(int socket, struct devices *devices, const struct error *why)
@@ -524,10 +565,14 @@ enum status serve(int socket, struct devices *devices, const struct error *why)
 	while (r == STATUS_OK) {
 		size_t bytes;
 		int fd;
+		rest(&s);
 		r = ipc_receive(socket, message, sizeof message, &bytes, &fd, &err);
 		if (r != STATUS_OK || bytes == 0)
 			break;
 		r = handle(&s, message, bytes, fd);
+		s.rested = false;
+		if (r == STATUS_OK)
+			r = tell_state(&s);
 	}
 	encoder_destroy(s.encoder);
 	while (s.jobs) {

@@ -4,5 +4,6 @@
 
 #define SETTLE_UNIT 13
 #define SETTLE_SAMPLERS 8
+#define SETTLE_BUFFERS 8 // every device has so many for a program
 
 #endif

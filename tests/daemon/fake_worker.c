@@ -68,6 +68,13 @@ static unsigned long active(void)
 	return count;
 }
 
+// A job holds 1000 bytes of the device.
+static void tell_state(void)
+{
+	const struct ipc_state state = {.head = {.op = IPC_STATE}, .device_bytes = active() * 1000};
+	answer(&state, sizeof state, -1);
+}
+
 static unsigned long pixels(void)
 {
 	unsigned long count = 0;
@@ -115,6 +122,7 @@ static void on_begin(const struct ipc_begin *message)
 		error_set(&begun.error, STATUS_MEMORY, "the device's memory is full");
 	if (begun.error.code == STATUS_OK) {
 		*find(0) = (struct job){.id = message->head.job, .render = message->render};
+		tell_state();
 		begun.accepted.technique = candil_Technique_TECHNIQUE_PT;
 		begun.accepted.samples = message->render.samples;
 		snprintf(begun.accepted.device, sizeof begun.accepted.device, "fake");
@@ -184,7 +192,6 @@ static void on_step(const struct ipc_step *message)
 		stepped.finished = stepped.reached || job->samples == job->render.samples;
 		stepped.fraction = (double)job->samples / job->render.samples;
 		stepped.device_us = us;
-		stepped.device_bytes = active() * 1000;
 		if (job->samples == 2 && active() > fake_number("FAKE_STEP_MEMORY_JOBS", MAX))
 			error_set(&stepped.error, STATUS_MEMORY, "the device's memory is full");
 		if (getenv("FAKE_FAIL_STEP"))
@@ -209,6 +216,14 @@ static void fill_counts(candil_Done *done, const char *wrong)
 	done->figures[0].value = wrong && !strcmp(wrong, "value") ? NAN : 16;
 }
 
+static void end(uint32_t id)
+{
+	struct job *job = find(id);
+	if (job)
+		job->id = 0;
+	tell_state();
+}
+
 static void on_read(const struct ipc_read *message)
 {
 	struct ipc_image image = {.head = {.op = IPC_IMAGE, .job = message->head.job}};
@@ -229,6 +244,8 @@ static void on_read(const struct ipc_read *message)
 		snprintf(image.done.device, sizeof image.done.device, "fake");
 		fd = make_image(&image.frame, (unsigned)job->render.seed + (unsigned)job->render.camera.eye.x);
 	}
+	if (message->final)
+		end(message->head.job);
 	answer(&image, sizeof image, fd);
 	if (fd >= 0)
 		close(fd);
@@ -276,7 +293,6 @@ static void on_pilot(const struct ipc_pilot *message)
 static void on_message(const void *message, int fd)
 {
 	const struct ipc_head *head = message;
-	struct job *job;
 	switch ((enum ipc_op)head->op) {
 	case IPC_SCENE:
 		hang_on("scene");
@@ -306,9 +322,7 @@ static void on_message(const void *message, int fd)
 			fprintf(trace, "end\n");
 		return;
 	case IPC_END:
-		job = find(head->job);
-		if (job)
-			job->id = 0;
+		end(head->job);
 		return;
 	default:
 		exit(5);

@@ -52,6 +52,19 @@ class Killed(FakeCase):
             self.assertEqual(connection.follow(connection.send(wire.RENDER, render(f"s{i}")))[-1].kind, wire.DONE)
         self.assertEqual(connection.stats().loader_starts, 41)
 
+    def test_what_is_held_is_told(self):
+        connection, other = self.with_box(), self.connect()
+        self.assertEqual(connection.stats().device_bytes, 0)
+        job = self.begin_endless(connection)
+        self.assertEqual(other.stats().device_bytes, 1000)
+        self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=job)).kind, wire.OK)
+        wire.wait_for(lambda: other.stats().device_bytes == 0, "it holds nothing")
+        connection.follow(connection.send(wire.RENDER, render()))
+        self.assertEqual(other.stats().device_bytes, 0)
+        self.begin_endless(connection)
+        self.kill_worker(other)
+        self.assertIn(other.stats().device_bytes, (0, 1000))  # the job is begun again
+
     def test_stopped_job_is_not_blamed(self):
         connection, other = self.with_box(), self.connect()
         job = self.begin_endless(connection)

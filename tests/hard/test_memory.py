@@ -1,6 +1,8 @@
 """Memory follows the size of the picture, not the number of samples; what a job takes is known, and refused, before it begins."""
 import os
+import signal
 import tempfile
+import time
 import unittest
 
 import make
@@ -18,6 +20,15 @@ def forget_peak(pid):
 def peak_kib(pid):
     with open(f"/proc/{pid}/status", encoding="ascii") as status:
         return next(int(line.split()[1]) for line in status if line.startswith("VmHWM:"))
+
+
+def level_kib(pid):
+    """Resident memory once it has not moved for a while. A worker that is kept from resting meanwhile has more."""
+    looks = [wire.rss_kib(pid)]
+    while len(looks) < 12 or max(looks[-12:]) - min(looks[-12:]) > 256:
+        time.sleep(.1)
+        looks.append(wire.rss_kib(pid))
+    return looks[-1]
 
 
 class Memory(unittest.TestCase):
@@ -44,6 +55,50 @@ class Memory(unittest.TestCase):
             for name in pids:
                 self.assertLess(many[name], few[name] + 2048)
             self.assertGreater(large["worker"], few["worker"] + 4096)
+
+    @unittest.skipIf(os.environ.get("CANDIL_SANITIZE") == "1", "AddressSanitizer keeps what was freed for a while")
+    def test_what_a_large_picture_took_goes_back(self):
+        with Daemon() as daemon:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
+            for technique in ("pt", "direct", "vct"):
+                def render(side):
+                    daemon.render("box", size=(side, side), spp=1, arguments=["--technique", technique])
+                render(64)
+                worker = daemon.stats()["worker_pid"]
+                before, held = level_kib(worker), daemon.stats()["device_bytes"]
+                forget_peak(worker)
+                render(1024)
+                self.assertEqual(daemon.stats()["device_bytes"], held)
+                peak = peak_kib(worker)
+                after = wire.wait_for(lambda: (lambda kib: kib if kib < before + 16 * 1024 else 0)(wire.rss_kib(worker)), "it is given back")
+                print(f"{technique}: resident {before >> 10} MiB before 1024x1024, {peak >> 10} at most, {after >> 10} after")
+                self.assertGreater(peak, before + 32 * 1024)
+
+    def test_what_is_held_is_told_when_nothing_runs(self):
+        with Daemon() as daemon, wire.Connection(daemon.socket) as connection:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
+            self.assertEqual(daemon.stats()["device_bytes"], 0)
+            daemon.render("box", size=(64, 64), spp=1)
+            scene = daemon.stats()["device_bytes"]
+            self.assertGreater(scene, 0)
+            self.assertLess(scene, 64 * 64 * 12)
+            # A job holds its own until it is cancelled.
+            job = connection.send(wire.RENDER, wire.pb.Render(scene="box", width=256, height=256, samples=1 << 20))
+            self.assertEqual(connection.receive_for(job).kind, wire.ACCEPTED)
+            self.assertGreater(connection.stats().device_bytes, scene + 256 * 256 * 12)
+            self.assertEqual(connection.ask(wire.CANCEL, wire.pb.Cancel(request=job)).kind, wire.OK)
+            wire.wait_for(lambda: connection.stats().device_bytes == scene, "the scene alone is held")
+            daemon.candil("unload", "box")
+            wire.wait_for(lambda: connection.stats().device_bytes == 0, "nothing is held")
+            # Neither does the next worker hold what the one before did.
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
+            daemon.render("box", size=(64, 64), spp=1)
+            worker = connection.stats().worker_pid
+            os.kill(worker, signal.SIGKILL)
+            wire.wait_for(lambda: connection.stats().worker_pid not in (0, worker), "another worker runs")
+            self.assertEqual(connection.stats().device_bytes, 0)
+            daemon.render("box", size=(64, 64), spp=1)
+            self.assertEqual(connection.stats().device_bytes, scene)
 
     def test_what_a_job_takes_is_said_before_it_begins(self):
         with Daemon() as daemon:

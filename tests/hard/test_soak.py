@@ -39,9 +39,6 @@ class Soak(unittest.TestCase):
                 time.sleep(0.01)
                 stats = connection.stats()
             return stats
-        alone()
-        # The device's bytes are those of the last slice: make that the same one every time.
-        daemon.render("kept", size=(32, 32), spp=1)
         stats = alone()
         pids = {"daemon": daemon.process.pid, "worker": stats.worker_pid}
 

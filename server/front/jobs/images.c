@@ -33,8 +33,8 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 	worker_read(jobs->worker, job->id, false, &job->predicted);
 }
 
-// A job's last READ has END right behind it, so that its memory on the device is free as soon as the worker has copied the
-// picture. While an image waits for common room, no younger one gets any: small images could keep a large one out for ever.
+// A job's last READ frees its memory on the device as soon as the worker has copied the picture. While an image waits for
+// common room, no younger one gets any: small images could keep a large one out for ever.
 void jobs_read_finished(struct jobs *jobs)
 {
 	jobs->short_of_room = false;
@@ -48,7 +48,6 @@ void jobs_read_finished(struct jobs *jobs)
 			continue;
 		worker_read(jobs->worker, job->id, true, &job->predicted);
 		job->read_us = clock_us();
-		worker_end(jobs->worker, job->id);
 		job->state = JOB_READING;
 		jobs_let_others_try(jobs);
 	}

@@ -33,6 +33,7 @@ void gl_settle(struct gl_device *d)
 		return;
 	glUseProgram(d->settle->name);
 	glBindTextureUnit(SETTLE_UNIT, d->settle_texture);
+	glBindImageTexture(0, d->settle_texture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
 	glUniform1ui(0, 0);
 	glDispatchCompute(1, 1, 1);
 }

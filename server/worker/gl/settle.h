@@ -4,6 +4,8 @@
 // program ran before has left it in that place (st_atom_sampler.c: "don't update the sampler for TBOs"). So a program that
 // reads the scene's tree would be compiled anew, for most of a second, in the middle of a picture, because another pass ran
 // since. After gl_settle all samplers are in the same state.
+//
+// It also keeps what was deleted for as long as the last program had it bound. After gl_settle and a wait it is free.
 #ifndef CANDIL_WORKER_GL_SETTLE_H
 #define CANDIL_WORKER_GL_SETTLE_H
 
