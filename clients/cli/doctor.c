@@ -15,9 +15,8 @@ struct findings {
 	struct program_check programs[PROGRAMS];
 	struct daemon_check daemon;
 	struct kernel_check kernel;
-	struct cache_check cache;
 	json_t *worker; // the object that it printed, or {"why"}
-	json_t *sandbox; // what of the loader's sandbox works here, or {"why"}
+	json_t *sandbox; // what of the loader's works here, or {"why"}; the worker's is in `worker`
 	json_t *missing; // [{"what", "package"}]
 	bool ok;
 };
@@ -132,10 +131,9 @@ static json_t *findings_json(const struct findings *f)
 	json_t *kernel =
 	    json_pack("{s:b,s:b,s:b,s:i}", "memfd_sealing", (int)f->kernel.memfd_sealing, "openat2", (int)f->kernel.openat2,
 		      "seccomp", (int)f->kernel.seccomp, "landlock_abi", f->kernel.landlock_abi);
-	json_t *cache = json_pack("{s:o,s:b}", "path", cli_json_text(f->cache.path), "writable", (int)f->cache.writable);
-	return json_pack("{s:b,s:o,s:o,s:o,s:o,s:O,s:O,s:O}", "ok", (int)f->ok, "daemon", daemon, "programs", programs,
-			 "kernel", kernel, "shader_cache", cache, "worker", f->worker, "sandbox", f->sandbox, "missing",
-			 f->missing);
+	return json_pack("{s:b,s:o,s:o,s:o,s:O?,s:O,s:O,s:O}", "ok", (int)f->ok, "daemon", daemon, "programs", programs,
+			 "kernel", kernel, "shader_cache", json_object_get(f->worker, "shader_cache"), "worker", f->worker,
+			 "sandbox", f->sandbox, "missing", f->missing);
 }
 
 static const char *text_of(const json_t *object, const char *key)
@@ -163,15 +161,26 @@ static void print_devices(const struct findings *f)
 		printf("           %s\n", text_of(f->worker, "why"));
 }
 
-static void print_sandbox(const struct findings *f)
+static void print_fence(const char *program, const json_t *fence, const char *why_unknown)
 {
 	size_t i;
 	const json_t *layer;
-	json_array_foreach(json_object_get(f->sandbox, "layers"), i, layer)
-	    printf("  sandbox  %s: %s%s\n", text_of(layer, "name"),
+	json_array_foreach(json_object_get(fence, "layers"), i, layer)
+	    printf("  sandbox  %s, %s: %s%s\n", program, text_of(layer, "name"),
 		   json_is_true(json_object_get(layer, "holds")) ? "" : "does not hold: ", text_of(layer, "detail"));
 	if (i == 0)
-		printf("  sandbox  unknown: %s\n", text_of(f->sandbox, "why"));
+		printf("  sandbox  %s: unknown: %s\n", program, why_unknown);
+}
+
+static void print_cache(const struct findings *f)
+{
+	const json_t *cache = json_object_get(f->worker, "shader_cache");
+	const char *path = text_of(cache, "path");
+	if (cache)
+		printf("  cache    %s: %s\n", *path ? path : "compiled shaders have no place",
+		       json_is_true(json_object_get(cache, "writable"))
+			   ? "writable"
+			   : "not writable: each start compiles its shaders anew");
 }
 
 static void print_findings(const struct findings *f)
@@ -195,9 +204,9 @@ static void print_findings(const struct findings *f)
 		printf("ABI %d\n", f->kernel.landlock_abi);
 	else
 		puts("no");
-	print_sandbox(f);
-	printf("  cache    %s: %s\n", f->cache.path[0] ? f->cache.path : "compiled shaders have no place",
-	       f->cache.writable ? "writable" : "not writable: each start compiles its shaders anew");
+	print_fence("candil-loader", f->sandbox, text_of(f->sandbox, "why"));
+	print_fence("candil-worker", json_object_get(f->worker, "fence"), text_of(f->worker, "why"));
+	print_cache(f);
 	size_t i;
 	const json_t *entry;
 	json_array_foreach(f->missing, i, entry)
@@ -222,7 +231,6 @@ static enum exit_code run_doctor(struct cli *cli, const struct command *self, in
 	check_sandbox(&f);
 	doctor_check_daemon(&f.daemon, cli->address);
 	f.ok = f.ok && (!f.daemon.reachable || f.daemon.ready);
-	doctor_check_cache(&f.cache);
 	code = f.ok ? EXIT_DONE : EXIT_DEVICE;
 	if (cli->json) {
 		code = cli_print_json(findings_json(&f), stdout, code);
@@ -242,8 +250,8 @@ const struct command doctor_command = {
     .help =
 	"Usage: candil doctor [--connect ADDR] [--json]\n\n"
 	"Lists the devices, which one is chosen and why, whether the daemon answers, whether candil's programs start,\n"
-	"what the kernel offers, what of the scene loader's sandbox holds here, and what is missing with the Debian\n"
-	"package that has it.\n"
+	"what the kernel offers, what of the sandboxes of loader and worker holds here, where compiled shaders are kept,\n"
+	"and what is missing with the Debian package that has it.\n"
 	"Exit code 0 if a render could work here, 5 if not. A daemon need not be running; one that runs must have a\n"
 	"device that it may use.\n\n"
 	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\", \"ready\", \"device\" (or why it has none)},\n"
@@ -252,6 +260,6 @@ const struct command doctor_command = {
 	"\"sandbox\": {\"threads\", \"layers\": [{\"name\", \"holds\", \"detail\"}]},\n"
 	"\"shader_cache\": {\"path\", \"writable\"}, \"missing\": [{\"what\", \"package\"}],\n"
 	"\"worker\": {\"devices\": [{\"index\", \"name\", \"type\", \"api\", \"driver\", \"uuid\", \"usable\", \"why\",\n"
-	"\"memory_bytes\"}], \"chosen\", \"why\", \"missing\"}}\n",
+	"\"memory_bytes\"}], \"chosen\", \"why\", \"missing\", \"fence\": as \"sandbox\"}}\n",
     .run = run_doctor,
 };

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
@@ -150,35 +149,4 @@ void doctor_check_kernel(struct kernel_check *check)
 	check->seccomp = prctl(PR_GET_SECCOMP) >= 0;
 	long abi = syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
 	check->landlock_abi = abi > 0 ? (int)abi : 0;
-}
-
-// Whether the folder can be written to, or made: the nearest folder above it that exists can be written to.
-static bool can_be_made(const char *path)
-{
-	char copy[PROGRAM_PATH];
-	snprintf(copy, sizeof(copy), "%s", path);
-	for (;;) {
-		if (access(copy, F_OK) == 0)
-			return access(copy, W_OK | X_OK) == 0;
-		char *slash = strrchr(copy, '/');
-		if (!slash || slash == copy)
-			return access(slash ? "/" : ".", W_OK | X_OK) == 0;
-		*slash = '\0';
-	}
-}
-
-// Where Mesa keeps compiled shaders.
-void doctor_check_cache(struct cache_check *check)
-{
-	const char *mesa = getenv("MESA_SHADER_CACHE_DIR"), *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-	int length = 0;
-	check->path[0] = '\0';
-	check->writable = false;
-	if (mesa && *mesa)
-		length = snprintf(check->path, sizeof(check->path), "%s", mesa);
-	else if (xdg && *xdg)
-		length = snprintf(check->path, sizeof(check->path), "%s/mesa_shader_cache", xdg);
-	else if (home && *home)
-		length = snprintf(check->path, sizeof(check->path), "%s/.cache/mesa_shader_cache", home);
-	check->writable = length > 0 && (size_t)length < sizeof(check->path) && can_be_made(check->path);
 }

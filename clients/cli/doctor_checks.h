@@ -40,12 +40,6 @@ struct kernel_check {
 };
 void doctor_check_kernel(struct kernel_check *check);
 
-struct cache_check {
-	char path[PROGRAM_PATH]; // where Mesa keeps compiled shaders; "" if it has no place
-	bool writable; // false: every worker compiles its shaders again
-};
-void doctor_check_cache(struct cache_check *check);
-
 // Debian's package of a shared library's file name; NULL if unknown.
 const char *doctor_package_of(const char *library);
 

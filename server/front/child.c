@@ -26,7 +26,7 @@ void child_init(struct child *child)
 	*child = (struct child){.pid = 0, .pidfd = -1, .socket = -1};
 }
 
-static int child_spawn(pid_t *pid, char *const argv[], int socket, int folder)
+static int child_spawn(pid_t *pid, enum program program, char *const argv[], int socket, int folder)
 {
 	posix_spawn_file_actions_t files;
 	posix_spawnattr_t attributes;
@@ -50,8 +50,12 @@ static int child_spawn(pid_t *pid, char *const argv[], int socket, int folder)
 	failed |= posix_spawnattr_setsigmask(&attributes, &none);
 	failed |= posix_spawnattr_setsigdefault(&attributes, &pipe);
 	failed |= posix_spawnattr_setpgroup(&attributes, 0);
+	char **environment = inherit_environment(program, environ);
+	if (!environment)
+		failed = ENOMEM;
 	if (!failed)
-		failed = posix_spawn(pid, argv[0], &files, &attributes, argv, environ);
+		failed = posix_spawn(pid, argv[0], &files, &attributes, argv, environment);
+	free(environment);
 	posix_spawnattr_destroy(&attributes);
 	posix_spawn_file_actions_destroy(&files);
 	return failed;
@@ -63,7 +67,7 @@ static int child_lift_fd(int fd)
 	return fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, SAFE_FD);
 }
 
-enum status child_start(struct child *child, char *const argv[], int folder, struct error *err)
+enum status child_start(struct child *child, enum program program, char *const argv[], int folder, struct error *err)
 {
 	int pair[2] = {-1, -1}, theirs = -1, theirs_folder = -1;
 	enum status status = STATUS_INTERNAL;
@@ -78,7 +82,7 @@ enum status child_start(struct child *child, char *const argv[], int folder, str
 		error_errno(err, status, "cannot prepare the descriptors of %s", argv[0]);
 		goto out;
 	}
-	errno = child_spawn(&child->pid, argv, theirs, theirs_folder);
+	errno = child_spawn(&child->pid, program, argv, theirs, theirs_folder);
 	if (errno) {
 		child->pid = 0;
 		error_errno(err, status, "cannot start %s", argv[0]);

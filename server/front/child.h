@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <sys/types.h>
 
+#include "server/front/inherit.h"
 #include "server/front/loop.h"
 
 struct child {
@@ -33,9 +34,10 @@ void children_finish(struct children *children);
 
 void child_init(struct child *child);
 
-// Start argv[0] (a path; argv ends with NULL). `folder` stays the caller's; negative: none. The process has a group of its
-// own, so that a terminal's interrupt reaches the front alone. Failure, with no child: STATUS_INTERNAL.
-enum status child_start(struct child *child, char *const argv[], int folder, struct error *err);
+// Start argv[0] (a path; argv ends with NULL) with the environment of `program`. `folder` stays the caller's; negative:
+// none. The process has a group of its own, so that a terminal's interrupt reaches the front alone. Failure, with no child:
+// STATUS_INTERNAL.
+enum status child_start(struct child *child, enum program program, char *const argv[], int folder, struct error *err);
 
 // Send it SIGKILL; its end shows at pidfd. Nothing if there is none.
 void child_kill(const struct child *child);

@@ -220,7 +220,7 @@ enum status loader_start(struct loader *loader, const struct source *source, can
 			      unit,
 			      images ? images_option : NULL,
 			      NULL};
-	enum status status = child_start(&loader->child, argv, source->folder, err);
+	enum status status = child_start(&loader->child, PROGRAM_LOADER, argv, source->folder, err);
 	if (status != STATUS_OK)
 		return status;
 	status = loop_watch(loader->loop, loader->child.socket, EPOLLIN, loader_spoke, loader, err);

@@ -471,7 +471,7 @@ static enum status worker_launch(struct worker *worker, struct error *err)
 		argv[count++] = budget_option;
 		argv[count++] = budget;
 	}
-	enum status status = child_start(&worker->child, argv, -1, err);
+	enum status status = child_start(&worker->child, PROGRAM_WORKER, argv, -1, err);
 	if (status == STATUS_OK)
 		status = loop_watch(worker->loop, worker->child.socket, EPOLLIN, worker_spoke, worker, err);
 	if (status == STATUS_OK)

@@ -17,6 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "server/base/fence_json.h"
 #include "server/base/ipc.h"
 #include "server/base/library.h"
 #include "server/base/log.h"
@@ -101,7 +102,7 @@ static bool parse_arguments(struct arguments *a, int argc, char **argv)
 
 // Only the scene file's own folder stays readable, which may be less than `dir`. If the folder cannot be opened, reading
 // the scene fails later and reports it.
-static void confine(int dir, const char *file, struct sandbox_report *report)
+static void confine(int dir, const char *file, struct fence_report *report)
 {
 	int folder = -1;
 	const char *name;
@@ -116,18 +117,13 @@ static void confine(int dir, const char *file, struct sandbox_report *report)
 
 static int report_sandbox(void)
 {
-	struct sandbox_report report;
+	struct fence_report report;
 	struct error err;
 	if (!image_decoder_open(&err)) // its libraries start threads
 		return library_missing("candil-loader", &err);
 	confine(-1, NULL, &report);
-	sandbox_try(&report);
-	json_t *layers = json_array();
-	for (int i = 0; i < SANDBOX_LAYERS; i++)
-		json_array_append_new(layers,
-				      json_pack("{s:s,s:b,s:s}", "name", sandbox_layer_name((enum sandbox_layer)i), "holds",
-						(int)report.layers[i].holds, "detail", report.layers[i].detail));
-	json_t *root = json_pack("{s:i,s:o}", "threads", report.threads, "layers", layers);
+	fence_try(&report);
+	json_t *root = fence_json(&report);
 	const bool good = root && json_dumpf(root, stdout, 0) == 0 && putchar('\n') != EOF && fflush(stdout) == 0;
 	json_decref(root);
 	return good ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -146,7 +142,7 @@ static bool copy_blob(int fd, FILE *out)
 static int describe_in_sandbox(struct arguments *a, struct ipc_loaded *loaded, FILE *blob)
 {
 	int fd;
-	struct sandbox_report report;
+	struct fence_report report;
 	confine(a->load.dir, a->load.file, &report);
 	const enum status status = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
 	if (a->load.wants_decoder) {
@@ -191,7 +187,7 @@ static int serve(struct arguments *a, struct ipc_loaded *loaded)
 {
 	int fd;
 	struct error err;
-	struct sandbox_report report;
+	struct fence_report report;
 	a->load.dir = IPC_SCENE_DIR_FD;
 	confine(a->load.dir, a->load.file, &report);
 	loaded->head.op = IPC_LOADED;

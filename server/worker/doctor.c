@@ -3,6 +3,8 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "server/base/fence_json.h"
+#include "server/worker/fence.h"
 #include "server/worker/vk/device.h"
 
 static json_t *device_json(const struct device_info *d)
@@ -14,7 +16,7 @@ static json_t *device_json(const struct device_info *d)
 			 "memory_bytes", (json_int_t)d->memory_bytes, "driver", d->name);
 }
 
-int doctor(const struct device_options *options)
+int doctor(const struct device_options *options, struct worker_fence *fence)
 {
 	struct device_info infos[DEVICE_MAX];
 	struct error err = {0};
@@ -30,8 +32,11 @@ int doctor(const struct device_options *options)
 							 "package", "mesa-vulkan-drivers"));
 	if (s == STATUS_OK)
 		s = device_choose(infos, count, options, &chosen, why, &err);
-	json_t *root = json_pack("{s:o s:i s:s s:o}", "devices", devices, "chosen", s == STATUS_OK ? (int)chosen : -1, "why",
-				 s == STATUS_OK ? why : err.text, "missing", missing);
+	fence_try(&fence->report);
+	json_t *cache = json_pack("{s:s s:b}", "path", fence->cache, "writable", (int)fence->cache_writable);
+	json_t *root = json_pack("{s:o s:i s:s s:o s:o s:o}", "devices", devices, "chosen",
+				 s == STATUS_OK ? (int)chosen : -1, "why", s == STATUS_OK ? why : err.text, "missing",
+				 missing, "shader_cache", cache, "fence", fence_json(&fence->report));
 	json_dumpf(root, stdout, JSON_INDENT(2));
 	putchar('\n');
 	json_decref(root);

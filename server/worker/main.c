@@ -12,6 +12,7 @@
 #include "server/base/log.h"
 #include "server/worker/devices.h"
 #include "server/worker/doctor.h"
+#include "server/worker/fence.h"
 #include "server/worker/image/codec.h"
 #include "server/worker/serve.h"
 #include "server/worker/vk/device.h"
@@ -71,15 +72,18 @@ int main(int argc, char **argv)
 	struct settings settings = {0};
 	struct devices devices = {0};
 	struct error err = {0};
+	static struct worker_fence fence;
 	log_init("candil-worker", LOG_WARNING);
 	if (!parse(argc, argv, &settings)) {
 		fputs(usage, stderr);
 		return 2;
 	}
+	worker_fence_enter(&fence);
 	if (settings.libraries)
 		return link_libraries();
 	if (settings.doctor)
-		return doctor(&settings.device);
+		return doctor(&settings.device, &fence);
+	fence_log(&fence.report);
 	// A worker without its front has nobody to serve.
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
 	signal(SIGPIPE, SIG_IGN);

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-// A number of the environment, or `otherwise`.
+// A number of the environment, which has the variables FAKE_… of the daemon's, or `otherwise`.
 unsigned long fake_number(const char *name, unsigned long otherwise);
 
 // Is any descriptor open but those up to `last`?

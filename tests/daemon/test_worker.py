@@ -81,6 +81,32 @@ class Killed(FakeCase):
         self.assertEqual(connection.stats().device, "fake")
 
 
+class Environment(FakeCase):
+    environment = {"AWS_SECRET_ACCESS_KEY": "hush", "VK_TOKEN": "hush", "PATH": "/usr/bin", "LP_NUM_THREADS": "1",
+                   "HOME": "/nowhere"}
+
+    def of(self, pid):
+        with open(f"/proc/{pid}/environ", encoding="utf-8") as file:
+            return dict(entry.split("=", 1) for entry in file.read().split("\0") if entry)
+
+    def test_children_know_nothing_of_the_front_s_secrets(self):
+        self.write("slow.gltf", "hang")
+        connection = self.with_box()
+        connection.send_load("slow", self.scenes, "slow.gltf")
+        wire.wait_for(lambda: connection.stats().loader_pid, "the loader runs")
+        stats = connection.stats()
+        front, worker, loader = (self.of(pid) for pid in (self.daemon.process.pid, stats.worker_pid, stats.loader_pid))
+        self.assertEqual(front["AWS_SECRET_ACCESS_KEY"], "hush")
+        for child in (worker, loader):
+            self.assertNotIn("hush", child.values())
+            self.assertNotIn("PATH", child)
+            self.assertNotIn("FAKE_STATE", child)
+            self.assertEqual(child["CANDIL_LOG"], "debug")
+        self.assertEqual(worker["LP_NUM_THREADS"], "1")
+        self.assertEqual(worker["HOME"], "/nowhere")
+        self.assertNotIn("HOME", loader)
+
+
 class Busy(FakeCase):
     def test_scenes_that_come_and_go_do_not_pile_up(self):
         connection = self.with_box()

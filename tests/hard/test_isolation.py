@@ -285,9 +285,21 @@ class Report(unittest.TestCase):
 
     def test_doctor_tells(self):
         done = subprocess.run([CANDIL, "doctor", "--json"], capture_output=True, timeout=HANG_SECONDS)
-        self.assertEqual(json.loads(done.stdout)["sandbox"], report())
+        told = json.loads(done.stdout)
+        self.assertEqual(told["sandbox"], report())
+        fence = told["worker"]["fence"]
+        self.assertEqual([layer["name"] for layer in fence["layers"]], ["privileges", "landlock", "seccomp"])
+        self.assertEqual(fence["threads"], 1)
+        self.assertEqual([layer["holds"] for layer in fence["layers"]], [layer["holds"] for layer in report()["layers"][1:]])
         text = subprocess.run([CANDIL, "doctor"], capture_output=True, timeout=HANG_SECONDS, text=True).stdout
-        self.assertEqual(text.count("  sandbox  "), 4)
+        self.assertEqual((text.count("  sandbox  candil-loader, "), text.count("  sandbox  candil-worker, ")), (4, 3))
+
+    def test_shaders_have_a_folder_of_their_own(self):
+        with tempfile.TemporaryDirectory() as home:
+            environment = {key: value for key, value in os.environ.items() if key not in ("MESA_SHADER_CACHE_DIR", "XDG_CACHE_HOME")}
+            done = subprocess.run([CANDIL, "doctor", "--json"], capture_output=True, timeout=HANG_SECONDS, env=dict(environment, HOME=home))
+            self.assertEqual(json.loads(done.stdout)["shader_cache"], {"path": os.path.join(home, ".cache", "candil"), "writable": True})
+            self.assertTrue(os.path.isdir(os.path.join(home, ".cache", "candil")))
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include "server/base/clock.h"
+#include "server/base/folders.h"
 #include "server/base/log.h"
 #include "server/base/replace.h"
 
@@ -170,20 +171,6 @@ static void merge(struct quote_model *into, const struct quote_model *ours)
 	for (unsigned i = 0; i < LIMIT_QUOTE_DEVICES; i++)
 		if (ours->habits[i].where != 0)
 			*quote_make_habits(into, ours->habits[i].where) = ours->habits[i];
-}
-
-static bool make_folders(const char *folder)
-{
-	char path[PATH_MAX];
-	snprintf(path, sizeof path, "%s", folder);
-	for (char *at = path + 1; *at; at++) {
-		if (*at != '/')
-			continue;
-		*at = 0;
-		mkdir(path, 0700);
-		*at = '/';
-	}
-	return mkdir(path, 0700) == 0 || errno == EEXIST;
 }
 
 static enum status write_file(const struct quote_store *store, const uint8_t *data, size_t bytes, struct error *err)
