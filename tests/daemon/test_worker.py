@@ -95,7 +95,9 @@ class Environment(FakeCase):
         connection.send_load("slow", self.scenes, "slow.gltf")
         wire.wait_for(lambda: connection.stats().loader_pid, "the loader runs")
         stats = connection.stats()
-        front, worker, loader = (self.of(pid) for pid in (self.daemon.process.pid, stats.worker_pid, stats.loader_pid))
+        # The kernel shows it a moment after a program was started.
+        front, worker, loader = (wire.wait_for(lambda pid=pid: self.of(pid), "it has an environment")
+                                 for pid in (self.daemon.process.pid, stats.worker_pid, stats.loader_pid))
         self.assertEqual(front["AWS_SECRET_ACCESS_KEY"], "hush")
         for child in (worker, loader):
             self.assertNotIn("hush", child.values())
