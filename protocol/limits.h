@@ -6,7 +6,8 @@
 // ---- messages and connections ----
 #define LIMIT_MESSAGE_BYTES (64u * 1024u) // body of one request or reply
 #define LIMIT_CHUNK_BYTES (64u * 1024u) // body of one FRAME_CHUNK
-#define LIMIT_CONNECTIONS 256u
+#define LIMIT_CONNECTIONS 256u // fewer where descriptors are
+#define LIMIT_TURNED_AWAY 4u // connections beyond them that are told so at once; others wait to be told
 #define LIMIT_JOBS_PER_CONNECTION 16u
 #define LIMIT_JOBS 256u // in the daemon
 #define LIMIT_OUT_BUFFER_BYTES (256u * 1024u) // unsent bytes past which a connection is not read and gets no chunks
@@ -29,7 +30,7 @@
 #define LIMIT_NODE_LIST 64u // names of nodes in a SceneInfo
 #define LIMIT_MATERIAL_LIST 64u // names of materials
 #define LIMIT_ANIMATION_LIST 32u
-#define LIMIT_SCENES 64u
+#define LIMIT_SCENES 64u // fewer where descriptors are; as many again while jobs use them after an UNLOAD
 #define LIMIT_STAGES 24u
 #define LIMIT_FIGURES 32u // in a Done
 #define LIMIT_EFFECTS 32u
@@ -98,6 +99,7 @@
 #define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob
 #define LIMIT_LOADER_FILES 64u // descriptors of one loader
 #define LIMIT_LOADERS 2u // at once; further loads wait
+#define LIMIT_CHILDREN_LEFT 8u // loaders that were killed and have not ended yet; while there are more, loads wait
 
 // ---- the worker ----
 #define LIMIT_SLICE_MS 1000u

@@ -1,10 +1,12 @@
 // doctor: prints what this machine has and lacks for a render. The worker alone links the GPU libraries, so it finds the
 // devices: candil-worker --doctor prints them as JSON.
 #include <errno.h>
+#include <inttypes.h>
 #include <string.h>
 
 #include "clients/cli/cli.h"
 #include "clients/cli/doctor_checks.h"
+#include "protocol/limits.h"
 
 #define WORKER_BYTES 262144u
 #define PROGRAMS 5
@@ -125,9 +127,10 @@ static json_t *findings_json(const struct findings *f)
 							  cli_json_text(p->path), "needed", (int)!p->user, "works",
 							  (int)p->works, "why", cli_json_text(p->why)));
 	}
-	json_t *daemon = json_pack("{s:b,s:o,s:o,s:b,s:o}", "reachable", (int)f->daemon.reachable, "address",
+	json_t *daemon = json_pack("{s:b,s:o,s:o,s:b,s:o,s:I,s:I}", "reachable", (int)f->daemon.reachable, "address",
 				   cli_json_text(f->daemon.address), "what", cli_json_text(f->daemon.what), "ready",
-				   (int)f->daemon.ready, "device", cli_json_text(f->daemon.device));
+				   (int)f->daemon.ready, "device", cli_json_text(f->daemon.device), "max_connections",
+				   (json_int_t)f->daemon.connections, "max_scenes", (json_int_t)f->daemon.scenes);
 	json_t *kernel =
 	    json_pack("{s:b,s:b,s:b,s:i}", "memfd_sealing", (int)f->kernel.memfd_sealing, "openat2", (int)f->kernel.openat2,
 		      "seccomp", (int)f->kernel.seccomp, "landlock_abi", f->kernel.landlock_abi);
@@ -190,6 +193,12 @@ static void print_findings(const struct findings *f)
 	       f->daemon.reachable ? f->daemon.what : "not running; candil render FILE starts its own");
 	if (f->daemon.reachable)
 		printf("           %s%s\n", f->daemon.ready ? "renders on " : "cannot render: ", f->daemon.device);
+	if (f->daemon.connections > 0)
+		printf("           has descriptors for %" PRIu32 " connections and %" PRIu32 " scenes%s\n",
+		       f->daemon.connections, f->daemon.scenes,
+		       f->daemon.connections < LIMIT_CONNECTIONS || f->daemon.scenes < LIMIT_SCENES
+			   ? ": for more raise its limit (ulimit -n, LimitNOFILE=)"
+			   : "");
 	for (int i = 0; i < PROGRAMS; i++) {
 		const struct program_check *p = &f->programs[i];
 		printf("  program  %s (%s): %s%s", p->name, p->purpose,
@@ -254,7 +263,8 @@ const struct command doctor_command = {
 	"and what is missing with the Debian package that has it.\n"
 	"Exit code 0 if a render could work here, 5 if not. A daemon need not be running; one that runs must have a\n"
 	"device that it may use.\n\n"
-	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\", \"ready\", \"device\" (or why it has none)},\n"
+	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\", \"ready\", \"device\" (or why it has none),\n"
+	"\"max_connections\", \"max_scenes\" (what its descriptors are enough for)},\n"
 	"\"programs\": [{\"name\", \"path\", \"needed\", \"works\", \"why\"}],\n"
 	"\"kernel\": {\"memfd_sealing\", \"openat2\", \"seccomp\", \"landlock_abi\"},\n"
 	"\"sandbox\": {\"threads\", \"layers\": [{\"name\", \"holds\", \"detail\"}]},\n"

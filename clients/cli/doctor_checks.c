@@ -105,6 +105,8 @@ static void check_worker_of(candil_client *client, struct daemon_check *check)
 		nanosleep(&pause, NULL);
 	}
 	check->ready = stats.device[0] && !stats.device_error[0];
+	check->connections = stats.max_connections;
+	check->scenes = stats.max_scenes;
 	snprintf(check->device, sizeof(check->device), "%s",
 		 check->ready            ? stats.device
 		 : stats.device_error[0] ? stats.device_error

@@ -28,6 +28,7 @@ struct daemon_check {
 	char address[256];
 	char what[256]; // its name, or why it is not reachable
 	char device[256]; // the worker's device; if it is not ready, why it has none
+	uint32_t connections, scenes; // that its descriptors are enough for
 };
 // Connect to the daemon at `address`; NULL: the default one.
 void doctor_check_daemon(struct daemon_check *check, const char *address);

@@ -52,11 +52,12 @@ static void print_stats(const struct candil_stats *s)
 		printf("device       %s, %.1f MiB in use\n", s->device, (double)s->device_bytes / 1048576.0);
 	printf("up           %.1f s, %" PRIu32 " ms slices, %" PRIu64 " done\n", (double)s->uptime_us * 1e-6, s->slice_ms,
 	       s->slices);
-	printf("connections  %" PRIu32 ", %" PRIu64 " bytes and %.1f MiB of images wait for them\n", s->connections,
-	       s->buffered_bytes, (double)s->image_bytes / 1048576.0);
+	printf("connections  %" PRIu32 " of %" PRIu32 ", %" PRIu64 " bytes and %.1f MiB of images wait for them\n",
+	       s->connections, s->max_connections, s->buffered_bytes, (double)s->image_bytes / 1048576.0);
 	printf("jobs         %" PRIu32 " under way, %" PRIu64 " done, %" PRIu64 " failed, %" PRIu64 " cancelled\n", s->jobs,
 	       s->jobs_done, s->jobs_failed, s->jobs_cancelled);
-	printf("scenes       %" PRIu32 ", %.1f MiB\n", s->scenes, (double)s->scene_bytes / 1048576.0);
+	printf("scenes       %" PRIu32 " of %" PRIu32 ", %.1f MiB\n", s->scenes, s->max_scenes,
+	       (double)s->scene_bytes / 1048576.0);
 	printf("worker       pid %" PRIu32 ", started %" PRIu32 " time%s, %" PRIu64 " validation error%s\n", s->worker_pid,
 	       s->worker_starts, cli_s(s->worker_starts), s->validation_errors, cli_s(s->validation_errors));
 	printf("loaders      %" PRIu32 " started, %" PRIu64 " failed\n", s->loader_starts, s->loader_failures);
@@ -85,6 +86,8 @@ static json_t *stats_json(const struct candil_stats *s)
 	PUT(device_bytes);
 	PUT(validation_errors);
 	PUT(slice_ms);
+	PUT(max_connections);
+	PUT(max_scenes);
 #undef PUT
 	json_object_set_new(object, "device", cli_json_text(s->device));
 	json_object_set_new(object, "device_error", cli_json_text(s->device_error));
@@ -118,8 +121,7 @@ const struct command stats_command = {
 	    "--json: {\"uptime_us\", \"connections\", \"jobs\", \"jobs_done\", \"jobs_failed\", \"jobs_cancelled\", "
 	    "\"slices\",\n"
 	    "\"worker_starts\", \"loader_starts\", \"loader_failures\", \"scenes\", \"scene_bytes\", \"buffered_bytes\",\n"
-	    "\"image_bytes\", \"worker_pid\", \"loader_pid\", \"device_bytes\", \"validation_errors\", \"slice_ms\", "
-	    "\"device\",\n"
-	    "\"device_error\"}\n",
+	    "\"image_bytes\", \"worker_pid\", \"loader_pid\", \"device_bytes\", \"validation_errors\", \"slice_ms\",\n"
+	    "\"max_connections\", \"max_scenes\", \"device\", \"device_error\"}\n",
     .run = run_stats,
 };

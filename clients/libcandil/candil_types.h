@@ -465,6 +465,7 @@ struct candil_stats {
 	uint64_t validation_errors; // of Vulkan's validation layers, where they are on
 	uint32_t slice_ms; // how long a job is worked on before another one has its turn
 	char device_error[256]; // why there is no usable device; "" if there is one
+	uint32_t max_connections, max_scenes; // that the daemon's descriptors are enough for
 };
 
 #endif

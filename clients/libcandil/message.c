@@ -486,6 +486,8 @@ static void read_stats(const candil_StatsReply *from, struct candil_stats *to)
 	to->validation_errors = from->validation_errors;
 	to->slice_ms = from->slice_ms;
 	TEXT(to->device_error, from->device_error);
+	to->max_connections = from->max_connections;
+	to->max_scenes = from->max_scenes;
 }
 
 static void read_error(const candil_Error *from, struct candil_error *to)

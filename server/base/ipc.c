@@ -101,7 +101,9 @@ enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes
 	if (got < 0)
 		return error_errno(err, STATUS_IO, "cannot receive from the other process");
 	bool too_many = take_descriptors(&m, fd);
-	if (too_many || (m.msg_flags & (MSG_TRUNC | MSG_CTRUNC))) {
+	if (!too_many && *fd < 0 && (m.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) == MSG_CTRUNC) {
+		*fd = IPC_LOST_FD;
+	} else if (too_many || (m.msg_flags & (MSG_TRUNC | MSG_CTRUNC))) {
 		if (*fd >= 0)
 			close(*fd);
 		*fd = -1;

@@ -152,10 +152,13 @@ enum status ipc_send(int socket, const void *message, size_t bytes, int fd, stru
 // Whether the next datagram is there already and is of this kind. It stays. Any thread.
 bool ipc_next_is(int socket, enum ipc_op op);
 
-// Receive one datagram into `buffer`; IPC_MAX_BYTES is always enough. *bytes is 0 if the peer has closed. *fd is -1 or a
-// new close-on-exec descriptor that the caller owns. STATUS_INTERNAL for a message that is longer than `capacity` or
-// carries more than one descriptor; all its descriptors are closed. STATUS_IO, with errno EAGAIN, if a non-blocking socket
-// has nothing to read.
+// The descriptor that came with a message is lost: this process, or the system, had none left for it.
+#define IPC_LOST_FD (-2)
+
+// Receive one datagram into `buffer`; IPC_MAX_BYTES is always enough. *bytes is 0 if the peer has closed. *fd is -1, a
+// new close-on-exec descriptor that the caller owns, or IPC_LOST_FD, with the message whole. STATUS_INTERNAL for a message
+// that is longer than `capacity` or carries more than one descriptor; all its descriptors are closed. STATUS_IO, with errno
+// EAGAIN, if a non-blocking socket has nothing to read.
 enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fd, struct error *err);
 
 #endif

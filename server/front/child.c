@@ -165,6 +165,7 @@ static void child_collect(void *owner, uint32_t events)
 	while (*link != gone)
 		link = &(*link)->next;
 	*link = gone->next;
+	gone->children->count--;
 	child_reap(&gone->child, gone->children->loop, how, sizeof how);
 	free(gone);
 }
@@ -189,6 +190,7 @@ void child_abandon(struct child *child, struct children *children)
 	if (gone && loop_watch(children->loop, child->pidfd, EPOLLIN, child_collect, gone, NULL) == STATUS_OK) {
 		*gone = (struct abandoned){.child = *child, .children = children, .next = children->first};
 		children->first = gone;
+		children->count++;
 	} else {
 		// Nobody collects it until the daemon ends, which is better than to wait for it here.
 		close(child->pidfd);

@@ -24,6 +24,7 @@ struct abandoned;
 struct children {
 	struct loop *loop;
 	struct abandoned *first;
+	unsigned count;
 };
 
 void children_init(struct children *children, struct loop *loop);

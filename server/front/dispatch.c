@@ -271,7 +271,9 @@ static enum status on_stats(const struct message *m, struct error *err)
 				   .device_bytes = s->worker.held.device_bytes,
 				   .validation_errors = s->worker.held.validation_errors,
 				   .slice_ms = s->options->slice_ms,
-				   .loader_pid = (uint32_t)scenes_loader_pid(&s->scenes)};
+				   .loader_pid = (uint32_t)scenes_loader_pid(&s->scenes),
+				   .max_connections = s->capacity.connections,
+				   .max_scenes = s->capacity.scenes};
 	reply.scenes = scenes_count(&s->scenes, &reply.scene_bytes);
 	memcpy(reply.device, s->worker.device, sizeof reply.device);
 	if (s->worker.device_error.code != STATUS_OK)

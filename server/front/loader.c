@@ -95,7 +95,9 @@ static void judge_message(struct ipc_loaded *loaded, size_t bytes, int blob)
 	clean_error(err);
 	if (err->code != STATUS_OK)
 		return;
-	if (blob < 0 || !counts_hold(&loaded->info)) {
+	if (blob == IPC_LOST_FD) {
+		error_set(err, STATUS_MEMORY, "no descriptor was left for the scene: load it again when less is under way");
+	} else if (blob < 0 || !counts_hold(&loaded->info)) {
 		error_set(err, STATUS_LOADER_LOST, "the loader sent no scene that could be used");
 	} else if (memfd_map_sealed(blob, &map, &size, err) == STATUS_OK) {
 		munmap((void *)(uintptr_t)map, size);
@@ -122,8 +124,9 @@ static bool loader_take(struct loader *loader)
 		    bytes > 0;
 	if (came) {
 		judge_message(&message->loaded, bytes, blob);
-		if (message->loaded.error.code != STATUS_OK && blob >= 0) {
-			close(blob);
+		if (message->loaded.error.code != STATUS_OK) {
+			if (blob >= 0)
+				close(blob);
 			blob = -1;
 		}
 		loader_stop(loader);

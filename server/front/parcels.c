@@ -1,9 +1,7 @@
 #include "server/front/parcels.h"
 
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "protocol/limits.h"
 #include "server/base/ipc.h"
@@ -18,8 +16,6 @@ static void parcels_drop(struct parcels *parcels, struct parcel **link)
 			parcels->last = q;
 	}
 	parcels->count--;
-	if (p->fd >= 0)
-		close(p->fd);
 	free(p);
 }
 
@@ -39,13 +35,8 @@ const char *parcels_keep(struct parcels *parcels, const void *message, size_t by
 	struct parcel *p = parcels->count < LIMIT_IPC_QUEUE ? malloc(sizeof *p + bytes) : NULL;
 	if (!p)
 		return "it took no more messages";
-	// The scene may be closed before the message is sent, so the parcel has a descriptor of its own.
-	*p = (struct parcel){.fd = fd >= 0 ? fcntl(fd, F_DUPFD_CLOEXEC, 0) : -1, .bytes = bytes};
+	*p = (struct parcel){.fd = fd, .bytes = bytes};
 	memcpy(p->message, message, bytes);
-	if (fd >= 0 && p->fd < 0) {
-		free(p);
-		return "a scene could not be kept for it: no more descriptors";
-	}
 	if (parcels->last)
 		parcels->last->next = p;
 	else

@@ -9,7 +9,7 @@
 
 struct parcel {
 	struct parcel *next;
-	int fd; // the parcel's own; -1: none
+	int fd; // of a scene's blob, which stays the scene's; -1: none
 	size_t bytes;
 	uint8_t message[];
 };
@@ -20,8 +20,9 @@ struct parcels {
 	unsigned count; // LIMIT_IPC_QUEUE at most
 };
 
-// Put a copy of a message behind the others, with a copy of `fd` unless that is negative. NULL: done; else the reason in
-// words, in which "it" is whoever should take the messages.
+// Put a copy of a message behind the others. `fd` (negative: none) stays the caller's, who keeps it open until the message
+// is dropped: parcels_take_back before a scene goes. NULL: done; else the reason in words, in which "it" is whoever should
+// take the messages.
 const char *parcels_keep(struct parcels *parcels, const void *message, size_t bytes, int fd);
 
 // Drop the first message, which there must be.

@@ -8,10 +8,11 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
-void scenes_init(struct scenes *scenes, struct children *children, const struct options *options,
+void scenes_init(struct scenes *scenes, struct children *children, const struct options *options, unsigned most,
 		 const struct scenes_events *events, void *owner)
 {
-	*scenes = (struct scenes){.children = children, .options = options, .events = events, .owner = owner, .next_id = 1};
+	*scenes = (struct scenes){
+	    .children = children, .options = options, .most = most, .events = events, .owner = owner, .next_id = 1};
 }
 
 static bool is_loading(const struct scene *scene)
@@ -182,13 +183,17 @@ static void scene_loaded(void *owner, const struct ipc_loaded *message, int blob
 
 static enum status may_load(struct scenes *scenes, const char *name, struct error *err)
 {
-	unsigned listed = 0;
-	for (const struct scene *s = scenes->first; s; s = s->next)
+	unsigned listed = 0, all = 0;
+	for (const struct scene *s = scenes->first; s; s = s->next, all++)
 		listed += s->listed;
 	if (scenes_find_state(scenes, name, true))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a scene of that name is being loaded: wait, or unload it first");
-	if (listed >= LIMIT_SCENES)
-		return error_set(err, STATUS_TOO_MANY_SCENES, "%u scenes are there: unload one first", LIMIT_SCENES);
+	if (listed >= scenes->most)
+		return error_set(err, STATUS_TOO_MANY_SCENES, "%u scenes are there: unload one first", listed);
+	if (all >= 2 * scenes->most)
+		return error_set(err, STATUS_TOO_MANY_SCENES,
+				 "%u scenes without a name are still in use by jobs: wait for some of these to end",
+				 all - listed);
 	return STATUS_OK;
 }
 
@@ -233,7 +238,9 @@ static struct scene *next_waiting(struct scenes *scenes)
 		if (!waiting && s->state == SCENE_WAITING)
 			waiting = s;
 	}
-	return running < LIMIT_LOADERS ? waiting : NULL;
+	// A load may leave two behind: a loader that wants images is started a second time.
+	const bool may_leave = scenes->children->count + 2 * (running + 1) <= LIMIT_CHILDREN_LEFT;
+	return running < LIMIT_LOADERS && may_leave ? waiting : NULL;
 }
 
 void scenes_dispatch(struct scenes *scenes)

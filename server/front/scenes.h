@@ -64,6 +64,7 @@ struct scenes_events {
 struct scenes {
 	struct children *children;
 	const struct options *options;
+	unsigned most; // with a name or being loaded
 	const struct scenes_events *events;
 	void *owner;
 	struct scene *first; // in the order of asking
@@ -72,8 +73,9 @@ struct scenes {
 	uint64_t loader_failures;
 };
 
-// No scene yet. `options` are those of the loaders. All four pointers must outlive it.
-void scenes_init(struct scenes *scenes, struct children *children, const struct options *options,
+// No scene yet. `options` are those of the loaders; `most` is how many scenes there may be, at most LIMIT_SCENES, and as
+// many again may be kept by jobs alone. All four pointers must outlive it.
+void scenes_init(struct scenes *scenes, struct children *children, const struct options *options, unsigned most,
 		 const struct scenes_events *events, void *owner);
 
 // Free all scenes and kill their loaders. No event is called; jobs must have given their scenes back.

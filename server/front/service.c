@@ -23,19 +23,15 @@
 // ---- connections -----------------------------------------------------------------------------------------------------
 
 // Tell a peer why it is not served. It gets a session that does nothing but send this and close.
-static void refuse_channel(struct service *service, struct channel *channel, enum status code, const char *why)
+static void turn_away(struct service *service, struct channel *channel, const struct error *err)
 {
 	struct session *session;
-	struct error err;
-	if (service->sessions.count >= 2 * LIMIT_CONNECTIONS) {
-		channel->kind->close(channel);
-		return;
-	}
-	error_set(&err, code, "%s", why);
-	log_line(LOG_WARNING, "connection refused: %s", why);
+	log_line(LOG_WARNING, "connection refused: %s", err->text);
 	if (session_create(&service->sessions, channel, &session, NULL) != STATUS_OK)
 		return;
-	reply_error(session, 0, &err);
+	session->turned_away = true;
+	service->sessions.turned_away++;
+	reply_error(session, 0, err);
 	session_close(session);
 }
 
@@ -43,6 +39,27 @@ static void accept_again(void *owner)
 {
 	struct service *service = owner;
 	service->listener->kind->pause(service->listener, false);
+}
+
+// Whoever comes meanwhile waits in the socket's queue. The listener stays ready: without a pause the loop would spin.
+static void accept_later(struct service *service)
+{
+	service->listener->kind->pause(service->listener, true);
+	loop_timer_set(service->loop, &service->accept_pause, clock_us() + ACCEPT_PAUSE_US, accept_again, service);
+}
+
+// May the peer be served? What is against it goes to `err`.
+static enum status may_connect(const struct service *service, const struct channel *channel, struct error *err)
+{
+	const unsigned most = service->capacity.connections;
+	if (!channel->kind->peer_allowed(channel))
+		return error_set(err, STATUS_NOT_ALLOWED, "this daemon serves its own user and root alone");
+	if (service->sessions.count - service->sessions.turned_away >= most)
+		return error_set(err, STATUS_TOO_MANY_CONNECTIONS,
+				 "there are %u connections, as many as there may be: try again "
+				 "later",
+				 most);
+	return STATUS_OK;
 }
 
 static void accept_some(void *owner, uint32_t events)
@@ -53,23 +70,22 @@ static void accept_some(void *owner, uint32_t events)
 	for (unsigned i = 0; i < ACCEPTS_PER_TURN; i++) {
 		struct session *session;
 		struct channel channel;
-		enum listener_result result = listener->kind->accept(listener, &channel);
+		struct error err;
+		if (service->sessions.turned_away >= LIMIT_TURNED_AWAY) {
+			accept_later(service);
+			return;
+		}
+		const enum listener_result result = listener->kind->accept(listener, &channel);
 		if (result == LISTENER_EXHAUSTED) {
-			// The listener stays ready: without a pause the loop would spin.
-			listener->kind->pause(listener, true);
-			loop_timer_set(service->loop, &service->accept_pause, clock_us() + ACCEPT_PAUSE_US, accept_again,
-				       service);
+			log_line(LOG_WARNING, "no descriptor or memory is left to accept a connection: it waits");
+			accept_later(service);
 		}
 		if (result != LISTENER_ACCEPTED)
 			return;
-		if (!channel.kind->peer_allowed(&channel))
-			refuse_channel(service, &channel, STATUS_NOT_ALLOWED,
-				       "this daemon serves its own user and root alone");
-		else if (service->sessions.count >= LIMIT_CONNECTIONS)
-			refuse_channel(service, &channel, STATUS_TOO_MANY_CONNECTIONS,
-				       "too many connections: try again later");
-		else
-			session_create(&service->sessions, &channel, &session, NULL);
+		if (may_connect(service, &channel, &err) != STATUS_OK)
+			turn_away(service, &channel, &err);
+		else if (session_create(&service->sessions, &channel, &session, &err) != STATUS_OK)
+			log_line(LOG_ERROR, "connection lost: %s", err.text);
 	}
 }
 
@@ -343,15 +359,18 @@ static enum status load_own_scenes(struct service *service, struct error *err)
 
 static enum status set_up(struct service *service, struct error *err)
 {
-	enum status status = loop_create(&service->loop, err);
+	enum status status = capacity_init(&service->capacity, err);
+	if (status == STATUS_OK)
+		status = loop_create(&service->loop, err);
 	if (status != STATUS_OK)
 		return status;
 	// First: until then a signal ends the process as it stands.
 	status = watch_signals(service, err);
 	children_init(&service->children, service->loop);
 	sessions_init(&service->sessions, service->loop, &session_events, service);
-	scenes_init(&service->scenes, &service->children, service->options, &scenes_events, service);
-	jobs_init(&service->jobs, &service->worker, service->options->slice_ms);
+	scenes_init(&service->scenes, &service->children, service->options, service->capacity.scenes, &scenes_events,
+		    service);
+	jobs_init(&service->jobs, &service->worker, service->options->slice_ms, service->capacity.images);
 	if (status == STATUS_OK)
 		status = worker_init(&service->worker, &service->children, service->options, &worker_events, service, err);
 	if (status == STATUS_OK)

@@ -28,6 +28,7 @@ static void session_destroy(struct session *session)
 	reader_finish(&session->reader);
 	outbox_finish(&session->outbox);
 	session->table->count--;
+	session->table->turned_away -= session->turned_away;
 	free(session);
 }
 

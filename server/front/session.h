@@ -47,13 +47,14 @@ struct session_events {
 	void (*ended)(void *owner, struct session *session);
 };
 
-// Others may read `id`, `state`, `outbox`, claim from `reader`, and keep `requests` and `room`.
+// Others may read `id`, `state`, `outbox`, claim from `reader`, set `turned_away`, and keep `requests` and `room`.
 struct session {
 	uint64_t id; // for the log
 	struct channel channel;
 	enum session_state state;
 	bool ended_said;
 	bool blocked; // the channel took no more
+	bool turned_away; // it is told why, and nothing else: set by its owner
 	struct reader reader;
 	struct outbox outbox;
 	size_t discarded; // bytes thrown away while lingering
@@ -71,6 +72,7 @@ struct sessions {
 	void *owner;
 	struct session *first;
 	unsigned count;
+	unsigned turned_away; // of these: counted up by their owner
 	uint64_t next_id;
 };
 

@@ -2,6 +2,7 @@
 #ifndef CANDIL_FRONT_STATE_H
 #define CANDIL_FRONT_STATE_H
 
+#include "server/front/capacity.h"
 #include "server/front/channel.h"
 #include "server/front/jobs/jobs.h"
 #include "server/front/quotes/quotes.h"
@@ -11,6 +12,7 @@
 
 struct service {
 	const struct options *options;
+	struct capacity capacity;
 	struct loop *loop;
 	struct listener *listener; // NULL: none
 	int signal_fd;

@@ -337,6 +337,9 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 	}
 	worker_answered(worker, &worker->images_due, &worker->image_work_us);
 	text_clean(image->error.text, sizeof image->error.text);
+	if (fd == IPC_LOST_FD)
+		error_set(&image->error, STATUS_MEMORY,
+			  "no descriptor was left for the image: ask again when less is under way");
 	if (image->error.code == STATUS_OK && memfd_map_sealed(fd, &map, &size, &image->error) == STATUS_OK) {
 		munmap((void *)(uintptr_t)map, size);
 		image->frame.bytes = size;

@@ -30,8 +30,8 @@ struct worker_events {
 	// The answer to STEP; stepped->error says how it went.
 	void (*stepped)(void *owner, uint32_t job, const struct ipc_stepped *stepped);
 
-	// The answer to READ. `fd` is a sealed memfd of image->frame.bytes bytes and becomes the owner's; -1 if there is
-	// none, and image->error says why.
+	// The answer to READ. `fd` is a sealed memfd of image->frame.bytes bytes and becomes the owner's; negative if there
+	// is none, and image->error says why.
 	void (*image)(void *owner, uint32_t job, const struct ipc_image *image, int fd);
 
 	// The answer to PILOT; `pilot` is the number that the order had.
@@ -85,7 +85,7 @@ void worker_finish(struct worker *worker);
 // Orders. They are ignored unless the worker is WORKER_READY, and none fails: a worker that an order cannot reach is killed,
 // and `lost` follows from the loop. `scene` and `environment` are numbers of scenes that it was given; environment 0: none.
 
-// Know this scene: `blob`, a sealed memfd, stays the caller's.
+// Know this scene: `blob`, a sealed memfd, stays the caller's, who says worker_forget before closing it.
 void worker_scene(struct worker *worker, uint64_t scene, int blob);
 
 // Forget it once no job uses it any more.

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -67,6 +68,32 @@ static void more_than_one_descriptor_is_refused_and_none_is_kept(void **state)
 	close(pair[1]);
 }
 
+// Without a descriptor left the message comes whole, and says that its own is lost.
+static void one_that_there_is_no_place_for_is_lost_and_not_its_message(void **state)
+{
+	int pair[2], fd, taken[1];
+	char buffer[16];
+	size_t bytes;
+	struct rlimit before, none;
+	(void)state;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), 0);
+	assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+	none = (struct rlimit){.rlim_cur = (rlim_t)lowest_free(), .rlim_max = before.rlim_max};
+	taken[0] = pair[0];
+	send_with(pair[0], taken, 1);
+	send_with(pair[0], taken, 1);
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+	assert_int_equal(ipc_receive(pair[1], buffer, sizeof buffer, &bytes, &fd, NULL), STATUS_OK);
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+	assert_int_equal(bytes, 1);
+	assert_int_equal(fd, IPC_LOST_FD);
+	assert_int_equal(ipc_receive(pair[1], buffer, sizeof buffer, &bytes, &fd, NULL), STATUS_OK);
+	assert_true(fd >= 0);
+	close(fd);
+	close(pair[0]);
+	close(pair[1]);
+}
+
 static void a_build_tells_the_size_of_every_message_it_may_get_wrong(void **state)
 {
 	const size_t sizes[] = {sizeof(struct ipc_begin), sizeof(struct ipc_read), sizeof(struct ipc_step),
@@ -86,6 +113,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(more_than_one_descriptor_is_refused_and_none_is_kept),
+	    cmocka_unit_test(one_that_there_is_no_place_for_is_lost_and_not_its_message),
 	    cmocka_unit_test(a_build_tells_the_size_of_every_message_it_may_get_wrong),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

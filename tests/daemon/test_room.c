@@ -14,11 +14,13 @@
 
 static struct room all, connections[300];
 static struct room_place places[4096];
+static unsigned most_images;
 
 static int set_up(void **state)
 {
 	(void)state;
 	all = (struct room){0};
+	most_images = 1000;
 	for (size_t i = 0; i < sizeof connections / sizeof *connections; i++)
 		connections[i] = (struct room){0};
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++)
@@ -28,12 +30,14 @@ static int set_up(void **state)
 
 static enum room_answer take(unsigned connection, unsigned place, uint64_t bytes)
 {
-	return room_take(&all, &connections[connection], &places[place], bytes, false);
+	const struct room_owner owner = {.all = &all, .connection = &connections[connection], .most_images = most_images};
+	return room_take(&owner, &places[place], bytes, false);
 }
 
 static void give_back(unsigned connection, unsigned place)
 {
-	room_give_back(&all, &connections[connection], &places[place]);
+	const struct room_owner owner = {.all = &all, .connection = &connections[connection]};
+	room_give_back(&owner, &places[place]);
 }
 
 // Fill the common room with images of 256 MiB.
@@ -95,18 +99,42 @@ static void test_one_image_may_have_all_the_common_room(void **state)
 
 static void test_while_others_wait_only_ones_own_is_given(void **state)
 {
+	const struct room_owner owner = {.all = &all, .connection = &connections[0], .most_images = most_images};
 	(void)state;
-	assert_int_equal(room_take(&all, &connections[0], &places[0], 5 * MIB, true), ROOM_COMMON_FULL);
-	assert_int_equal(room_take(&all, &connections[0], &places[0], MIB, true), ROOM_TAKEN);
+	assert_int_equal(room_take(&owner, &places[0], 5 * MIB, true), ROOM_COMMON_FULL);
+	assert_int_equal(room_take(&owner, &places[0], MIB, true), ROOM_TAKEN);
+}
+
+static void test_the_first_image_of_each_needs_no_shared_descriptor(void **state)
+{
+	(void)state;
+	most_images = 2;
+	assert_int_equal(take(0, 0, 1), ROOM_TAKEN);
+	assert_int_equal(take(0, 1, 1), ROOM_TAKEN);
+	assert_int_equal(take(0, 2, 1), ROOM_TAKEN);
+	assert_int_equal(take(0, 3, 1), ROOM_COMMON_FULL);
+	assert_int_equal(take(1, 4, 1), ROOM_TAKEN);
+	assert_int_equal(take(1, 5, 1), ROOM_COMMON_FULL);
+	// Whichever of a connection's is gone, one of the others is its first now.
+	give_back(0, 0);
+	assert_int_equal(take(1, 5, 1), ROOM_TAKEN);
+	assert_int_equal(take(0, 0, 1), ROOM_COMMON_FULL);
+	give_back(1, 4);
+	give_back(1, 5);
+	give_back(0, 1);
+	give_back(0, 2);
+	assert_int_equal(all.images, 0);
+	assert_int_equal(connections[0].images, 0);
 }
 
 static void test_sizes_become_true_and_all_is_given_back(void **state)
 {
+	const struct room_owner owner = {.all = &all, .connection = &connections[0]};
 	(void)state;
 	assert_int_equal(take(0, 0, 3 * MIB), ROOM_TAKEN);
 	assert_int_equal(take(0, 1, 50 * MIB), ROOM_TAKEN);
-	room_resize(&all, &connections[0], &places[0], MIB);
-	room_resize(&all, &connections[0], &places[1], 2 * MIB);
+	room_resize(&owner, &places[0], MIB);
+	room_resize(&owner, &places[1], 2 * MIB);
 	assert_int_equal(room_bytes(&all), 3 * MIB);
 	assert_int_equal(connections[0].own, MIB);
 	assert_int_equal(connections[0].common, 2 * MIB);
@@ -125,6 +153,7 @@ int main(void)
 	    cmocka_unit_test_setup(test_a_connection_has_its_limit_and_one_image_beyond_it, set_up),
 	    cmocka_unit_test_setup(test_one_image_may_have_all_the_common_room, set_up),
 	    cmocka_unit_test_setup(test_while_others_wait_only_ones_own_is_given, set_up),
+	    cmocka_unit_test_setup(test_the_first_image_of_each_needs_no_shared_descriptor, set_up),
 	    cmocka_unit_test_setup(test_sizes_become_true_and_all_is_given_back, set_up),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

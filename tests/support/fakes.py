@@ -24,12 +24,14 @@ def endless(scene="box", **fields):
 
 
 class FakeCase(unittest.TestCase):
-    """A fresh daemon a test. Set `environment` and `arguments` in the class."""
+    """A fresh daemon a test. Set `environment`, `arguments` and `most_descriptors` in the class."""
     environment = {}
     arguments = ()
+    most_descriptors = None
 
     def setUp(self):
-        self.daemon = wire.Daemon(*self.arguments, libexec=LIBEXEC, environment=self.environment)
+        self.daemon = wire.Daemon(*self.arguments, libexec=LIBEXEC, environment=self.environment,
+                                  most_descriptors=self.most_descriptors)
         self.addCleanup(self.stop)
         self.scenes = os.path.join(self.daemon.folder, "scenes")
         os.mkdir(self.scenes)

@@ -1,6 +1,7 @@
 """A daemon in a temporary folder, and a raw client of its protocol: bytes, headers, Google's own protobuf runtime."""
 import array
 import os
+import resource
 import shutil
 import signal
 import socket
@@ -181,9 +182,11 @@ def descriptors(pid):
 
 
 class Daemon:
-    """candild on a socket in a temporary folder. `libexec` None: the build's own loader and worker."""
+    """candild on a socket in a temporary folder. `libexec` None: the build's own loader and worker. `most_descriptors` None: as
+    many as we may have ourselves."""
 
-    def __init__(self, *arguments, libexec=None, environment=None, program=None):
+    def __init__(self, *arguments, libexec=None, environment=None, program=None, most_descriptors=None):
+        self.most_descriptors = most_descriptors
         self.folder = tempfile.mkdtemp(prefix="candil-test-")
         self.socket = os.path.join(self.folder, "candil.sock")
         self.log = os.path.join(self.folder, "log")
@@ -198,7 +201,8 @@ class Daemon:
     def start(self):
         with open(self.log, "ab") as log:
             self.process = subprocess.Popen([self.program, "--socket", self.socket] + self.arguments, stderr=log,
-                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, env=self.environment)
+                                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, env=self.environment,
+                                            preexec_fn=self.limit)
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
             if self.process.poll() is not None:
@@ -210,6 +214,10 @@ class Daemon:
             except OSError:
                 time.sleep(0.01)
         raise RuntimeError("candild does not answer")
+
+    def limit(self):
+        if self.most_descriptors:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (self.most_descriptors, self.most_descriptors))
 
     def connect(self, **keywords):
         return Connection(self.socket, **keywords)

@@ -12,7 +12,8 @@
 
 static enum room_answer take_room(struct jobs *jobs, const struct job *job, struct image *image, bool own_only)
 {
-	return room_take(&jobs->room, &job->session->room, &image->place, image_estimate(&job->render), own_only);
+	const struct room_owner owner = job_room(jobs, job);
+	return room_take(&owner, &image->place, image_estimate(&job->render), own_only);
 }
 
 // A preview is due when the samples have doubled or a second has passed since the last one, but not while that is on its
@@ -24,6 +25,9 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 	    samples <= job->preview_samples)
 		return;
 	if (samples < 2 * (uint64_t)job->preview_samples && now < job->preview_us + PREVIEW_US)
+		return;
+	// Where another job waits for room, it is the next to get a descriptor that is free.
+	if (jobs->short_of_room && job->session->room.images > 0)
 		return;
 	if (take_room(jobs, job, &job->preview, jobs->short_of_room) != ROOM_TAKEN)
 		return;
@@ -55,8 +59,9 @@ void jobs_read_finished(struct jobs *jobs)
 
 static void take_over(struct jobs *jobs, struct job *job, struct image *image, int fd, const candil_ImageFrame *frame)
 {
+	const struct room_owner owner = job_room(jobs, job);
 	image_set(image, fd, frame);
-	room_resize(&jobs->room, &job->session->room, &image->place, frame->bytes);
+	room_resize(&owner, &image->place, frame->bytes);
 }
 
 void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, int fd)
@@ -68,8 +73,14 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 			close(fd);
 		return;
 	}
-	if (image->error.code != STATUS_OK) {
+	if (image->error.code != STATUS_OK && final) {
 		jobs_fail(jobs, job, &image->error);
+		return;
+	}
+	// Without one intermediate image a job goes on to its last.
+	if (image->error.code != STATUS_OK) {
+		job->preview_due = false;
+		job_release_image(jobs, job, &job->preview);
 		return;
 	}
 	candil_ImageFrame frame = image->frame;

@@ -9,9 +9,9 @@
 #include "server/front/jobs/table.h"
 #include "server/front/session.h"
 
-void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms)
+void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms, unsigned most_images)
 {
-	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u};
+	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u, .most_images = most_images};
 }
 
 void jobs_finish(struct jobs *jobs)

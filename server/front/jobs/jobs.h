@@ -50,6 +50,7 @@ struct jobs {
 	bool begin_behind_step; // both are outstanding, and the STEP was sent first
 	uint32_t held; // id of the job that had the device last; 0: none
 	struct room room; // taken by all images together
+	unsigned most_images; // that wait beside the first of each connection
 	bool short_of_room; // an image waits for common room
 	struct handover handovers[TECHNIQUE_COUNT][_candil_Format_ARRAYSIZE][HANDOVER_SIZES]; // kept by deadline.c
 	struct loop_timer deadline; // the next deadline of a job that waits
@@ -64,8 +65,9 @@ struct jobs {
 	void *owner;
 };
 
-// `jobs` is empty. `worker` must outlive it. `slice_ms` is in milliseconds.
-void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms);
+// `jobs` is empty. `worker` must outlive it. `slice_ms` is in milliseconds; `most_images` may wait beside the first one of
+// each connection.
+void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms, unsigned most_images);
 
 // Free all jobs; neither clients nor the worker are told. The worker, the scenes and the sessions must still be there.
 void jobs_finish(struct jobs *jobs);

@@ -8,8 +8,11 @@ uint64_t room_bytes(const struct room *room)
 	return room->own + room->common;
 }
 
-static enum room_kind room_choose(const struct room *all, const struct room *connection, uint64_t bytes, bool own_only)
+static enum room_kind room_choose(const struct room_owner *owner, uint64_t bytes, bool own_only)
 {
+	const struct room *all = owner->all, *connection = owner->connection;
+	if (connection->images > 0 && all->images >= owner->most_images)
+		return ROOM_NONE;
 	if (connection->own + bytes <= LIMIT_OWN_IMAGE_BYTES)
 		return ROOM_OWN;
 	if (!own_only && (all->common == 0 || all->common + bytes <= LIMIT_COMMON_IMAGE_BYTES))
@@ -17,47 +20,52 @@ static enum room_kind room_choose(const struct room *all, const struct room *con
 	return ROOM_NONE;
 }
 
-static void room_put(struct room *all, struct room *connection, const struct room_place *place)
+static void room_put(const struct room_owner *owner, const struct room_place *place)
 {
+	if (place->kind == ROOM_NONE)
+		return;
 	if (place->kind == ROOM_OWN) {
-		all->own += place->bytes;
-		connection->own += place->bytes;
-	} else if (place->kind == ROOM_COMMON) {
-		all->common += place->bytes;
-		connection->common += place->bytes;
+		owner->all->own += place->bytes;
+		owner->connection->own += place->bytes;
+	} else {
+		owner->all->common += place->bytes;
+		owner->connection->common += place->bytes;
 	}
+	owner->all->images += owner->connection->images++ > 0;
 }
 
-enum room_answer room_take(struct room *all, struct room *connection, struct room_place *place, uint64_t bytes,
-			   bool own_only)
+enum room_answer room_take(const struct room_owner *owner, struct room_place *place, uint64_t bytes, bool own_only)
 {
-	const uint64_t has = room_bytes(connection);
+	const uint64_t has = room_bytes(owner->connection);
 	if (has > 0 && has + bytes > LIMIT_IMAGE_BYTES)
 		return ROOM_CONNECTION_FULL;
-	const enum room_kind kind = room_choose(all, connection, bytes, own_only);
+	const enum room_kind kind = room_choose(owner, bytes, own_only);
 	if (kind == ROOM_NONE)
 		return ROOM_COMMON_FULL;
 	*place = (struct room_place){.kind = kind, .bytes = bytes};
-	room_put(all, connection, place);
+	room_put(owner, place);
 	return ROOM_TAKEN;
 }
 
-void room_give_back(struct room *all, struct room *connection, struct room_place *place)
+void room_give_back(const struct room_owner *owner, struct room_place *place)
 {
+	if (place->kind == ROOM_NONE)
+		return;
 	if (place->kind == ROOM_OWN) {
-		all->own -= place->bytes;
-		connection->own -= place->bytes;
-	} else if (place->kind == ROOM_COMMON) {
-		all->common -= place->bytes;
-		connection->common -= place->bytes;
+		owner->all->own -= place->bytes;
+		owner->connection->own -= place->bytes;
+	} else {
+		owner->all->common -= place->bytes;
+		owner->connection->common -= place->bytes;
 	}
+	owner->all->images -= --owner->connection->images > 0;
 	*place = (struct room_place){.kind = ROOM_NONE};
 }
 
-void room_resize(struct room *all, struct room *connection, struct room_place *place, uint64_t bytes)
+void room_resize(const struct room_owner *owner, struct room_place *place, uint64_t bytes)
 {
 	const struct room_place now = {.kind = place->kind, .bytes = bytes};
-	room_give_back(all, connection, place);
+	room_give_back(owner, place);
 	*place = now;
-	room_put(all, connection, place);
+	room_put(owner, place);
 }

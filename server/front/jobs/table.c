@@ -100,9 +100,15 @@ void jobs_let_others_try(struct jobs *jobs)
 		jobs->job[i]->short_of_memory = false;
 }
 
+struct room_owner job_room(struct jobs *jobs, const struct job *job)
+{
+	return (struct room_owner){.all = &jobs->room, .connection = &job->session->room, .most_images = jobs->most_images};
+}
+
 void job_release_image(struct jobs *jobs, const struct job *job, struct image *image)
 {
-	room_give_back(&jobs->room, &job->session->room, &image->place);
+	const struct room_owner owner = job_room(jobs, job);
+	room_give_back(&owner, &image->place);
 	image_close(image);
 }
 

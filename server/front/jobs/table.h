@@ -98,6 +98,9 @@ void jobs_clear(struct jobs *jobs);
 // Device memory is free, or about to be: jobs that lacked some may try again.
 void jobs_let_others_try(struct jobs *jobs);
 
+// Whose room its images take.
+struct room_owner job_room(struct jobs *jobs, const struct job *job);
+
 // Close one of the job's two images, if there is one, and give its room back, if it has some.
 void job_release_image(struct jobs *jobs, const struct job *job, struct image *image);
 
