@@ -199,9 +199,10 @@ static void inspect_print_answer(const struct inspect *inspect)
 static enum exit_code inspect_answer(struct inspect *inspect)
 {
 	progress_clear(&inspect->job.progress);
+	enum exit_code code = inspect->job.cli->json ? EXIT_DONE : inspect_write_json(inspect);
+	job_end(&inspect->job);
 	if (inspect->job.cli->json)
 		return cli_print_json(inspect_answer_json(inspect), stdout, EXIT_DONE);
-	enum exit_code code = inspect_write_json(inspect);
 	if (code != EXIT_DONE || inspect->job.options.quiet)
 		return code;
 	inspect_print_answer(inspect);

@@ -6,7 +6,7 @@
 
 static volatile sig_atomic_t seen; // global because a signal handler can reach nothing else
 static sigset_t mask_before;
-static struct sigaction before_int, before_term, before_hup;
+static struct sigaction before_int, before_term, before_hup, before_pipe;
 
 static void interrupt_note(int number)
 {
@@ -29,6 +29,7 @@ void interrupt_begin(void)
 	sigaction(SIGINT, &action, &before_int);
 	sigaction(SIGTERM, &action, &before_term);
 	sigaction(SIGHUP, &action, &before_hup);
+	sigaction(SIGPIPE, &(struct sigaction){.sa_handler = SIG_IGN}, &before_pipe);
 	if (before_hup.sa_handler == SIG_IGN)
 		sigaction(SIGHUP, &before_hup, NULL); // nohup: a lost terminal must not end the program
 }
@@ -38,6 +39,7 @@ void interrupt_end(void)
 	sigaction(SIGINT, &before_int, NULL);
 	sigaction(SIGTERM, &before_term, NULL);
 	sigaction(SIGHUP, &before_hup, NULL);
+	sigaction(SIGPIPE, &before_pipe, NULL);
 	sigprocmask(SIG_SETMASK, &mask_before, NULL);
 }
 

@@ -9,7 +9,7 @@
 #include "clients/libcandil/candil.h"
 
 // From interrupt_begin on the signals are held back, except in interrupt_wait, interrupt_pause and interrupt_poll.
-// interrupt_end restores what was before.
+// A reader that goes away (SIGPIPE) fails the write instead of ending the program. interrupt_end restores what was before.
 void interrupt_begin(void);
 void interrupt_end(void);
 

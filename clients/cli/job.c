@@ -4,6 +4,7 @@
 #include <inttypes.h>
 
 #include "clients/cli/interrupt.h"
+#include "clients/libcandil/error.h"
 
 void job_begin(struct job *job)
 {
@@ -28,6 +29,11 @@ enum exit_code job_fail_output(struct job *job, const char *name)
 {
 	char what[256];
 	const int failure = errno;
+	if (failure == ECANCELED) {
+		struct candil_error error;
+		error_set(&error, CANDIL_STATUS_CANCELLED, "cancelled while %.150s was waited for", name);
+		return job_fail(job, &error);
+	}
 	snprintf(what, sizeof(what), "cannot write %s", name);
 	progress_clear(&job->progress);
 	errno = failure;

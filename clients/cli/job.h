@@ -22,13 +22,14 @@ struct job {
 	struct candil_accepted accepted; // the first that was
 };
 
-// Begin a job whose options are parsed, and hold interrupts back (interrupt.h). job_end must follow in any case.
+// Begin a job whose options are parsed, and hold interrupts back (interrupt.h). job_end must follow in any case: before the
+// answer is printed, so that one which nobody reads keeps neither a scene nor an interrupt. A second one does nothing.
 void job_begin(struct job *job);
 void job_end(struct job *job);
 
 // Print a failure on a line of its own. Returns the exit code of the command.
 enum exit_code job_fail(struct job *job, const struct candil_error *error);
-// The same for an output that cannot be written; errno says why.
+// The same for an output that cannot be written; errno says why. After ECANCELED (output.h) the command was cancelled.
 enum exit_code job_fail_output(struct job *job, const char *name);
 
 // The same for an interrupt that came while no request was under way.

@@ -3,66 +3,71 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
-#include <stdio.h>
+#include <limits.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-// Make a new file in the folder of the output.
+#include "clients/cli/interrupt.h"
+
+#define LOOK_MS 20 // between two looks whether a pipe has a reader
+#define LONG_MS 3600000
+
 static bool open_temporary(struct output *output)
 {
 	char *copy = strdup(output->path);
+	struct stat about;
 	if (!copy)
 		return false;
-	const char *folder = dirname(copy);
-	for (unsigned i = 0; i < 100 && output->fd < 0; i++) {
-		free(output->temporary);
-		if (asprintf(&output->temporary, "%s/.candil-%ld-%u.tmp", folder, (long)getpid(), output->count + i) < 0) {
-			output->temporary = NULL;
-			break;
-		}
-		output->fd = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-		if (output->fd < 0 && errno != EEXIST)
-			break;
-	}
-	if (output->fd < 0) {
-		int failure = errno;
-		free(output->temporary);
-		output->temporary = NULL;
-		errno = failure;
-	}
-	int failure = errno;
+	bool good = temporary_open(&output->temporary, AT_FDCWD, dirname(copy), 0666);
+	if (good && stat(output->path, &about) == 0)
+		good = temporary_keep(&output->temporary, &about);
+	if (!good)
+		temporary_finish(&output->temporary);
 	free(copy);
-	errno = failure;
-	return output->fd >= 0;
+	return good;
+}
+
+// Open what is no regular file. A pipe without a reader cannot be opened in any other way that an interrupt ends.
+static bool open_special(struct output *output, bool pipe)
+{
+	for (;;) {
+		output->fd = open(output->path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+		if (output->fd >= 0 || errno != ENXIO || !pipe)
+			return output->fd >= 0;
+		if (interrupt_seen())
+			break;
+		interrupt_pause(LOOK_MS);
+	}
+	errno = ECANCELED;
+	return false;
 }
 
 bool output_open(struct output *output, const char *path)
 {
 	struct stat about;
-	*output = (struct output){.fd = -1};
+	*output = (struct output)OUTPUT_NONE;
 	if (strcmp(path, "-") == 0) {
-		output->fd = dup(STDOUT_FILENO);
+		output->fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
 		return output->fd >= 0;
 	}
-	bool there = stat(path, &about) == 0;
-	output->path = there ? realpath(path, NULL) : strdup(path);
-	if (!output->path)
-		return false;
+	const bool there = stat(path, &about) == 0;
 	if (there && S_ISDIR(about.st_mode)) {
 		errno = EISDIR;
 		return false;
 	}
-	if (there && !S_ISREG(about.st_mode)) {
-		output->fd = open(output->path, O_WRONLY | O_CLOEXEC);
-		return output->fd >= 0;
-	}
+	// Links to pipes and the like lead nowhere that realpath could follow.
+	output->path = there && S_ISREG(about.st_mode) ? realpath(path, NULL) : strdup(path);
+	if (!output->path)
+		return false;
+	if (there && !S_ISREG(about.st_mode))
+		return open_special(output, S_ISFIFO(about.st_mode));
 	// A read-only file could be replaced, but its owner does not want that.
 	if (there && access(output->path, W_OK) != 0)
 		return false;
-	output->can_replace = true;
-	return open_temporary(output);
+	output->can_replace = open_temporary(output);
+	return output->can_replace || there;
 }
 
 bool output_write_all(int fd, const void *data, size_t bytes)
@@ -80,58 +85,106 @@ bool output_write_all(int fd, const void *data, size_t bytes)
 	return true;
 }
 
+// Wait until the reader has made room. false: an interrupt came before that, and there is none.
+static bool wait_for_room(int fd)
+{
+	struct pollfd p = {fd, POLLOUT, 0};
+	int ready;
+	while ((ready = interrupt_poll(&p, 1, interrupt_seen() ? 0 : LONG_MS)) <= 0) {
+		if (ready < 0 && errno != EINTR)
+			return false;
+		if (interrupt_seen()) {
+			errno = ECANCELED;
+			return false;
+		}
+	}
+	return true;
+}
+
+// Write to a pipe whose reader may have stopped. As much as is written at once fits where there is any room, so that a
+// descriptor which others share, and which therefore waits, does not wait.
+static bool write_special(int fd, const void *data, size_t bytes)
+{
+	const char *next = data;
+	while (bytes > 0) {
+		if (!wait_for_room(fd))
+			return false;
+		const ssize_t written = write(fd, next, bytes < PIPE_BUF ? bytes : PIPE_BUF);
+		if (written < 0 && errno != EINTR && errno != EAGAIN)
+			return false;
+		next += written > 0 ? written : 0;
+		bytes -= written > 0 ? (size_t)written : 0;
+	}
+	return true;
+}
+
+// Close a descriptor that was written to. false: that failed, or the writing had, and errno says why.
+static bool close_written(int fd, bool good)
+{
+	const int failure = errno;
+	const bool closed = close(fd) == 0;
+	if (!good)
+		errno = failure;
+	return good && closed;
+}
+
+static bool write_over(const char *path, const void *data, size_t bytes)
+{
+	const int fd = open(path, O_WRONLY | O_TRUNC | O_NOFOLLOW | O_CLOEXEC);
+	return fd >= 0 && close_written(fd, output_write_all(fd, data, bytes));
+}
+
+static bool write_temporary(struct output *output, const void *data, size_t bytes)
+{
+	const char *slash = strrchr(output->path, '/');
+	if (output->temporary.fd < 0 && !open_temporary(output))
+		return false;
+	const bool good = output_write_all(output->temporary.fd, data, bytes) &&
+			  temporary_place(&output->temporary, -1, slash ? slash + 1 : output->path);
+	temporary_finish(&output->temporary);
+	return good || (errno == EBUSY && write_over(output->path, data, bytes)); // something is mounted there
+}
+
 bool output_write(struct output *output, const void *data, size_t bytes)
 {
-	if (output->fd < 0 && !(output->can_replace && open_temporary(output)))
-		return false;
-	bool good = output_write_all(output->fd, data, bytes);
-	int failure = errno;
-	if (close(output->fd) != 0 && good) {
-		good = false;
-		failure = errno;
+	bool good;
+	if (output->fd >= 0) {
+		good = close_written(output->fd, write_special(output->fd, data, bytes));
+		output->fd = -1;
+	} else {
+		good = output->can_replace ? write_temporary(output, data, bytes) : write_over(output->path, data, bytes);
 	}
-	output->fd = -1;
-	if (good && output->temporary && rename(output->temporary, output->path) != 0) {
-		good = false;
-		failure = errno;
-	}
-	if (!good && output->temporary)
-		unlink(output->temporary);
-	free(output->temporary);
-	output->temporary = NULL;
 	output->count += good;
-	errno = failure;
 	return good;
 }
 
 void output_close(struct output *output)
 {
+	const int failure = errno;
 	if (output->fd >= 0)
 		close(output->fd);
-	if (output->temporary)
-		unlink(output->temporary);
-	free(output->temporary);
+	temporary_finish(&output->temporary);
 	free(output->path);
-	*output = (struct output){.fd = -1};
-}
-
-// Call output_close, and leave errno as it was.
-static bool output_closed(struct output *output, bool good)
-{
-	const int failure = errno;
-	output_close(output);
+	*output = (struct output)OUTPUT_NONE;
 	errno = failure;
-	return good;
 }
 
 bool output_save(const char *path, const void *data, size_t bytes)
 {
 	struct output output;
-	return output_closed(&output, output_open(&output, path) && output_write(&output, data, bytes));
+	const bool good = output_open(&output, path) && output_write(&output, data, bytes);
+	output_close(&output);
+	return good;
 }
 
 bool output_probe(const char *path)
 {
 	struct output output;
-	return output_closed(&output, output_open(&output, path));
+	struct stat about;
+	// To open a pipe and close it again would be the end of the file to its reader.
+	if (stat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode))
+		return access(path, W_OK) == 0;
+	const bool good = output_open(&output, path);
+	output_close(&output);
+	return good;
 }

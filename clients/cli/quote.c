@@ -107,6 +107,7 @@ static enum exit_code ask(struct asked *asked)
 	if (code != EXIT_DONE)
 		return code;
 	progress_clear(&job->progress);
+	job_end(job);
 	if (job->cli->json)
 		return cli_print_json(quote_json(&asked->quote), stdout, EXIT_DONE);
 	print_quote(&asked->quote);

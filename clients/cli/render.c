@@ -70,6 +70,7 @@ static enum exit_code render_say_report(struct render *render)
 {
 	const enum exit_code code = strcmp(render->report.done.reason, "time") == 0 ? EXIT_DEADLINE : EXIT_DONE;
 	progress_clear(&render->job.progress);
+	job_end(&render->job);
 	render->report.options = &render->job.options;
 	render->report.scene = &render->job.target.info;
 	render->report.images = render->output.count;
@@ -104,7 +105,7 @@ static enum exit_code run_render(struct cli *cli, const struct command *self, in
 	static struct render render;
 	enum exit_code code = EXIT_DONE;
 	memset(&render, 0, sizeof(render));
-	render.output.fd = -1;
+	render.output = (struct output)OUTPUT_NONE;
 	render.job.cli = cli;
 	if (!render_options_parse(cli, self, argc, argv, &render.job.options, &code))
 		return code;
@@ -130,7 +131,9 @@ const struct command render_command = {
 	"SCENE is the name of a loaded scene, or a file (glTF, GLB, OBJ). A file is loaded into the daemon for the\n"
 	"call; where no daemon runs and no --connect is given, a private one is started that ends with the call.\n\n"
 	"  -o, --output FILE     by extension .exr (linear, float) or .png (sRGB); - is standard output\n"
-	"                        A link to a file stays, and the file is replaced; one that leads nowhere is replaced\n"
+	"                        A file that is there is replaced whole and keeps its owner and mode; where that cannot\n"
+	"                        be (its folder takes no files, its owner is another), it is written over. A link to a\n"
+	"                        file stays; one that leads nowhere is replaced. A pipe waits for its reader\n"
 	"  --format exr|png      whatever the output's name; default for -: png\n"
 	"  --half, --float       EXR with 16 or 32 bits; default --float\n"
 	"  --technique NAME      auto ({auto}; with --error or --time the best that candil quote knows), {techniques}; "

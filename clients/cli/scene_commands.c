@@ -184,16 +184,13 @@ static enum exit_code run_describe(struct cli *cli, const struct command *self, 
 	struct candil_error error;
 	struct target target;
 	interrupt_begin();
-	if (target_open(&target, cli->address, argv[optind], &how, &error) == CANDIL_STATUS_OK) {
-		if (target.temporary)
-			snprintf(target.info.name, sizeof(target.info.name), "%s", "");
-		code = show_scene(cli, &target.info);
-	} else {
-		code = cli_fail(cli, &error, stdout);
-	}
+	const candil_status status = target_open(&target, cli->address, argv[optind], &how, &error);
+	if (target.temporary)
+		target.info.name[0] = '\0';
+	// Before the answer is printed: one that nobody reads keeps no scene and no interrupt.
 	target_close(&target);
 	interrupt_end();
-	return code;
+	return status == CANDIL_STATUS_OK ? show_scene(cli, &target.info) : cli_fail(cli, &error, stdout);
 }
 
 const struct command describe_command = {

@@ -131,6 +131,7 @@ enum exit_code study_say_end(struct study *study)
 	const enum exit_code code = complete && !study->report_why[0] ? EXIT_DONE : EXIT_OTHER;
 	const double seconds = study_clock() - study->started;
 	progress_clear(&study->job.progress);
+	job_end(&study->job);
 	if (!study_path(study, "report.html", report, sizeof(report)))
 		report[0] = '\0';
 	if (study->job.cli->json) {

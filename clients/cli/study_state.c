@@ -17,12 +17,12 @@
 #include "clients/cli/study.h"
 #include "clients/cli/verify.h"
 #include "clients/libcandil/error.h"
+#include "server/base/temporary.h"
 
 #define RUNS_FILE "runs.jsonl"
 #define OTHERS_FILE "others.jsonl"
 #define PLAN_FILE "plan.json"
 #define MISSING_MAX 400u // runs that study.json names, whose sentences are long: the reader takes 1 MiB of it at most
-#define TEMPORARY ".candil-study.tmp" // the lock keeps others away from it
 #define RUNS_BYTES (256L << 20) // of runs.jsonl at most
 #define LINE_BYTES (1u << 20) // of one line that counts
 
@@ -38,21 +38,10 @@ static enum exit_code refuse_folder(struct study *study, const char *why)
 bool study_save(const struct study *study, int folder, const char *name, const void *data, size_t bytes)
 {
 	// In the study's own folder, not that of the file: images/ has images alone, whenever it is looked at.
-	unlinkat(study->lock, TEMPORARY, 0); // of a session that was killed
-	const int fd = openat(study->lock, TEMPORARY, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-	bool good = fd >= 0 && output_write_all(fd, data, bytes);
-	int failure = errno;
-	if (fd >= 0 && close(fd) != 0 && good) {
-		good = false;
-		failure = errno;
-	}
-	if (good && renameat(study->lock, TEMPORARY, folder, name) != 0) {
-		good = false;
-		failure = errno;
-	}
-	if (!good && fd >= 0)
-		unlinkat(study->lock, TEMPORARY, 0);
-	errno = failure;
+	struct temporary temporary;
+	const bool good = temporary_open(&temporary, study->lock, ".", 0666) &&
+			  output_write_all(temporary.fd, data, bytes) && temporary_place(&temporary, folder, name);
+	temporary_finish(&temporary);
 	return good;
 }
 

@@ -448,6 +448,7 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 {
 	const enum exit_code code = sweep->late ? EXIT_DEADLINE : EXIT_DONE;
 	progress_clear(&sweep->job.progress);
+	job_end(&sweep->job);
 	if (sweep->job.cli->json) {
 		json_t *answer = sweep_summary_json(sweep);
 		job_put_warnings(&sweep->job, answer);

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -262,5 +263,5 @@ void target_close(struct target *target)
 	candil_disconnect(target->client);
 	if (target->private_daemon)
 		wait_private(target->private_daemon);
-	memset(target, 0, sizeof(*target));
+	memset(target, 0, offsetof(struct target, info));
 }

@@ -15,7 +15,7 @@ struct target {
 	char picture[64]; // name of the picture of the surroundings; "": there is none
 	char picture_hash[40]; // "": there is none
 	bool picture_temporary; // the picture was loaded for this command
-	struct candil_scene_info info;
+	struct candil_scene_info info; // last: it outlives the rest
 };
 
 // Find `scene` and describe it. It is looked for among the daemon's scenes first, and one that is being loaded is waited
@@ -29,7 +29,8 @@ candil_status target_open(struct target *target, const char *address, const char
 // the one that the picture has there. Does nothing if the request names none.
 candil_status target_surroundings(struct target *target, struct candil_render_request *request, struct candil_error *error);
 
-// Unload what was loaded for the command, disconnect, and wait for a private daemon to end.
+// Unload what was loaded for the command, disconnect, and wait for a private daemon to end. `info` stays. A second call does
+// nothing.
 void target_close(struct target *target);
 
 #endif

@@ -1,7 +1,10 @@
 #include "clients/cli/verify.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #define TEXT_MAX 256u // of an attribute's name or type
 
@@ -177,10 +180,18 @@ static bool verify_exr(const struct reader *r, uint32_t width, uint32_t height)
 
 bool verify_image(const char *path, bool png, uint32_t width, uint32_t height, struct metadata *metadata)
 {
-	struct reader r = {.file = fopen(path, "rbe"), .metadata = metadata};
+	// A pipe would be waited for, and has no image that stays.
+	const int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+	struct stat about;
+	struct reader r = {.metadata = metadata};
 	bool whole = false;
-	if (!r.file)
+	if (fd >= 0 && fstat(fd, &about) == 0 && S_ISREG(about.st_mode))
+		r.file = fdopen(fd, "rb");
+	if (!r.file) {
+		if (fd >= 0)
+			close(fd);
 		return false;
+	}
 	if (fseeko(r.file, 0, SEEK_END) == 0) {
 		off_t size = ftello(r.file);
 		r.size = size > 0 ? (uint64_t)size : 0;

@@ -2,12 +2,12 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdbool.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "server/base/temporary.h"
 
 static bool write_all(int fd, const uint8_t *data, size_t bytes)
 {
@@ -26,20 +26,20 @@ static bool write_all(int fd, const uint8_t *data, size_t bytes)
 enum status replace_file(const char *path, mode_t mode, const void *data, size_t bytes, struct error *err)
 {
 	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-	char *temporary = NULL;
-	if (asprintf(&temporary, "%.*s.%ld-%s", (int)(name - path), path, (long)getpid(), name) < 0)
-		return error_set(err, STATUS_MEMORY, "no memory to write %s", path);
-	unlink(temporary); // left there by a process that was killed, or planted
-	const int fd = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+	char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+	struct temporary temporary;
+	struct stat about;
 	enum status s = STATUS_OK;
-	if (fd < 0 || !write_all(fd, data, bytes))
+	if (!folder)
+		return error_set(err, STATUS_MEMORY, "no memory to write %s", path);
+	bool good = temporary_open(&temporary, AT_FDCWD, folder, mode) && write_all(temporary.fd, data, bytes);
+	// Of another owner's file the owner may not be had: then this program's file takes its place.
+	if (good && lstat(path, &about) == 0 && S_ISREG(about.st_mode))
+		(void)temporary_keep(&temporary, &about);
+	good = good && temporary_place(&temporary, -1, name);
+	temporary_finish(&temporary);
+	if (!good)
 		s = error_errno(err, STATUS_IO, "cannot write %s", path);
-	if (fd >= 0 && close(fd) != 0 && s == STATUS_OK)
-		s = error_errno(err, STATUS_IO, "cannot write %s", path);
-	if (s == STATUS_OK && rename(temporary, path) != 0)
-		s = error_errno(err, STATUS_IO, "cannot write %s", path);
-	if (s != STATUS_OK && fd >= 0)
-		unlink(temporary);
-	free(temporary);
+	free(folder);
 	return s;
 }

@@ -1,4 +1,4 @@
-// A file appears under its name whole or not at all: it is written beside its place and renamed. Any thread.
+// A file appears under its name whole or not at all (temporary.h). Any thread.
 #ifndef CANDIL_BASE_REPLACE_H
 #define CANDIL_BASE_REPLACE_H
 
@@ -7,8 +7,9 @@
 
 #include "server/base/error.h"
 
-// Write a file, or replace the one that is there; of a link the link. `mode` is a new file's, before the umask. No link of
-// any name beside it is followed. STATUS_IO, STATUS_MEMORY: what was there stays.
+// Write a file, or replace the one that is there; of a link the link. `mode` is a new file's, before the umask; one that is
+// there keeps its own, and its owner where this process may give files to it. Other hard links keep what was there. No link
+// of any name beside it is followed. STATUS_IO, STATUS_MEMORY: what was there stays.
 enum status replace_file(const char *path, mode_t mode, const void *data, size_t bytes, struct error *err);
 
 #endif

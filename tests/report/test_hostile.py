@@ -98,14 +98,19 @@ class Hostile(unittest.TestCase):
         outside.write_text("years of work")
         self.study.write()
         names = ("results.json", "results.csv", "report.html", "images/reference.png")
-        plant = "".join(f'ln -s "$1" "$2/{os.path.dirname(name)}/.$$-{os.path.basename(name)}"\n' for name in names)
+        for name in names[:3]:
+            (self.folder / name).write_text("what is there before takes a name in passing to replace")
+        planted = [self.folder / part / ".candil-PID-0.tmp" for part in ("", "images")]
+        plant = "".join(f'ln -s "$1" "{path}"\n'.replace("PID", "$$") for path in planted)
         done = subprocess.run(["sh", "-c", f'{plant}exec "$0" "$2"', PROGRAM, outside, self.folder], capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(outside.read_text(), "years of work")
         for name in names:
             self.assertFalse((self.folder / name).is_symlink(), name)
             self.assertGreater((self.folder / name).stat().st_size, 100)
-        self.assertEqual([path for path in self.folder.rglob(".*")], [])
+        left = list(self.folder.rglob(".*"))
+        self.assertEqual(sorted(path.parent for path in left), sorted(path.parent for path in planted))
+        self.assertTrue(all(path.is_symlink() for path in left))
 
     def test_images_that_are_none_or_have_another_size(self):
         (self.folder / "images" / "text.exr").write_text("no picture")

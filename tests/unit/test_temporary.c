@@ -1,0 +1,176 @@
+// Files on their way to their names, on a file system that has files without names, and on one that has not.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "server/base/replace.h"
+#include "server/base/temporary.h"
+
+static bool refuses; // the file system knows no files without names
+static char folder[] = "/tmp/candil-test-XXXXXX";
+
+int __real_openat(int at, const char *path, int flags, ...);
+int __wrap_openat(int at, const char *path, int flags, ...);
+
+int __wrap_openat(int at, const char *path, int flags, ...)
+{
+	va_list args;
+	va_start(args, flags);
+	const bool has_mode = (flags & O_TMPFILE) == O_TMPFILE || flags & O_CREAT;
+	const mode_t mode = has_mode ? va_arg(args, mode_t) : 0;
+	va_end(args);
+	if (refuses && (flags & O_TMPFILE) == O_TMPFILE) {
+		errno = EOPNOTSUPP;
+		return -1;
+	}
+	return __real_openat(at, path, flags, mode);
+}
+
+// How many files the folder has.
+static unsigned count(void)
+{
+	unsigned found = 0;
+	DIR *d = opendir(folder);
+	assert_non_null(d);
+	for (const struct dirent *e; (e = readdir(d));)
+		found += e->d_name[0] != '.' || strlen(e->d_name) > 2;
+	closedir(d);
+	return found;
+}
+
+static void assert_holds(const char *name, const char *wanted)
+{
+	char path[64], text[64] = "";
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	FILE *file = fopen(path, "re");
+	assert_non_null(file);
+	const size_t bytes = fread(text, 1, sizeof text - 1, file);
+	fclose(file);
+	assert_int_equal(bytes, strlen(wanted));
+	assert_string_equal(text, wanted);
+}
+
+static void clear(const char *name)
+{
+	char path[64];
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	assert_int_equal(unlink(path), 0);
+}
+
+static void write_one(const char *name, const char *text)
+{
+	struct temporary t;
+	assert_true(temporary_open(&t, AT_FDCWD, folder, 0666));
+	assert_int_equal(write(t.fd, text, strlen(text)), (ssize_t)strlen(text));
+	assert_true(temporary_place(&t, -1, name));
+	temporary_finish(&t);
+}
+
+static void test_it_takes_the_place_of_what_is_there(void **state)
+{
+	(void)state;
+	write_one("name", "first");
+	assert_holds("name", "first");
+	write_one("name", "second");
+	assert_holds("name", "second");
+	assert_int_equal(count(), 1);
+	clear("name");
+}
+
+static void test_what_is_not_placed_goes(void **state)
+{
+	(void)state;
+	struct temporary t;
+	assert_true(temporary_open(&t, AT_FDCWD, folder, 0666));
+	assert_int_equal(write(t.fd, "text", 4), 4);
+	assert_int_equal(count(), refuses ? 1 : 0);
+	errno = ENOSPC;
+	temporary_finish(&t);
+	assert_int_equal(errno, ENOSPC);
+	assert_int_equal(count(), 0);
+	temporary_finish(&t);
+	assert_false(temporary_open(&t, AT_FDCWD, "/nonexistent", 0666));
+	assert_int_equal(errno, ENOENT);
+	temporary_finish(&t);
+}
+
+static void test_a_planted_link_is_not_followed(void **state)
+{
+	(void)state;
+	char planted[64], name[64];
+	snprintf(planted, sizeof planted, "%s/.candil-%ld-0.tmp", folder, (long)getpid());
+	snprintf(name, sizeof name, "%s/name", folder);
+	assert_int_equal(symlink("victim", planted), 0);
+	assert_int_equal(symlink("victim", name), 0);
+	write_one("name", "text");
+	struct stat about;
+	assert_int_equal(lstat(name, &about), 0);
+	assert_true(S_ISREG(about.st_mode));
+	assert_holds("name", "text");
+	assert_int_equal(count(), 2); // and no victim
+	clear("name");
+	assert_int_equal(unlink(planted), 0);
+}
+
+static void test_replaced_files_keep_their_mode(void **state)
+{
+	(void)state;
+	char name[64];
+	struct error err;
+	struct stat before, after;
+	snprintf(name, sizeof name, "%s/name", folder);
+	umask(022);
+	assert_int_equal(replace_file(name, 0666, "first", 5, &err), STATUS_OK);
+	assert_int_equal(stat(name, &before), 0);
+	assert_int_equal(before.st_mode & 0777, 0644);
+	assert_int_equal(chmod(name, 04751), 0);
+	assert_int_equal(replace_file(name, 0666, "second", 6, &err), STATUS_OK);
+	assert_int_equal(stat(name, &after), 0);
+	assert_int_equal(after.st_mode & 07777, 0751);
+	assert_true(after.st_ino != before.st_ino);
+	assert_holds("name", "second");
+	// A folder of that name stays, and nothing else does.
+	clear("name");
+	assert_int_equal(mkdir(name, 0777), 0);
+	assert_int_equal(replace_file(name, 0666, "third", 5, &err), STATUS_IO);
+	assert_int_equal(count(), 1);
+	assert_int_equal(rmdir(name), 0);
+}
+
+static int has_names(void **state)
+{
+	(void)state;
+	refuses = true;
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_it_takes_the_place_of_what_is_there),
+	    cmocka_unit_test(test_what_is_not_placed_goes),
+	    cmocka_unit_test(test_a_planted_link_is_not_followed),
+	    cmocka_unit_test(test_replaced_files_keep_their_mode),
+	};
+	if (!mkdtemp(folder))
+		return EXIT_FAILURE;
+	const int at = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+	refuses = at < 0; // then both rounds are the second
+	if (at >= 0)
+		close(at);
+	int failed = cmocka_run_group_tests_name("without a name", tests, NULL, NULL);
+	failed += cmocka_run_group_tests_name("with a name", tests, has_names, NULL);
+	rmdir(folder);
+	return failed;
+}
