@@ -108,6 +108,9 @@
 #define LIMIT_ANSWER_SECONDS 300u // of work on one order (first compilation included) past which the worker hangs
 #define LIMIT_PROBE_SECONDS 60u // of the clock, that pilots and measurements of effects may take
 #define LIMIT_JOB_RETRIES 1u // times the job that a dying worker held is begun again
+#define LIMIT_SCENE_LOSSES 2u // workers that crashed or hung over a scene, past which it is quarantined
+#define LIMIT_DEVICE_LOSSES 3u // of a device within the seconds below, past which the next device is taken
+#define LIMIT_DEVICE_LOSS_SECONDS 600u
 #define LIMIT_IPC_QUEUE 4096u // messages that wait for a worker to take them; more: it hangs
 
 // ---- a study on disk, as the program that reports on it reads it ----

@@ -34,6 +34,7 @@
 	X(SCENE_LIMIT, 45, "scene-limit") \
 	X(LOADER_LOST, 46, "loader-lost") \
 	X(TOO_MANY_SCENES, 47, "too-many-scenes") \
+	X(SCENE_QUARANTINED, 48, "scene-quarantined") \
 	/* 60…79: the job */ \
 	X(CANCELLED, 60, "cancelled") \
 	X(DEADLINE, 61, "deadline") \

@@ -127,10 +127,11 @@ static json_t *findings_json(const struct findings *f)
 							  cli_json_text(p->path), "needed", (int)!p->user, "works",
 							  (int)p->works, "why", cli_json_text(p->why)));
 	}
-	json_t *daemon = json_pack("{s:b,s:o,s:o,s:b,s:o,s:I,s:I}", "reachable", (int)f->daemon.reachable, "address",
-				   cli_json_text(f->daemon.address), "what", cli_json_text(f->daemon.what), "ready",
-				   (int)f->daemon.ready, "device", cli_json_text(f->daemon.device), "max_connections",
-				   (json_int_t)f->daemon.connections, "max_scenes", (json_int_t)f->daemon.scenes);
+	json_t *daemon =
+	    json_pack("{s:b,s:o,s:o,s:b,s:o,s:o,s:I,s:I}", "reachable", (int)f->daemon.reachable, "address",
+		      cli_json_text(f->daemon.address), "what", cli_json_text(f->daemon.what), "ready", (int)f->daemon.ready,
+		      "device", cli_json_text(f->daemon.device), "note", cli_json_text(f->daemon.note), "max_connections",
+		      (json_int_t)f->daemon.connections, "max_scenes", (json_int_t)f->daemon.scenes);
 	json_t *kernel =
 	    json_pack("{s:b,s:b,s:b,s:i}", "memfd_sealing", (int)f->kernel.memfd_sealing, "openat2", (int)f->kernel.openat2,
 		      "seccomp", (int)f->kernel.seccomp, "landlock_abi", f->kernel.landlock_abi);
@@ -199,6 +200,8 @@ static void print_findings(const struct findings *f)
 		       f->daemon.connections < LIMIT_CONNECTIONS || f->daemon.scenes < LIMIT_SCENES
 			   ? ": for more raise its limit (ulimit -n, LimitNOFILE=)"
 			   : "");
+	if (f->daemon.note[0])
+		printf("           %s\n", f->daemon.note);
 	for (int i = 0; i < PROGRAMS; i++) {
 		const struct program_check *p = &f->programs[i];
 		printf("  program  %s (%s): %s%s", p->name, p->purpose,
@@ -264,7 +267,7 @@ const struct command doctor_command = {
 	"Exit code 0 if a render could work here, 5 if not. A daemon need not be running; one that runs must have a\n"
 	"device that it may use.\n\n"
 	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\", \"ready\", \"device\" (or why it has none),\n"
-	"\"max_connections\", \"max_scenes\" (what its descriptors are enough for)},\n"
+	"\"note\", \"max_connections\", \"max_scenes\" (what its descriptors are enough for)},\n"
 	"\"programs\": [{\"name\", \"path\", \"needed\", \"works\", \"why\"}],\n"
 	"\"kernel\": {\"memfd_sealing\", \"openat2\", \"seccomp\", \"landlock_abi\"},\n"
 	"\"sandbox\": {\"threads\", \"layers\": [{\"name\", \"holds\", \"detail\"}]},\n"

@@ -107,6 +107,7 @@ static void check_worker_of(candil_client *client, struct daemon_check *check)
 	check->ready = stats.device[0] && !stats.device_error[0];
 	check->connections = stats.max_connections;
 	check->scenes = stats.max_scenes;
+	snprintf(check->note, sizeof(check->note), "%s", stats.device_note);
 	snprintf(check->device, sizeof(check->device), "%s",
 		 check->ready            ? stats.device
 		 : stats.device_error[0] ? stats.device_error
@@ -118,7 +119,7 @@ void doctor_check_daemon(struct daemon_check *check, const char *address)
 	struct candil_error error;
 	candil_client *client;
 	check->ready = false;
-	check->device[0] = '\0';
+	check->device[0] = check->note[0] = '\0';
 	if (address)
 		snprintf(check->address, sizeof(check->address), "%s", address);
 	else if (!candil_default_address(check->address, sizeof(check->address)))

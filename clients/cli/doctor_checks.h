@@ -29,6 +29,7 @@ struct daemon_check {
 	char what[256]; // its name, or why it is not reachable
 	char device[256]; // the worker's device; if it is not ready, why it has none
 	uint32_t connections, scenes; // that its descriptors are enough for
+	char note[256]; // a device was lost too often
 };
 // Connect to the daemon at `address`; NULL: the default one.
 void doctor_check_daemon(struct daemon_check *check, const char *address);

@@ -50,6 +50,10 @@ static void print_stats(const struct candil_stats *s)
 		printf("device       none: %s\n", s->device_error);
 	else
 		printf("device       %s, %.1f MiB in use\n", s->device, (double)s->device_bytes / 1048576.0);
+	if (s->device_losses > 0)
+		printf("             lost %" PRIu32 " time%s\n", s->device_losses, cli_s(s->device_losses));
+	if (s->device_note[0])
+		printf("             %s\n", s->device_note);
 	printf("up           %.1f s, %" PRIu32 " ms slices, %" PRIu64 " done\n", (double)s->uptime_us * 1e-6, s->slice_ms,
 	       s->slices);
 	printf("connections  %" PRIu32 " of %" PRIu32 ", %" PRIu64 " bytes and %.1f MiB of images wait for them\n",
@@ -84,6 +88,7 @@ static json_t *stats_json(const struct candil_stats *s)
 	PUT(worker_pid);
 	PUT(loader_pid);
 	PUT(device_bytes);
+	PUT(device_losses);
 	PUT(validation_errors);
 	PUT(slice_ms);
 	PUT(max_connections);
@@ -91,6 +96,7 @@ static json_t *stats_json(const struct candil_stats *s)
 #undef PUT
 	json_object_set_new(object, "device", cli_json_text(s->device));
 	json_object_set_new(object, "device_error", cli_json_text(s->device_error));
+	json_object_set_new(object, "device_note", cli_json_text(s->device_note));
 	return object;
 }
 
@@ -122,6 +128,7 @@ const struct command stats_command = {
 	    "\"slices\",\n"
 	    "\"worker_starts\", \"loader_starts\", \"loader_failures\", \"scenes\", \"scene_bytes\", \"buffered_bytes\",\n"
 	    "\"image_bytes\", \"worker_pid\", \"loader_pid\", \"device_bytes\", \"validation_errors\", \"slice_ms\",\n"
-	    "\"max_connections\", \"max_scenes\", \"device\", \"device_error\"}\n",
+	    "\"max_connections\", \"max_scenes\", \"device\", \"device_error\", \"device_losses\",\n"
+	    "\"device_note\"}\n",
     .run = run_stats,
 };

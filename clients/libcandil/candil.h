@@ -171,7 +171,7 @@ CANDIL_API candil_status candil_ping(candil_client *client, uint64_t *microsecon
 // name. Waits until the file is read. `info` (may be NULL) says what is in it; it is large, some 26 KiB. Fails with
 // BAD_ARGUMENT (a name or path is missing or too long, or both paths are given), SCENE_FILE (it cannot be opened),
 // SCENE_PATH (the path is not allowed), SCENE_INVALID, SCENE_UNSUPPORTED and SCENE_LIMIT (what is wrong with the file),
-// LOADER_LOST, TOO_MANY_SCENES, TOO_MANY_JOBS, CANCELLED (another client unloaded the name meanwhile).
+// LOADER_LOST, TOO_MANY_SCENES, SCENE_QUARANTINED, TOO_MANY_JOBS, CANCELLED (another client unloaded the name meanwhile).
 //
 // Example:
 //	const struct candil_load_request request = {.name = "other room", .file = "room.gltf"};
@@ -252,7 +252,7 @@ CANDIL_API void candil_render_request_init(struct candil_render_request *request
 
 // Render and wait for the final image. `callbacks` may be NULL. On failure result->image.data is NULL. Fails with
 // BAD_ARGUMENT, LIMIT and UNSUPPORTED (the request is wrong), SCENE_NOT_FOUND, TOO_MANY_JOBS, MEMORY, DEVICE, DEADLINE (the
-// deadline passed before the job was begun), WORKER_LOST, TRAVERSAL_CUT, ENCODE, CANCELLED.
+// deadline passed before the job was begun), WORKER_LOST, SCENE_QUARANTINED, TRAVERSAL_CUT, ENCODE, CANCELLED.
 //
 // Example:
 //	struct candil_render_request request;

@@ -12,7 +12,7 @@
 //	0         OK
 //	1 to 7    the stream or the handshake is wrong; the daemon closes the connection
 //	20 to 27  the request is wrong, or cannot be served now; the connection goes on
-//	40 to 47  the scene
+//	40 to 48  the scene
 //	60 to 66  the job
 //	80, 81    the daemon's own trouble
 //	82, 83    this side: no daemon answers (CONNECT), or the connection broke (IO)
@@ -466,6 +466,8 @@ struct candil_stats {
 	uint32_t slice_ms; // how long a job is worked on before another one has its turn
 	char device_error[256]; // why there is no usable device; "" if there is one
 	uint32_t max_connections, max_scenes; // that the daemon's descriptors are enough for
+	uint32_t device_losses; // of the device, as far as can be told
+	char device_note[256]; // a device was lost too often: which one is used since; "": none was
 };
 
 #endif

@@ -488,6 +488,8 @@ static void read_stats(const candil_StatsReply *from, struct candil_stats *to)
 	TEXT(to->device_error, from->device_error);
 	to->max_connections = from->max_connections;
 	to->max_scenes = from->max_scenes;
+	to->device_losses = from->device_losses;
+	TEXT(to->device_note, from->device_note);
 }
 
 static void read_error(const candil_Error *from, struct candil_error *to)

@@ -3,8 +3,8 @@
 // `ipc_build` in the first message proves it. The child finds its end at descriptor IPC_FD.
 //
 //   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END  PILOT  PILOT_END
-//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  STATE  (the encoder's thread sends IMAGE, at any time)
-//   loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
+//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  STATE  LOST  (the encoder's thread sends IMAGE, at any
+//   time) loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
 #ifndef CANDIL_BASE_IPC_H
 #define CANDIL_BASE_IPC_H
 
@@ -38,6 +38,7 @@ enum ipc_op {
 	IPC_STEPPED, // struct ipc_stepped, the answer to a STEP
 	IPC_IMAGE, // struct ipc_image, the answer to a READ, with the file as a sealed memfd unless there is an error
 	IPC_PILOTED, // struct ipc_piloted, the answer to a PILOT
+	IPC_LOST, // struct ipc_lost: the device was lost, and the worker ends
 	IPC_STATE, // struct ipc_state, when it has changed, ahead of the answer to what has changed it
 	// loader -> front
 	IPC_LOADED, // struct ipc_loaded, with the blob as a sealed memfd unless there is an error
@@ -82,6 +83,8 @@ struct ipc_ready {
 	char build[64]; // ipc_build()
 	char device[128]; // for instance "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6"
 	uint32_t software; // 1: a software driver, no GPU
+	char key[48]; // what --avoid takes for this device
+	uint32_t others; // usable devices that the options allow, beside this one and those to be avoided
 	struct error error; // code != OK: no usable device; the worker then answers every BEGIN with this error
 };
 
@@ -125,6 +128,11 @@ struct ipc_piloted {
 	struct error error; // code != OK: nothing came of it
 	uint32_t cut; // 1: its PILOT_END came in time to keep something from being seen
 	struct pilot_result results[TECHNIQUE_COUNT]; // by technique
+};
+
+struct ipc_lost {
+	struct ipc_head head;
+	struct error error;
 };
 
 struct ipc_state {

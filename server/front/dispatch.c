@@ -170,6 +170,16 @@ static enum status find_environment(const struct message *m, const candil_Render
 	return status;
 }
 
+// Find the scenes of a request that is to be worked on.
+static enum status find_scenes(const struct message *m, const candil_Render *render, struct scene **scene,
+			       struct scene **environment, struct error *err)
+{
+	enum status status = find_scene(m, render->scene, scene, err);
+	if (status == STATUS_OK)
+		status = quarantine_check(&m->service->scenes.quarantine, (*scene)->info.hash, err);
+	return status == STATUS_OK ? find_environment(m, render, environment, err) : status;
+}
+
 static enum status on_render(const struct message *m, struct error *err)
 {
 	candil_Render render;
@@ -178,9 +188,7 @@ static enum status on_render(const struct message *m, struct error *err)
 	if (status == STATUS_OK)
 		status = request_render(m->body, m->header->length, &render, err);
 	if (status == STATUS_OK)
-		status = find_scene(m, render.scene, &scene, err);
-	if (status == STATUS_OK)
-		status = find_environment(m, &render, &environment, err);
+		status = find_scenes(m, &render, &scene, &environment, err);
 	if (status == STATUS_OK)
 		status = jobs_add(&m->service->jobs, m->session, m->header->request, scene, environment, &render, err);
 	if (status == STATUS_OK && request_is_open(&render))
@@ -196,9 +204,7 @@ static enum status on_quote(const struct message *m, struct error *err)
 	if (status == STATUS_OK)
 		status = request_quote(m->body, m->header->length, &quote, err);
 	if (status == STATUS_OK)
-		status = find_scene(m, quote.render.scene, &scene, err);
-	if (status == STATUS_OK)
-		status = find_environment(m, &quote.render, &environment, err);
+		status = find_scenes(m, &quote.render, &scene, &environment, err);
 	if (status == STATUS_OK)
 		status = quotes_add(&m->service->quotes, m->session, m->header->request, scene, environment, &quote, err);
 	return status;
@@ -215,9 +221,7 @@ static enum status on_sweep(const struct message *m, struct error *err)
 		return error_set(err, STATUS_MEMORY, "no memory for a sweep");
 	status = request_sweep(m->body, m->header->length, sweep, err);
 	if (status == STATUS_OK)
-		status = find_scene(m, sweep->render.scene, &scene, err);
-	if (status == STATUS_OK)
-		status = find_environment(m, &sweep->render, &environment, err);
+		status = find_scenes(m, &sweep->render, &scene, &environment, err);
 	if (status == STATUS_OK)
 		status = jobs_add_sweep(&m->service->jobs, m->session, m->header->request, scene, environment, sweep, err);
 	if (status != STATUS_OK)
@@ -269,15 +273,17 @@ static enum status on_stats(const struct message *m, struct error *err)
 				   .image_bytes = room_bytes(&s->jobs.room),
 				   .worker_pid = (uint32_t)s->worker.child.pid,
 				   .device_bytes = s->worker.held.device_bytes,
+				   .device_losses = s->worker.losses.total,
 				   .validation_errors = s->worker.held.validation_errors,
 				   .slice_ms = s->options->slice_ms,
 				   .loader_pid = (uint32_t)scenes_loader_pid(&s->scenes),
 				   .max_connections = s->capacity.connections,
 				   .max_scenes = s->capacity.scenes};
 	reply.scenes = scenes_count(&s->scenes, &reply.scene_bytes);
-	memcpy(reply.device, s->worker.device, sizeof reply.device);
-	if (s->worker.device_error.code != STATUS_OK)
-		memcpy(reply.device_error, s->worker.device_error.text, sizeof reply.device_error);
+	memcpy(reply.device, s->worker.ready.device, sizeof reply.device);
+	if (s->worker.ready.error.code != STATUS_OK)
+		memcpy(reply.device_error, s->worker.ready.error.text, sizeof reply.device_error);
+	worker_device_note(&s->worker, reply.device_note);
 	reply_message(m->session, MESSAGE_STATS_REPLY, m->header->request, candil_StatsReply_fields, &reply);
 	return STATUS_OK;
 }

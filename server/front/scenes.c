@@ -165,7 +165,8 @@ static void scene_loaded(void *owner, const struct ipc_loaded *message, int blob
 	}
 	struct scene *old = scenes_find_state(table, scene->info.name, false);
 	struct error err;
-	if (check_bytes(table, old, message->info.blob_bytes, &err) != STATUS_OK) {
+	if (quarantine_check(&table->quarantine, message->info.hash, &err) != STATUS_OK ||
+	    check_bytes(table, old, message->info.blob_bytes, &err) != STATUS_OK) {
 		close(blob);
 		scenes_stop_load(scene, &err);
 		return;

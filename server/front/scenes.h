@@ -13,6 +13,7 @@
 
 #include "candil.pb.h"
 #include "server/front/loader.h"
+#include "server/front/quarantine.h"
 
 struct session;
 struct scenes;
@@ -69,6 +70,7 @@ struct scenes {
 	void *owner;
 	struct scene *first; // in the order of asking
 	uint64_t next_id;
+	struct quarantine quarantine; // kept by the service, who blames scenes
 	uint32_t loader_starts;
 	uint64_t loader_failures;
 };
@@ -83,7 +85,7 @@ void scenes_finish(struct scenes *scenes);
 
 // Begin a load. `source` is taken over, on failure too. `session` NULL: the daemon itself asks. The answer comes by events,
 // never before this returns. How large a scene is shows when it is loaded: one that is too much together with the others
-// (LIMIT_SCENES_BYTES) fails then. Failures, without an event: STATUS_TOO_MANY_SCENES, STATUS_MEMORY, and
+// (LIMIT_SCENES_BYTES), or quarantined, fails then. Failures, without an event: STATUS_TOO_MANY_SCENES, STATUS_MEMORY, and
 // STATUS_BAD_ARGUMENT if a load of that name is under way.
 enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct source *source, struct session *session,
 			uint32_t request, struct error *err);

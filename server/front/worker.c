@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +33,12 @@ static void kill_for(struct worker *worker, const char *why)
 	if (!worker->killed_for)
 		worker->killed_for = why;
 	child_kill(&worker->child);
+}
+
+static void kill_hanging(struct worker *worker, const char *why)
+{
+	worker->fault = FAULT_WORK;
+	kill_for(worker, why);
 }
 
 static void worker_keep(struct worker *worker, const void *message, size_t bytes, int fd)
@@ -166,7 +173,7 @@ bool worker_pilot_end(struct worker *worker)
 static unsigned patience_s(const struct worker *worker)
 {
 	const struct options *o = worker->options;
-	return o->hang_s > 0 ? o->hang_s : worker->software ? LIMIT_HANG_SECONDS : LIMIT_HANG_GPU_SECONDS;
+	return o->hang_s > 0 ? o->hang_s : worker->ready.software ? LIMIT_HANG_SECONDS : LIMIT_HANG_GPU_SECONDS;
 }
 
 static void look_again(struct worker *worker);
@@ -178,12 +185,12 @@ static void worker_look(void *owner)
 	worker->answer_work_us += work_us;
 	worker->image_work_us += work_us;
 	if (worker->pulse.still >= PULSE_LOOKS)
-		kill_for(worker, "it hung: with an order to carry out it neither worked nor waited for a processor");
+		kill_hanging(worker, "it hung: with an order to carry out it neither worked nor waited for a processor");
 	else if (worker->answers_due > 0 && worker->answer_work_us > most_us)
-		kill_for(worker, "it hung: it worked on one order without an end");
+		kill_hanging(worker, "it hung: it worked on one order without an end");
 	// An image may have to wait for an order before it is encoded.
 	else if (worker->images_due > 0 && worker->image_work_us > 2 * most_us)
-		kill_for(worker, "it hung: it worked on one image without an end");
+		kill_hanging(worker, "it hung: it worked on one image without an end");
 	else
 		look_again(worker);
 }
@@ -224,13 +231,12 @@ static void got_ready(struct worker *worker, struct ipc_ready *ready)
 	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
 	text_clean(ready->device, sizeof ready->device);
 	text_clean(ready->error.text, sizeof ready->error.text);
-	memcpy(worker->device, ready->device, sizeof worker->device);
-	worker->software = ready->software != 0;
-	worker->device_error = ready->error;
+	text_clean(ready->key, sizeof ready->key);
+	worker->ready = *ready;
 	worker->state = WORKER_READY;
 	worker->failed_starts = 0;
 	if (ready->error.code == STATUS_OK)
-		log_line(LOG_INFO, "worker %d: ready on %s", (int)worker->child.pid, worker->device);
+		log_line(LOG_INFO, "worker %d: ready on %s", (int)worker->child.pid, ready->device);
 	else
 		log_line(LOG_ERROR, "worker %d: no usable device: %s", (int)worker->child.pid, ready->error.text);
 	worker->events->ready(worker->owner);
@@ -374,6 +380,9 @@ static void worker_handle(struct worker *worker, size_t bytes, int fd)
 	} else if (is_message(head, bytes, IPC_IMAGE, sizeof(struct ipc_image))) {
 		got_image(worker, message, fd);
 		return;
+	} else if (is_message(head, bytes, IPC_LOST, sizeof(struct ipc_lost))) {
+		worker->device_lost = ((const struct ipc_lost *)message)->error;
+		text_clean(worker->device_lost.text, sizeof worker->device_lost.text);
 	} else if (is_message(head, bytes, IPC_STATE, sizeof(struct ipc_state))) {
 		worker->held = *(const struct ipc_state *)message;
 	} else {
@@ -418,7 +427,7 @@ static void worker_spoke(void *owner, uint32_t events)
 
 // ---- life ------------------------------------------------------------------------------------------------------------
 
-static void worker_lose(struct worker *worker, const char *how)
+static void worker_lose(struct worker *worker, const char *how, enum worker_fault fault)
 {
 	bool was_starting = worker->state != WORKER_READY;
 	unsigned doublings = worker->failures < PAUSE_DOUBLINGS ? worker->failures : PAUSE_DOUBLINGS;
@@ -431,33 +440,67 @@ static void worker_lose(struct worker *worker, const char *how)
 	worker->holding = false;
 	worker->held = (struct ipc_state){0};
 	worker->killed_for = NULL;
+	worker->fault = FAULT_NONE;
+	worker->device_lost = (struct error){.code = STATUS_OK};
 	watch_over(worker);
 	parcels_clear(&worker->waiting);
 	log_line(LOG_ERROR, "worker lost (%s); the next one starts in %u ms", how, (FIRST_PAUSE_US << doublings) / 1000);
 	loop_timer_set(worker->loop, &worker->restart, clock_us() + (FIRST_PAUSE_US << doublings), worker_start, worker);
-	worker->events->lost(worker->owner, how, worker->failed_starts >= HOPELESS_STARTS);
+	const struct worker_loss loss = {.how = how, .fault = fault, .hopeless = worker->failed_starts >= HOPELESS_STARTS};
+	worker->events->lost(worker->owner, &loss);
+}
+
+// Signals by which a process ends for what it did itself. SIGKILL is sent by others: by people, or by the kernel for want of
+// memory, and then what is killed need not be what took it.
+static bool is_own_fault(int signal_number)
+{
+	static const int own[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP};
+	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+		if (signal_number == own[i])
+			return true;
+	return false;
 }
 
 static void worker_ended(void *owner, uint32_t events)
 {
 	struct worker *worker = owner;
-	char how[64], why[256];
+	char how[64];
+	struct error why;
 	(void)events;
 	// What it said before it ended, all of it: no more can come.
 	while (listen_to(worker, MESSAGES_PER_TURN) == HEARD_SOME)
 		continue;
-	const char *killed_for = worker->killed_for;
-	child_reap(&worker->child, worker->loop, how, sizeof how);
-	snprintf(why, sizeof why, "%s", killed_for ? killed_for : how);
-	worker_lose(worker, why);
+	const bool lost = worker->device_lost.code != STATUS_OK;
+	const char *killed_for = lost ? worker->device_lost.text : worker->killed_for;
+	enum worker_fault fault = lost ? FAULT_DEVICE : worker->fault;
+	const int signal_number = child_reap(&worker->child, worker->loop, how, sizeof how);
+	if (!killed_for && (is_own_fault(signal_number) || (signal_number == 0 && worker->state == WORKER_READY)))
+		fault = FAULT_WORK;
+	error_set(&why, STATUS_WORKER_LOST, "%s", killed_for ? killed_for : how);
+	worker_lose(worker, why.text, fault);
+}
+
+bool worker_blame_device(struct worker *worker)
+{
+	if (!worker->ready.key[0] || !device_losses_add(&worker->losses, &worker->ready, clock_us()))
+		return false;
+	log_line(LOG_ERROR, "%s was lost %u times: %s", worker->ready.device, LIMIT_DEVICE_LOSSES,
+		 worker->losses.stays ? "there is no other that may be used" : "the next device is taken");
+	return true;
+}
+
+void worker_device_note(const struct worker *worker, char note[LIMIT_TEXT + 1])
+{
+	device_losses_note(&worker->losses, worker->ready.device, clock_us(), note);
 }
 
 static enum status worker_launch(struct worker *worker, struct error *err)
 {
 	const struct options *o = worker->options;
 	char program[PATH_MAX], budget[16], device[128];
-	char device_option[] = "--device", gpu_option[] = "--require-gpu", budget_option[] = "--memory-budget";
-	char *argv[8] = {program};
+	char device_option[] = "--device", gpu_option[] = "--require-gpu", budget_option[] = "--memory-budget",
+	     avoid_option[] = "--avoid";
+	char *argv[8 + 2 * DEVICES_AVOIDED] = {program};
 	unsigned count = 1;
 	int length = snprintf(program, sizeof program, "%s/candil-worker", o->libexec);
 	if (length < 0 || (size_t)length >= sizeof program)
@@ -473,6 +516,10 @@ static enum status worker_launch(struct worker *worker, struct error *err)
 		snprintf(budget, sizeof budget, "%u", o->memory_budget_mib);
 		argv[count++] = budget_option;
 		argv[count++] = budget;
+	}
+	for (unsigned i = 0; i < worker->losses.avoided_count; i++) {
+		argv[count++] = avoid_option;
+		argv[count++] = worker->losses.avoided[i];
 	}
 	enum status status = child_start(&worker->child, PROGRAM_WORKER, argv, -1, err);
 	if (status == STATUS_OK)
@@ -490,7 +537,7 @@ static void worker_start(void *owner)
 	struct error err;
 	worker->state = WORKER_STARTING;
 	if (worker_launch(worker, &err) != STATUS_OK) {
-		worker_lose(worker, err.text);
+		worker_lose(worker, err.text, FAULT_NONE);
 		return;
 	}
 	worker->starts++;

@@ -15,8 +15,22 @@
 #include "server/base/ipc.h"
 #include "server/base/pulse.h"
 #include "server/front/child.h"
+#include "server/front/device_losses.h"
 #include "server/front/options.h"
 #include "server/front/parcels.h"
+
+// Whose fault a loss is, as far as its end tells.
+enum worker_fault {
+	FAULT_NONE, // it was ended from outside, or did not start, or spoke nonsense
+	FAULT_WORK, // it crashed or hung: what it worked on may be why, or the device's driver
+	FAULT_DEVICE, // its driver says that the device was lost
+};
+
+struct worker_loss {
+	const char *how; // it ended, in words
+	enum worker_fault fault;
+	bool hopeless; // it has failed to become ready several times in a row
+};
 
 // Calls from the worker to its owner, all from the loop and none from within an order. Of every answer the strings are clean
 // and the counts within bounds; it is good for the length of the call. `job` is the number that the order had.
@@ -37,9 +51,8 @@ struct worker_events {
 	// The answer to PILOT; `pilot` is the number that the order had.
 	void (*piloted)(void *owner, uint32_t pilot, const struct ipc_piloted *piloted);
 
-	// The worker is gone with all its jobs and scenes, and no answer will come. `how` says in words how it ended.
-	// `hopeless`: it has failed to become ready several times in a row.
-	void (*lost)(void *owner, const char *how, bool hopeless);
+	// The worker is gone with all its jobs and scenes, and no answer will come.
+	void (*lost)(void *owner, const struct worker_loss *loss);
 };
 
 enum worker_state { WORKER_DOWN, WORKER_STARTING, WORKER_READY };
@@ -64,13 +77,14 @@ struct worker {
 	uint64_t answer_work_us; // that it has worked since the last answer, or since an answer is due
 	uint64_t image_work_us; // the same for images
 	const char *killed_for; // why the front killed it; NULL: it did not
+	enum worker_fault fault; // FAULT_NONE: its end tells
+	struct error device_lost; // code != OK: it says so
 	unsigned failures; // losses since the last slice that was done
 	unsigned failed_starts; // in a row
 	// for stats
 	uint32_t starts;
-	char device[128];
-	bool software; // the device is a processor
-	struct error device_error; // code != OK: no usable device
+	struct ipc_ready ready; // what the latest said as it became so; zeroed: none has
+	struct device_losses losses;
 	struct ipc_state held; // as it said last
 };
 
@@ -81,6 +95,13 @@ enum status worker_init(struct worker *worker, struct children *children, const 
 
 // Kill it and start none again. No event is called. May be called twice.
 void worker_finish(struct worker *worker);
+
+// The loss that `lost` tells of is its device's. True: that was one too many, and the next worker takes another device, if
+// there is one.
+bool worker_blame_device(struct worker *worker);
+
+// What replies are to tell of devices that were lost, in a sentence; "": nothing.
+void worker_device_note(const struct worker *worker, char note[LIMIT_TEXT + 1]);
 
 // Orders. They are ignored unless the worker is WORKER_READY, and none fails: a worker that an order cannot reach is killed,
 // and `lost` follows from the loop. `scene` and `environment` are numbers of scenes that it was given; environment 0: none.

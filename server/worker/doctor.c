@@ -20,7 +20,7 @@ int doctor(const struct device_options *options, struct worker_fence *fence)
 {
 	struct device_info infos[DEVICE_MAX];
 	struct error err = {0};
-	uint32_t count, chosen = 0;
+	uint32_t count, chosen = 0, others;
 	char why[LIMIT_TEXT + 1];
 	json_t *devices = json_array();
 	json_t *missing = json_array();
@@ -31,7 +31,7 @@ int doctor(const struct device_options *options, struct worker_fence *fence)
 		json_array_append_new(missing, json_pack("{s:s s:s}", "what", "a Vulkan driver (software will do)",
 							 "package", "mesa-vulkan-drivers"));
 	if (s == STATUS_OK)
-		s = device_choose(infos, count, options, &chosen, why, &err);
+		s = device_choose(infos, count, options, &chosen, &others, why, &err);
 	fence_try(&fence->report);
 	json_t *cache = json_pack("{s:s s:b}", "path", fence->cache, "writable", (int)fence->cache_writable);
 	json_t *root = json_pack("{s:o s:i s:s s:o s:o s:o}", "devices", devices, "chosen",

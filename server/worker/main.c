@@ -17,10 +17,11 @@
 #include "server/worker/serve.h"
 #include "server/worker/vk/device.h"
 
-static const char usage[] = "usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB]\n"
-			    "       candil-worker --doctor [--device …]     list the devices as JSON\n"
-			    "       candil-worker --libraries               only link what pictures need\n"
-			    "candild starts this program; it serves the descriptor that candild leaves it.\n";
+static const char usage[] =
+    "usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB] [--avoid KEY]…\n"
+    "       candil-worker --doctor [--device …]     list the devices as JSON\n"
+    "       candil-worker --libraries               only link what pictures need\n"
+    "candild starts this program; it serves the descriptor that candild leaves it.\n";
 
 struct settings {
 	struct device_options device;
@@ -29,10 +30,13 @@ struct settings {
 
 static bool parse(int argc, char **argv, struct settings *out)
 {
-	static const struct option longs[] = {
-	    {"device", required_argument, NULL, 'd'},        {"require-gpu", no_argument, NULL, 'g'},
-	    {"memory-budget", required_argument, NULL, 'm'}, {"doctor", no_argument, NULL, 'D'},
-	    {"libraries", no_argument, NULL, 'L'},           {NULL, 0, NULL, 0}};
+	static const struct option longs[] = {{"device", required_argument, NULL, 'd'},
+					      {"require-gpu", no_argument, NULL, 'g'},
+					      {"memory-budget", required_argument, NULL, 'm'},
+					      {"doctor", no_argument, NULL, 'D'},
+					      {"avoid", required_argument, NULL, 'a'},
+					      {"libraries", no_argument, NULL, 'L'},
+					      {NULL, 0, NULL, 0}};
 	int c;
 	while ((c = getopt_long(argc, argv, "", longs, NULL)) != -1) {
 		char *end;
@@ -47,6 +51,11 @@ static bool parse(int argc, char **argv, struct settings *out)
 			out->device.memory_budget = strtoull(optarg, &end, 10) << 20;
 			if (*end || end == optarg)
 				return false;
+			break;
+		case 'a':
+			if (out->device.avoid_count == DEVICE_MAX)
+				return false;
+			out->device.avoid[out->device.avoid_count++] = optarg;
 			break;
 		case 'D':
 			out->doctor = true;

@@ -94,12 +94,20 @@ static enum status tell_state(struct server *s)
 	return ipc_send(s->socket, &now, sizeof now, -1, NULL);
 }
 
-// Send an answer, unless the device was lost. Then say nothing and end: the front starts another worker, hands it the same
+static enum status tell_lost(const struct server *s)
+{
+	struct ipc_lost lost = {.head = {.op = IPC_LOST}};
+	error_set(&lost.error, STATUS_DEVICE, "the device was lost: %s", s->devices->vk->info.name);
+	ipc_send(s->socket, &lost, sizeof lost, -1, NULL);
+	return STATUS_DEVICE;
+}
+
+// Send an answer, unless the device was lost. Then say that and end: the front starts another worker, hands it the same
 // scenes and begins the jobs again. An answer would fail a job that can still be done.
 static enum status answer_front(struct server *s, const void *answer, size_t bytes)
 {
 	if (s->devices->vk && (s->devices->vk->lost || (s->devices->gl && s->devices->gl->lost)))
-		return STATUS_DEVICE;
+		return tell_lost(s);
 	const enum status r = tell_state(s);
 	return r == STATUS_OK ? ipc_send(s->socket, answer, bytes, -1, NULL) : r;
 }
@@ -552,7 +560,9 @@ enum status serve(int socket, struct devices *devices, const struct error *why)
 	snprintf(ready.build, sizeof ready.build, "%s", ipc_build());
 	if (devices->vk) {
 		snprintf(ready.device, sizeof ready.device, "%s", devices->vk->info.name);
+		snprintf(ready.key, sizeof ready.key, "%s", devices->vk->info.key);
 		ready.software = devices->vk->info.software;
+		ready.others = devices->vk->others;
 	} else {
 		s.no_device = *why;
 		ready.error = *why;

@@ -58,6 +58,7 @@ int main(int argc, char *argv[])
 		 argument(argc, argv, "--unit"));
 	snprintf(loaded.build, sizeof loaded.build, "%s", ipc_build());
 	read_orders(file, orders, sizeof orders);
+	snprintf(loaded.info.hash, sizeof loaded.info.hash, "%.*s", (int)strcspn(orders, "\n"), orders);
 	sscanf(orders, "%31s %lu", word, &bytes);
 	describe(file);
 	if (!strcmp(word, "hang"))

@@ -1,6 +1,9 @@
 // Stands in for candil-worker. A job takes one step a sample; its image is width × height bytes, byte i being
 // (i * 31 + seed + camera.eye.x) modulo 256. The environment says what goes wrong:
 //   FAKE_DIE_STEP=K    be killed on receiving the K-th STEP of this process, FAKE_DIE_TIMES (default 1) times over all
+//   FAKE_DIE_SEED=S    be ended likewise on every STEP and PILOT of a request with this seed
+//   FAKE_DIE_AS=HOW    "crash": by SIGABRT; "device": say that the device is lost, and end; else by SIGKILL
+//   FAKE_DEVICES=N     so many are there (default 1)
 //   FAKE_STATE=DIR     where those times are counted
 //   FAKE_HANG=HOW      "sleep", "burn" or "stop" itself for ever, on receiving the message that FAKE_HANG_ON names: "scene",
 //                      "begin", "step", "read", "pilot", or "ready" in place of sending that; FAKE_DIE_TIMES over all
@@ -166,6 +169,23 @@ static void hang_on(const char *what)
 		pause();
 }
 
+static bool is_deadly(const candil_Render *render)
+{
+	return render->seed > 0 && render->seed == fake_number("FAKE_DIE_SEED", 0);
+}
+
+static void die(void)
+{
+	const char *how = getenv("FAKE_DIE_AS") ? getenv("FAKE_DIE_AS") : "";
+	if (!strcmp(how, "device")) {
+		struct ipc_lost lost = {.head = {.op = IPC_LOST}};
+		error_set(&lost.error, STATUS_DEVICE, "the device was lost");
+		answer(&lost, sizeof lost, -1);
+		exit(1);
+	}
+	raise(!strcmp(how, "crash") ? SIGABRT : SIGKILL);
+}
+
 static void on_step(const struct ipc_step *message)
 {
 	struct ipc_stepped stepped = {.head = {.op = IPC_STEPPED, .job = message->head.job}};
@@ -173,8 +193,8 @@ static void on_step(const struct ipc_step *message)
 	steps++;
 	if (trace)
 		fprintf(trace, "%u\n", message->head.job);
-	if (steps == fake_number("FAKE_DIE_STEP", 0) && take_death())
-		raise(SIGKILL);
+	if ((steps == fake_number("FAKE_DIE_STEP", 0) && take_death()) || (job && is_deadly(&job->render)))
+		die();
 	const uint64_t enough_us = burnt_us() + fake_number("FAKE_BURN_US", 0);
 	while (burnt_us() < enough_us)
 		;
@@ -261,8 +281,8 @@ static void on_pilot(const struct ipc_pilot *message)
 		exit(8);
 	if (trace)
 		fprintf(trace, "pilot %u %u\n", message->budget_us, message->limit_us);
-	if (!strcmp(wrong, "die"))
-		raise(SIGKILL);
+	if (!strcmp(wrong, "die") || is_deadly(&message->render))
+		die();
 	if (!strcmp(wrong, "refuse"))
 		error_set(&piloted.error, STATUS_BAD_ARGUMENT, "no such option");
 	if (!strcmp(wrong, "code"))
@@ -329,7 +349,7 @@ static void on_message(const void *message, int fd)
 	}
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
 	static union {
 		uint64_t align;
@@ -346,7 +366,13 @@ int main(void)
 	hang_on("ready");
 	struct ipc_ready ready = {.head = {.op = IPC_READY}};
 	snprintf(ready.build, sizeof ready.build, "%s", getenv("FAKE_OTHER_BUILD") ? "0.0" : ipc_build());
-	snprintf(ready.device, sizeof ready.device, "%s", inherited ? "inherited descriptors" : "fake");
+	// The first device that is not to be avoided.
+	unsigned long device = 0;
+	for (int i = 1; i < argc; i++)
+		device += !strcmp(argv[i], "--avoid");
+	snprintf(ready.device, sizeof ready.device, "%s%.0lu", inherited ? "inherited descriptors" : "fake", device);
+	snprintf(ready.key, sizeof ready.key, "%lu", device);
+	ready.others = (uint32_t)(fake_number("FAKE_DEVICES", 1) - 1 - device);
 	if (getenv("FAKE_NO_DEVICE"))
 		error_set(&ready.error, STATUS_DEVICE, "there is no device");
 	answer(&ready, sizeof ready, -1);

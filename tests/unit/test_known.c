@@ -28,7 +28,7 @@ static int set_up(void **state)
 {
 	struct error err;
 	(void)state;
-	snprintf(worker.device, sizeof worker.device, "a device");
+	snprintf(worker.ready.device, sizeof worker.ready.device, "a device");
 	request = (candil_Render){.technique = PT, .width = 64, .height = 64, .samples = 4};
 	room = (struct scene){.id = 1, .info = {.hash = "room", .facts_count = 1, .facts = {"emitters"}}};
 	hall = (struct scene){.id = 2, .info = {.hash = "hall", .facts_count = 1, .facts = {"emitters"}}};

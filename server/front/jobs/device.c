@@ -1,5 +1,7 @@
 #include "server/front/jobs/device.h"
 
+#include <string.h>
+
 #include "protocol/header.h"
 #include "protocol/names.h"
 #include "server/base/clock.h"
@@ -91,6 +93,16 @@ void jobs_step_next(struct jobs *jobs)
 	worker_step(jobs->worker, job->id, job_slice_us(jobs, job));
 }
 
+static void add_device_note(const struct jobs *jobs, candil_Accepted *answer)
+{
+	char note[LIMIT_TEXT + 1];
+	worker_device_note(jobs->worker, note);
+	if (note[0] && answer->notes_count < LIMIT_NOTES)
+		answer->notes_count++;
+	if (note[0])
+		memcpy(answer->notes[answer->notes_count - 1], note, sizeof note);
+}
+
 void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 {
 	struct job *job = jobs_by_id(jobs, id);
@@ -106,6 +118,7 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 			if (job->quote)
 				answer.quote = *job->quote;
 			warnings_fill(job, &answer);
+			add_device_note(jobs, &answer);
 			reply_message(job->session, MESSAGE_ACCEPTED, job->request, candil_Accepted_fields, &answer);
 		}
 		*accepted = true;

@@ -143,8 +143,10 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, int fd);
 
 // The worker is gone with everything that it had of the jobs, which wait for the next one. One job is blamed and fails with
-// STATUS_WORKER_LOST if it was blamed more than LIMIT_JOB_RETRIES times. `how` says in words how the worker ended.
-// `hopeless`: no worker comes up any more, and all jobs that wait fail.
-void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless);
+// STATUS_WORKER_LOST if it was blamed more than LIMIT_JOB_RETRIES times. If the loss is hopeless, all jobs that wait fail.
+void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss);
+
+// The scene whose order the worker carries out, a BEGIN, STEP or READ; NULL: none, as far as is known.
+struct scene *jobs_worked_on(const struct jobs *jobs);
 
 #endif

@@ -47,11 +47,19 @@ static void blame(struct jobs *jobs, const char *how)
 	jobs_fail(jobs, job, &err);
 }
 
-void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
+struct scene *jobs_worked_on(const struct jobs *jobs)
+{
+	const struct job *job = jobs->stepping || jobs->beginning ? jobs_by_id(jobs, suspect(jobs)) : NULL;
+	for (unsigned i = 0; i < jobs->count && !(job && was_with_worker(job)); i++)
+		job = jobs->job[i]->state == JOB_READING ? jobs->job[i] : NULL;
+	return job ? job->scene : NULL;
+}
+
+void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss)
 {
 	// While a pilot is out no job is worked on.
 	if (!jobs->pilot_out)
-		blame(jobs, how);
+		blame(jobs, loss->how);
 	jobs->stepping = 0;
 	jobs->beginning = 0;
 	jobs->held = 0;
@@ -62,10 +70,10 @@ void jobs_worker_lost(struct jobs *jobs, const char *how, bool hopeless)
 		}
 	// No job holds memory of the device any more, so no job's end would ever wake those that lack some.
 	jobs_let_others_try(jobs);
-	if (!hopeless)
+	if (!loss->hopeless)
 		return;
 	struct error err;
-	error_set(&err, STATUS_WORKER_LOST, "the worker does not start (%s): see the daemon's log", how);
+	error_set(&err, STATUS_WORKER_LOST, "the worker does not start (%s): see the daemon's log", loss->how);
 	for (unsigned i = jobs->count; i-- > 0;)
 		if (i < jobs->count && jobs->job[i]->state == JOB_WAITING)
 			jobs_fail(jobs, jobs->job[i], &err);

@@ -14,9 +14,9 @@ struct quote_key quote_known_key(const struct quote_known *known, const struct r
 {
 	const struct quote_model *m = known->model;
 	struct quote_key key = quote_key_of(f->render, technique, f->scene->info.hash,
-					    f->environment ? f->environment->info.hash : NULL, known->worker->device);
+					    f->environment ? f->environment->info.hash : NULL, known->worker->ready.device);
 	// Until a worker has said what it runs on, that is taken for what the newest record is of.
-	if (!known->worker->device[0] && m->count > 0)
+	if (!known->worker->ready.device[0] && m->count > 0)
 		key.where = m->records[(m->oldest + m->count - 1) % LIMIT_QUOTE_RECORDS].key.where;
 	return key;
 }
@@ -89,7 +89,7 @@ struct quote_query quote_known_query(const struct quote_known *known, const stru
 	const struct warmth w = warmth_of(f, &key);
 	return (struct quote_query){.key = key,
 				    .technique = technique,
-				    .software = known->worker->software,
+				    .software = known->worker->ready.software,
 				    .pixels = (double)f->render->width * f->render->height,
 				    .samples = samples,
 				    .bytes = (double)jobs_image_bytes(f->render),

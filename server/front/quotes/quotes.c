@@ -169,7 +169,7 @@ static void answer_due(void *owner)
 // Under what a device is known shows when a worker is ready; without one that ever will be, the answer is a guess.
 static bool knows_device(const struct worker *worker)
 {
-	return worker->state == WORKER_READY || worker->device[0] || worker->failed_starts > 0;
+	return worker->state == WORKER_READY || worker->ready.device[0] || worker->failed_starts > 0;
 }
 
 // The scene is there, but not yet the worker. A job waits for that itself, and who asks for a pilot waits for it.
@@ -252,6 +252,12 @@ static void quote_bar(struct quotes *quotes, struct quote *quote)
 			quote_known_bar(&quotes->known, &f, (candil_Technique)t);
 	}
 	quote->piloted = quote->barred = true;
+}
+
+struct scene *quotes_worked_on(const struct quotes *quotes)
+{
+	const struct quote *quote = quote_by_id(quotes, quotes->out);
+	return quote ? quote->scene : NULL;
 }
 
 void quotes_worker_lost(struct quotes *quotes, bool hopeless)

@@ -61,6 +61,9 @@ void quotes_dispatch(struct quotes *quotes);
 
 // The worker's answer to PILOT, and its end; `hopeless`: no other comes up, and all are answered from what is known.
 void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted *piloted);
+// The scene of the pilot that the worker has; NULL: it has none.
+struct scene *quotes_worked_on(const struct quotes *quotes);
+
 void quotes_worker_lost(struct quotes *quotes, bool hopeless);
 
 #endif

@@ -135,6 +135,7 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 		snprintf(info->uuid + o, 3, "%02x", id.deviceUUID[i]);
 		o += 2;
 	}
+	snprintf(info->key, sizeof info->key, "%u:%s", index, info->uuid);
 	info->type = type_name(p.properties.deviceType);
 	info->api = p.properties.apiVersion;
 	info->software = p.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
@@ -195,11 +196,21 @@ static bool is_wanted(const struct device_info *info, const char *wanted)
 	return !strcasecmp(wanted, info->uuid);
 }
 
+static bool is_avoided(const struct device_info *info, const struct device_options *options)
+{
+	for (uint32_t i = 0; i < options->avoid_count; i++)
+		if (!strcmp(info->key, options->avoid[i]))
+			return true;
+	return false;
+}
+
 enum status device_choose(const struct device_info *infos, uint32_t count, const struct device_options *options,
-			  uint32_t *chosen, char *why, struct error *err)
+			  uint32_t *chosen, uint32_t *others, char *why, struct error *err)
 {
 	const bool any = !options->wanted || !*options->wanted;
 	int best = -1;
+	bool best_avoided = false;
+	*others = 0;
 	const struct device_info *refused = NULL;
 	for (uint32_t i = 0; i < count; i++) {
 		if (!any && !is_wanted(&infos[i], options->wanted))
@@ -208,10 +219,16 @@ enum status device_choose(const struct device_info *infos, uint32_t count, const
 			refused = &infos[i];
 			continue;
 		}
-		if (best < 0 || preference(&infos[i]) > preference(&infos[best]))
+		const bool avoided = is_avoided(&infos[i], options);
+		*others += !avoided;
+		if (best < 0 || (best_avoided && !avoided) ||
+		    (best_avoided == avoided && preference(&infos[i]) > preference(&infos[best]))) {
 			best = (int)i;
+			best_avoided = avoided;
+		}
 	}
 	if (best >= 0) {
+		*others -= !best_avoided;
 		*chosen = (uint32_t)best;
 		snprintf(why, LIMIT_TEXT + 1, any ? "the best of %u (%s)" : "asked for, of %u (%s)", count,
 			 infos[best].type);
@@ -290,7 +307,7 @@ enum status device_create(const struct device_options *options, struct device **
 {
 	struct device_info infos[DEVICE_MAX];
 	VkPhysicalDevice physical[DEVICE_MAX];
-	uint32_t count, chosen;
+	uint32_t count, chosen, others = 0;
 	char why[LIMIT_TEXT + 1];
 	struct device *d = calloc(1, sizeof *d);
 	if (!d)
@@ -301,9 +318,10 @@ enum status device_create(const struct device_options *options, struct device **
 	if (s == STATUS_OK)
 		s = list_physical(d->instance, physical, infos, &count, err);
 	if (s == STATUS_OK)
-		s = device_choose(infos, count, options, &chosen, why, err);
+		s = device_choose(infos, count, options, &chosen, &others, why, err);
 	if (s != STATUS_OK)
 		goto fail;
+	d->others = others;
 	d->physical = physical[chosen];
 	d->info = infos[chosen];
 	VkPhysicalDeviceProperties p;

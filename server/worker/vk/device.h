@@ -20,6 +20,7 @@ struct device_info {
 	uint32_t index; // among those listed
 	char name[DEVICE_NAME_BYTES]; // with the driver: "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe Mesa 22.3.6 …"
 	char uuid[37];
+	char key[48]; // index and UUID: a device is the same to a later process if both are
 	uint8_t uuid_bytes[VK_UUID_SIZE];
 	const char *type; // "discrete", "integrated", "virtual", "cpu", "other"
 	uint32_t api; // VK_API_VERSION
@@ -36,6 +37,8 @@ struct device_info {
 struct device_options {
 	const char *wanted; // NULL: the best; an index, a UUID or "cpu"
 	bool require_gpu; // refuse software devices
+	const char *avoid[DEVICE_MAX]; // keys of devices that are taken only if there is no other
+	uint32_t avoid_count;
 	uint64_t memory_budget; // bytes; 0: half of the memory if software, else four fifths of the device's
 };
 
@@ -56,6 +59,7 @@ struct device {
 	_Atomic uint64_t validation_errors;
 	uint64_t bytes; // allocated now, here and on the OpenGL device
 	uint64_t budget; // bytes that may be allocated
+	uint32_t others; // usable devices that the options allow, beside this one and those to be avoided
 	uint64_t wanted; // bytes of the last allocation that the budget refused, here or on the OpenGL device
 	bool lost; // the driver says so: only a new process can open it again
 	struct pipeline *pipelines; // kept by pipeline.c
@@ -66,10 +70,10 @@ struct device {
 // driver.
 enum status device_list(struct device_info infos[DEVICE_MAX], uint32_t *count, struct error *err);
 
-// Choose a device: *chosen is its place in `infos`, `why` (LIMIT_TEXT + 1 bytes) the reason in words. STATUS_DEVICE if none
-// of them is what the options ask for and usable.
+// Choose a device: *chosen is its place in `infos`, `why` (LIMIT_TEXT + 1 bytes) the reason in words, *others as in struct
+// device. STATUS_DEVICE if none of them is what the options ask for and usable.
 enum status device_choose(const struct device_info *infos, uint32_t count, const struct device_options *options,
-			  uint32_t *chosen, char *why, struct error *err);
+			  uint32_t *chosen, uint32_t *others, char *why, struct error *err);
 
 // Open the device that the options choose; *device is the caller's. With CANDIL_VALIDATION=1 in the environment the Khronos
 // validation layer checks every call, and opening fails where the layer is missing. STATUS_DEVICE, STATUS_MEMORY.
