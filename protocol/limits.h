@@ -97,7 +97,8 @@
 #define LIMIT_LOAD_SECONDS 120u // of processor time that one loader may take
 #define LIMIT_LOAD_CLOCK_SECONDS 1200u // of the clock, whether or not it gets a processor
 #define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob
-#define LIMIT_LOADER_FILES 64u // descriptors of one loader
+#define LIMIT_LOADER_FILES \
+	1024u // descriptors of one loader; it cannot hand over its scene while more of the user are under way
 #define LIMIT_LOADERS 2u // at once; further loads wait
 #define LIMIT_CHILDREN_LEFT 8u // loaders that were killed and have not ended yet; while there are more, loads wait
 
@@ -107,6 +108,7 @@
 #define LIMIT_HANG_GPU_SECONDS 120u // the same of a worker on a GPU, which sleeps while the GPU works
 #define LIMIT_ANSWER_SECONDS 300u // of work on one order (first compilation included) past which the worker hangs
 #define LIMIT_PROBE_SECONDS 60u // of the clock, that pilots and measurements of effects may take
+#define LIMIT_COMPILERS 2u // processes at once that compile shader code for jobs; further jobs wait for one
 #define LIMIT_JOB_RETRIES 1u // times the job that a dying worker held is begun again
 #define LIMIT_SCENE_LOSSES 2u // workers that crashed or hung over a scene, past which it is quarantined
 #define LIMIT_DEVICE_LOSSES 3u // of a device within the seconds below, past which the next device is taken

@@ -3,8 +3,10 @@
 // `ipc_build` in the first message proves it. The child finds its end at descriptor IPC_FD.
 //
 //   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END  PILOT  PILOT_END
-//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  STATE  LOST  (the encoder's thread sends IMAGE, at any
-//   time) loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
+//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  STATE  LOST
+//                     (the encoder's thread sends IMAGE, at any time)
+//   front -> compiler SCENE(fd)  BEGIN   (a worker that compiles what the job needs, says nothing and exits)
+//   loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
 #ifndef CANDIL_BASE_IPC_H
 #define CANDIL_BASE_IPC_H
 
@@ -60,6 +62,7 @@ struct ipc_begin {
 	uint64_t environment; // id of the scene that holds the environment map; 0: none
 	candil_Render render; // already checked by the front
 	uint64_t end_us; // clock_us() by which sampling has to end for its deadline; UINT64_MAX: never
+	uint32_t compile; // compile what the driver has not compiled before; 0: refuse the job where that is needed
 };
 
 struct ipc_job {
@@ -91,12 +94,14 @@ struct ipc_ready {
 struct ipc_begun {
 	struct ipc_head head;
 	struct error error;
+	uint64_t cold; // not 0: refused, because something has to be compiled first, of which this is the number
 	candil_Accepted accepted; // valid if error.code is OK
 };
 
 struct ipc_stepped {
 	struct ipc_head head;
 	struct error error; // code != OK: the job has failed; only END may follow
+	uint64_t cold; // as of struct ipc_begun
 	uint32_t samples_done; // completed samples of every pixel
 	uint32_t finished; // 1: all samples are done, or the target error is reached; time for the last READ
 	uint32_t reached; // 1: the target error is reached

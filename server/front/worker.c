@@ -110,13 +110,14 @@ void worker_forget(struct worker *worker, uint64_t scene)
 }
 
 void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render,
-		  uint64_t end_us)
+		  uint64_t end_us, bool compile)
 {
 	struct ipc_begin message = {.head = {.op = IPC_BEGIN, .job = job},
 				    .scene = scene,
 				    .environment = environment,
 				    .render = *render,
-				    .end_us = end_us};
+				    .end_us = end_us,
+				    .compile = compile};
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
 }
@@ -170,7 +171,7 @@ bool worker_pilot_end(struct worker *worker)
 
 // Seconds that it may be still. Of a software device the worker does all work itself. While a GPU works the worker sleeps;
 // most drivers give up on a GPU that hangs within seconds, and the device is then lost. Where none does, this bound is left.
-static unsigned patience_s(const struct worker *worker)
+unsigned worker_patience_s(const struct worker *worker)
 {
 	const struct options *o = worker->options;
 	return o->hang_s > 0 ? o->hang_s : worker->ready.software ? LIMIT_HANG_SECONDS : LIMIT_HANG_GPU_SECONDS;
@@ -197,7 +198,7 @@ static void worker_look(void *owner)
 
 static void look_again(struct worker *worker)
 {
-	loop_timer_set(worker->loop, &worker->watchdog, clock_us() + patience_s(worker) * 1000000ull / PULSE_LOOKS,
+	loop_timer_set(worker->loop, &worker->watchdog, clock_us() + worker_patience_s(worker) * 1000000ull / PULSE_LOOKS,
 		       worker_look, worker);
 }
 
@@ -494,34 +495,44 @@ void worker_device_note(const struct worker *worker, char note[LIMIT_TEXT + 1])
 	device_losses_note(&worker->losses, worker->ready.device, clock_us(), note);
 }
 
-static enum status worker_launch(struct worker *worker, struct error *err)
+enum status worker_command(struct worker *worker, bool compile, struct worker_command *c, struct error *err)
 {
+	static char compile_option[] = "--compile", device_option[] = "--device", gpu_option[] = "--require-gpu",
+		    budget_option[] = "--memory-budget", avoid_option[] = "--avoid";
 	const struct options *o = worker->options;
-	char program[PATH_MAX], budget[16], device[128];
-	char device_option[] = "--device", gpu_option[] = "--require-gpu", budget_option[] = "--memory-budget",
-	     avoid_option[] = "--avoid";
-	char *argv[8 + 2 * DEVICES_AVOIDED] = {program};
-	unsigned count = 1;
-	int length = snprintf(program, sizeof program, "%s/candil-worker", o->libexec);
-	if (length < 0 || (size_t)length >= sizeof program)
+	unsigned count = 0;
+	int length = snprintf(c->program, sizeof c->program, "%s/candil-worker", o->libexec);
+	if (length < 0 || (size_t)length >= sizeof c->program)
 		return error_set(err, STATUS_INTERNAL, "the path of candil-worker is too long");
+	c->argv[count++] = c->program;
+	if (compile)
+		c->argv[count++] = compile_option;
 	if (o->device) {
-		snprintf(device, sizeof device, "%s", o->device);
-		argv[count++] = device_option;
-		argv[count++] = device;
+		snprintf(c->device, sizeof c->device, "%s", o->device);
+		c->argv[count++] = device_option;
+		c->argv[count++] = c->device;
 	}
 	if (o->require_gpu)
-		argv[count++] = gpu_option;
+		c->argv[count++] = gpu_option;
 	if (o->memory_budget_mib > 0) {
-		snprintf(budget, sizeof budget, "%u", o->memory_budget_mib);
-		argv[count++] = budget_option;
-		argv[count++] = budget;
+		snprintf(c->budget, sizeof c->budget, "%u", o->memory_budget_mib);
+		c->argv[count++] = budget_option;
+		c->argv[count++] = c->budget;
 	}
 	for (unsigned i = 0; i < worker->losses.avoided_count; i++) {
-		argv[count++] = avoid_option;
-		argv[count++] = worker->losses.avoided[i];
+		c->argv[count++] = avoid_option;
+		c->argv[count++] = worker->losses.avoided[i];
 	}
-	enum status status = child_start(&worker->child, PROGRAM_WORKER, argv, -1, err);
+	c->argv[count] = NULL;
+	return STATUS_OK;
+}
+
+static enum status worker_launch(struct worker *worker, struct error *err)
+{
+	struct worker_command command;
+	enum status status = worker_command(worker, false, &command, err);
+	if (status == STATUS_OK)
+		status = child_start(&worker->child, PROGRAM_WORKER, command.argv, -1, err);
 	if (status == STATUS_OK)
 		status = loop_watch(worker->loop, worker->child.socket, EPOLLIN, worker_spoke, worker, err);
 	if (status == STATUS_OK)

@@ -112,9 +112,9 @@ void worker_scene(struct worker *worker, uint64_t scene, int blob);
 // Forget it once no job uses it any more.
 void worker_forget(struct worker *worker, uint64_t scene);
 
-// Begin a job under a number that no job has; `begun` answers. `end_us`: as of struct ipc_begin.
+// Begin a job under a number that no job has; `begun` answers. `end_us`, `compile`: as of struct ipc_begin.
 void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render,
-		  uint64_t end_us);
+		  uint64_t end_us, bool compile);
 
 // Work on a job for about budget_us of device time; `stepped` answers.
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
@@ -134,5 +134,18 @@ void worker_read(struct worker *worker, uint32_t job, bool final, const struct e
 
 // Free what it has of a job, after the orders that went before. There is no answer.
 void worker_end(struct worker *worker, uint32_t job);
+
+// How a worker is started: the program, and its device and budget.
+struct worker_command {
+	char program[PATH_MAX], device[128], budget[16];
+	char *argv[8 + 2 * DEVICES_AVOIDED]; // into this struct, the worker and static storage; ended by NULL
+};
+
+// The command of this worker; `compile`: of a process that compiles for it (compiler.h). STATUS_INTERNAL: a path is too
+// long.
+enum status worker_command(struct worker *worker, bool compile, struct worker_command *command, struct error *err);
+
+// Seconds that it, or a process that compiles for it, may be still before it counts as hung.
+unsigned worker_patience_s(const struct worker *worker);
 
 #endif

@@ -20,6 +20,8 @@ enum status devices_gl(struct devices *d, struct gl_device **gl, struct error *e
 		s = gl_device_create(&options, &d->gl, err);
 		if (s == STATUS_OK)
 			s = gl_settle_prepare(d->gl, err);
+		if (s == STATUS_OK)
+			d->gl->code = d->vk->code;
 		d->open_us += clock_us() - start;
 	}
 	*gl = d->gl;
@@ -34,6 +36,8 @@ void devices_finish(struct devices *d)
 	}
 	if (d->vk)
 		pipeline_destroy_all(d->vk);
+	if (d->vk && d->vk->code)
+		code_list_close(d->vk->code);
 	gl_device_destroy(d->gl);
 	device_destroy(d->vk);
 	*d = (struct devices){0};

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "server/base/error.h"
+#include "server/worker/code_list.h"
 
 struct device; // vk/device.h
 struct gl_device; // gl/device.h
@@ -15,6 +16,7 @@ struct devices {
 	struct device *vk; // NULL: there is none, and nothing renders
 	struct gl_device *gl; // NULL: not opened yet
 	uint64_t open_us; // that opening it took; 0: not opened yet
+	struct code_list code; // what the driver has compiled before; `vk` and `gl` point at it
 };
 
 // The OpenGL device, opened if it was not: on the GPU of `vk`, which must be open, and within its memory budget. It stays

@@ -19,13 +19,14 @@
 
 static const char usage[] =
     "usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB] [--avoid KEY]…\n"
+    "       candil-worker --compile [--device …] …  compile the code of one job, and exit\n"
     "       candil-worker --doctor [--device …]     list the devices as JSON\n"
     "       candil-worker --libraries               only link what pictures need\n"
     "candild starts this program; it serves the descriptor that candild leaves it.\n";
 
 struct settings {
 	struct device_options device;
-	bool doctor, libraries;
+	bool doctor, libraries, compile;
 };
 
 static bool parse(int argc, char **argv, struct settings *out)
@@ -36,6 +37,7 @@ static bool parse(int argc, char **argv, struct settings *out)
 					      {"doctor", no_argument, NULL, 'D'},
 					      {"avoid", required_argument, NULL, 'a'},
 					      {"libraries", no_argument, NULL, 'L'},
+					      {"compile", no_argument, NULL, 'c'},
 					      {NULL, 0, NULL, 0}};
 	int c;
 	while ((c = getopt_long(argc, argv, "", longs, NULL)) != -1) {
@@ -62,6 +64,9 @@ static bool parse(int argc, char **argv, struct settings *out)
 			break;
 		case 'L':
 			out->libraries = true;
+			break;
+		case 'c':
+			out->compile = true;
 			break;
 		default:
 			return false;
@@ -99,7 +104,11 @@ int main(int argc, char **argv)
 	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the socket
 	if (device_create(&settings.device, &devices.vk, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "%s", err.text);
-	enum status s = serve(IPC_FD, &devices, &err);
+	if (devices.vk) {
+		code_list_open(&devices.code, fence.cache_writable ? fence.cache : "", devices.vk->info.name);
+		devices.vk->code = &devices.code;
+	}
+	enum status s = settings.compile ? serve_compiling(IPC_FD, &devices) : serve(IPC_FD, &devices, &err);
 	devices_finish(&devices);
 	return s == STATUS_OK ? 0 : 1;
 }

@@ -43,6 +43,7 @@ struct job {
 	uint64_t open_us; // that opening a device took for it
 	uint64_t preview_us; // that reading intermediate images took
 	uint64_t work_us; // all that this thread spent on it, on the device or beside it
+	bool compile; // what its code needs is compiled whenever it is met
 };
 
 struct server {
@@ -115,7 +116,8 @@ static enum status answer_front(struct server *s, const void *answer, size_t byt
 static void on_scene(struct server *s, const struct ipc_scene *m, int fd)
 {
 	struct error err;
-	encoder_prepare(s->encoder); // someone will want a picture of it
+	if (s->encoder)
+		encoder_prepare(s->encoder); // someone will want a picture of it
 	if (fd >= 0 && resident_add(&s->scenes, m->scene, fd, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "scene %llu: %s", (unsigned long long)m->scene, err.text);
 }
@@ -175,6 +177,12 @@ static enum status acquire(struct server *s, uint64_t scene, uint64_t environmen
 	return r;
 }
 
+static void allow_compiling(struct server *s, bool at_will)
+{
+	s->devices->code.at_will = at_will;
+	s->devices->code.refused = 0;
+}
+
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
 {
 	if (!s->devices->vk) {
@@ -201,6 +209,7 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	if (bytes > budget)
 		return refuse_size(s, job, bytes, budget, err);
 	const uint64_t open_us = s->devices->open_us;
+	allow_compiling(s, m->compile);
 	do {
 		s->devices->vk->wanted = 0;
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
@@ -221,6 +230,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 	} else {
 		job->id = m->head.job;
 		job->request = m->render;
+		job->compile = m->compile;
 		if (begin(s, m, job, &answer.error) == STATUS_OK) {
 			// Clear the reason that an attempt before the eviction may have left.
 			answer.error = (struct error){.code = STATUS_OK};
@@ -229,6 +239,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 			job->work_us = clock_us() - start;
 			s->jobs = job;
 		} else {
+			answer.cold = s->devices->code.refused;
 			job_destroy(s, job);
 		}
 	}
@@ -239,6 +250,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 static enum status step(struct server *s, struct job *job, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status r;
+	allow_compiling(s, job->compile);
 	do {
 		s->devices->vk->wanted = 0;
 		r = job->technique->step(job->work, budget_us, result, err);
@@ -256,6 +268,8 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 		error_set(&answer.error, STATUS_INTERNAL, "the worker does not know job %u", m->head.job);
 	else if (step(s, job, m->budget_us, &result, &answer.error) == STATUS_OK)
 		answer.error = (struct error){.code = STATUS_OK};
+	else
+		answer.cold = s->devices->code.refused;
 	answer.samples_done = result.samples_done;
 	answer.finished = result.finished;
 	answer.reached = result.reached;
@@ -266,6 +280,31 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	if (job)
 		job->work_us += answer.device_us;
 	return answer_front(s, &answer, sizeof answer);
+}
+
+// ---- compiling for another ----------------------------------------------------------------------------------------------
+
+// Steps that compile nothing: some stand between those that do, to enter a stage.
+#define COMPILE_IDLE_STEPS 3u
+
+// Begin a job and take the steps in which code is compiled, which fills the driver's cache. What goes wrong goes wrong again
+// where somebody is told.
+static void compile_for(struct server *s, const struct ipc_begin *m)
+{
+	struct error err;
+	struct step_result result = STEP_RESULT_NOTHING;
+	struct job *job = calloc(1, sizeof *job);
+	if (!job)
+		return;
+	job->compile = true;
+	enum status r = begin(s, m, job, &err);
+	for (unsigned idle = 0; r == STATUS_OK && idle < COMPILE_IDLE_STEPS && !result.finished; idle++) {
+		const uint32_t added = s->devices->code.added;
+		r = step(s, job, 1, &result, &err);
+		if (s->devices->code.added != added)
+			idle = 0;
+	}
+	job_destroy(s, job);
 }
 
 static void add_asked(void *user, const char *key, const char *text)
@@ -444,6 +483,7 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 		return err->code;
 	}
 	const uint64_t end_us = clock_us() + m->limit_us;
+	allow_compiling(s, true);
 	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
@@ -499,15 +539,9 @@ static size_t expected_bytes(uint32_t op)
 	}
 }
 
-static enum status handle(struct server *s, const void *message, size_t bytes, int fd)
+static enum status handle(struct server *s, const void *message, int fd)
 {
 	const struct ipc_head *head = message;
-	if (bytes < sizeof *head || bytes != expected_bytes(head->op)) {
-		if (fd >= 0)
-			close(fd);
-		log_line(LOG_ERROR, "the front sent a message of %zu bytes that is none", bytes);
-		return STATUS_INTERNAL;
-	}
 	if (head->op == IPC_SCENE) {
 		on_scene(s, message, fd);
 		return STATUS_OK;
@@ -550,13 +584,40 @@ static void rest(struct server *s)
 	s->rested = true;
 }
 
+// Take the next message of those that fit; *bytes is 0 when the front has gone. *fd becomes the caller's.
+static enum status receive(int socket, void *message, size_t *bytes, int *fd)
+{
+	struct error err;
+	enum status r = ipc_receive(socket, message, IPC_MAX_BYTES, bytes, fd, &err);
+	const struct ipc_head *head = message;
+	if (r != STATUS_OK || *bytes == 0 || (*bytes >= sizeof *head && *bytes == expected_bytes(head->op)))
+		return r;
+	if (*fd >= 0)
+		close(*fd);
+	log_line(LOG_ERROR, "the front sent a message of %zu bytes that is none", *bytes);
+	return STATUS_INTERNAL;
+}
+
+static void finish(struct server *s)
+{
+	while (s->jobs) {
+		struct job *job = s->jobs;
+		s->jobs = job->next;
+		job_destroy(s, job);
+	}
+	if (s->devices->vk)
+		resident_finish(&s->scenes);
+}
+
+_Alignas(16) static char inbox[IPC_MAX_BYTES];
+
 enum status serve(int socket, struct devices *devices, const struct error *why)
 {
 	struct server s = {.socket = socket, .devices = devices, .scenes = {.device = devices->vk}};
 	struct ipc_ready ready = {.head = {.op = IPC_READY}};
 	struct error err;
-	enum status r = STATUS_INTERNAL;
-	_Alignas(16) static char message[IPC_MAX_BYTES];
+	size_t bytes = 1;
+	int fd;
 	snprintf(ready.build, sizeof ready.build, "%s", ipc_build());
 	if (devices->vk) {
 		snprintf(ready.device, sizeof ready.device, "%s", devices->vk->info.name);
@@ -571,26 +632,40 @@ enum status serve(int socket, struct devices *devices, const struct error *why)
 		log_line(LOG_ERROR, "%s", err.text);
 		return STATUS_INTERNAL;
 	}
-	r = ipc_send(socket, &ready, sizeof ready, -1, &err);
+	enum status r = ipc_send(socket, &ready, sizeof ready, -1, &err);
 	while (r == STATUS_OK) {
-		size_t bytes;
-		int fd;
 		rest(&s);
-		r = ipc_receive(socket, message, sizeof message, &bytes, &fd, &err);
+		r = receive(socket, inbox, &bytes, &fd);
 		if (r != STATUS_OK || bytes == 0)
 			break;
-		r = handle(&s, message, bytes, fd);
+		r = handle(&s, inbox, fd);
 		s.rested = false;
 		if (r == STATUS_OK)
 			r = tell_state(&s);
 	}
 	encoder_destroy(s.encoder);
-	while (s.jobs) {
-		struct job *job = s.jobs;
-		s.jobs = job->next;
-		job_destroy(&s, job);
+	finish(&s);
+	return r;
+}
+
+enum status serve_compiling(int socket, struct devices *devices)
+{
+	struct server s = {.socket = socket, .devices = devices, .scenes = {.device = devices->vk}};
+	size_t bytes;
+	int fd;
+	enum status r = receive(socket, inbox, &bytes, &fd);
+	for (; r == STATUS_OK && bytes > 0; r = receive(socket, inbox, &bytes, &fd)) {
+		const struct ipc_head *head = (const struct ipc_head *)inbox;
+		if (head->op == IPC_SCENE) {
+			on_scene(&s, (const struct ipc_scene *)inbox, fd);
+			continue;
+		}
+		if (fd >= 0)
+			close(fd);
+		if (head->op == IPC_BEGIN && devices->vk)
+			compile_for(&s, (const struct ipc_begin *)inbox);
+		break;
 	}
-	if (devices->vk)
-		resident_finish(&s.scenes);
+	finish(&s);
 	return r;
 }

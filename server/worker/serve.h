@@ -13,4 +13,8 @@ struct devices;
 // another.
 enum status serve(int socket, struct devices *devices, const struct error *why);
 
+// Compile what the first job that the front begins needs, and send nothing: the driver's cache and the list of code
+// (code_list.h) are what comes of it. As `serve` in all else.
+enum status serve_compiling(int socket, struct devices *devices);
+
 #endif

@@ -22,6 +22,11 @@
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
+//   FAKE_COLD=DIR      refuse renders of seed 7 for want of code until there is DIR/compiled, in BEGIN or, with
+//   FAKE_COLD_STEP, in
+//                      the second step. With --compile: add a byte to DIR/compilers, wait for DIR/go, make DIR/compiled and
+//                      exit
+//   FAKE_COMPILER      "die", "stop" itself or make "nothing" instead of waiting
 #include <fcntl.h>
 #include <math.h>
 #include <signal.h>
@@ -37,11 +42,14 @@
 #include "tests/daemon/fake.h"
 
 #define MAX 512
+#define COLD_SEED 7
+#define COLD_CODE 42
 
 struct job {
 	uint32_t id; // 0: free
 	candil_Render render;
 	uint32_t samples;
+	bool compile;
 };
 
 static struct job jobs[MAX];
@@ -113,6 +121,37 @@ static void on_forget(const struct ipc_scene *message)
 	*scene = 0;
 }
 
+static bool cold_path(char path[4096], const char *name)
+{
+	const char *folder = getenv("FAKE_COLD");
+	return folder && snprintf(path, 4096, "%s/%s", folder, name) < 4096;
+}
+
+static uint64_t cold(const candil_Render *render)
+{
+	char path[4096];
+	return cold_path(path, "compiled") && render->seed == COLD_SEED && access(path, F_OK) != 0 ? COLD_CODE : 0;
+}
+
+static int compile(void)
+{
+	char path[4096];
+	const char *wrong = getenv("FAKE_COMPILER") ? getenv("FAKE_COMPILER") : "";
+	FILE *file = cold_path(path, "compilers") ? fopen(path, "ae") : NULL;
+	if (!file || fputc('x', file) == EOF || fclose(file) != 0)
+		return 4;
+	if (!strcmp(wrong, "die"))
+		raise(SIGKILL);
+	if (!strcmp(wrong, "stop"))
+		raise(SIGSTOP);
+	if (!strcmp(wrong, "nothing"))
+		return 0;
+	for (cold_path(path, "go"); access(path, F_OK) != 0;)
+		usleep(1000);
+	cold_path(path, "compiled");
+	return close(open(path, O_CREAT | O_WRONLY | O_CLOEXEC, 0600)) == 0 ? 0 : 4;
+}
+
 static void on_begin(const struct ipc_begin *message)
 {
 	struct ipc_begun begun = {.head = {.op = IPC_BEGUN, .job = message->head.job}};
@@ -123,8 +162,10 @@ static void on_begin(const struct ipc_begin *message)
 	else if (active() >= fake_number("FAKE_MEMORY_JOBS", MAX - 1) ||
 		 pixels() + message->render.width * message->render.height > fake_number("FAKE_MEMORY_PIXELS", ~0ul))
 		error_set(&begun.error, STATUS_MEMORY, "the device's memory is full");
+	else if (!message->compile && !getenv("FAKE_COLD_STEP") && (begun.cold = cold(&message->render)) != 0)
+		error_set(&begun.error, STATUS_INTERNAL, "cold");
 	if (begun.error.code == STATUS_OK) {
-		*find(0) = (struct job){.id = message->head.job, .render = message->render};
+		*find(0) = (struct job){.id = message->head.job, .render = message->render, .compile = message->compile};
 		tell_state();
 		begun.accepted.technique = candil_Technique_TECHNIQUE_PT;
 		begun.accepted.samples = message->render.samples;
@@ -214,6 +255,8 @@ static void on_step(const struct ipc_step *message)
 		stepped.device_us = us;
 		if (job->samples == 2 && active() > fake_number("FAKE_STEP_MEMORY_JOBS", MAX))
 			error_set(&stepped.error, STATUS_MEMORY, "the device's memory is full");
+		if (job->samples == 2 && !job->compile && (stepped.cold = cold(&job->render)) != 0)
+			error_set(&stepped.error, STATUS_INTERNAL, "cold");
 		if (getenv("FAKE_FAIL_STEP"))
 			error_set(&stepped.error, STATUS_DEVICE, "the device was lost");
 	}
@@ -357,6 +400,8 @@ int main(int argc, char **argv)
 	} inbox;
 	if (getenv("FAKE_EXIT"))
 		return 3;
+	if (argc > 1 && !strcmp(argv[1], "--compile"))
+		return compile();
 	const bool inherited = fake_inherited(IPC_FD);
 	if (getenv("FAKE_TRACE")) {
 		trace = fopen(getenv("FAKE_TRACE"), "ae");

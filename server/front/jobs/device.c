@@ -5,6 +5,7 @@
 #include "protocol/header.h"
 #include "protocol/names.h"
 #include "server/base/clock.h"
+#include "server/front/jobs/compile.h"
 #include "server/front/jobs/deadline.h"
 #include "server/front/jobs/images.h"
 #include "server/front/jobs/lost.h"
@@ -29,7 +30,7 @@ static struct job *next_to_begin(const struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state != JOB_WAITING || job->undecided || !job_is_loaded(job))
+		if (job->state != JOB_WAITING || job->undecided || job->compiling || !job_is_loaded(job))
 			continue;
 		if (!job->short_of_memory)
 			return job;
@@ -54,6 +55,9 @@ void jobs_begin_next(struct jobs *jobs)
 		return;
 	job->state = JOB_BEGINNING;
 	job->again_us = clock_us();
+	if (job->cold_us)
+		job->compiled_us += job->again_us - job->cold_us;
+	job->cold_us = 0;
 	job->worker = jobs->worker->starts;
 	const struct rendered frame = {.scene = job->scene, .environment = job->environment, .render = &job->render};
 	if (jobs->predict && !(technique_traits(job->render.technique) & TECHNIQUE_NOISE))
@@ -64,7 +68,7 @@ void jobs_begin_next(struct jobs *jobs)
 	jobs->beginning = job->id;
 	jobs->begin_behind_step = jobs->stepping != 0;
 	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render,
-		     job->end_us);
+		     job->end_us, job->compile || jobs->worker->options->private_fd >= 0);
 }
 
 void jobs_step_next(struct jobs *jobs)
@@ -126,6 +130,10 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 	}
 	// No END is sent: the worker has no job whose BEGIN failed.
 	job->state = JOB_WAITING;
+	if (begun->cold) {
+		job_compile_first(jobs, job, begun->cold);
+		return;
+	}
 	if (begun->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
 		job->short_of_memory = true;
 		job->refusals++;
@@ -171,6 +179,14 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	}
 	if (stepped->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
 		wait_for_memory(jobs, job);
+		return;
+	}
+	if (stepped->cold) {
+		worker_end(jobs->worker, job->id);
+		jobs_let_others_try(jobs);
+		job_begin_again(jobs, job);
+		job->id = jobs_new_id(jobs);
+		job_compile_first(jobs, job, stepped->cold);
 		return;
 	}
 	if (stepped->error.code != STATUS_OK) {

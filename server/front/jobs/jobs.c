@@ -1,6 +1,7 @@
 #include "server/front/jobs/jobs.h"
 
 #include "server/base/clock.h"
+#include "server/front/jobs/compile.h"
 #include "server/front/jobs/deadline.h"
 #include "server/front/jobs/device.h"
 #include "server/front/jobs/images.h"
@@ -12,11 +13,15 @@
 void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms, unsigned most_images)
 {
 	*jobs = (struct jobs){.worker = worker, .slice_us = slice_ms * 1000u, .most_images = most_images};
+	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
+		compiler_init(&jobs->compilers[i], worker, jobs_compiled, jobs);
 }
 
 void jobs_finish(struct jobs *jobs)
 {
 	loop_timer_stop(jobs->worker->loop, &jobs->deadline);
+	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
+		compiler_stop(&jobs->compilers[i]);
 	jobs_clear(jobs);
 }
 
@@ -92,6 +97,7 @@ void jobs_dispatch(struct jobs *jobs)
 		jobs_read_finished(jobs);
 		return;
 	}
+	jobs_compile_next(jobs);
 	jobs_read_finished(jobs);
 	jobs_step_next(jobs);
 	jobs_begin_next(jobs);

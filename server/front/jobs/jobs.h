@@ -12,6 +12,7 @@
 #include "candil.pb.h"
 #include "protocol/limits.h"
 #include "protocol/names.h"
+#include "server/front/compiler.h"
 #include "server/front/jobs/room.h"
 #include "server/front/loop.h"
 #include "server/front/scenes.h"
@@ -40,6 +41,7 @@ struct handover {
 struct jobs {
 	struct worker *worker; // the service's
 	uint32_t slice_us; // device time that a slice may take
+	struct compiler compilers[LIMIT_COMPILERS]; // kept by compile.c
 	struct job *job[LIMIT_JOBS]; // owned; in the order of arrival
 	unsigned count;
 	uint32_t last_id;

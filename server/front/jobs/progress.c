@@ -112,6 +112,21 @@ static void put_stage(candil_Done *done, pb_size_t at, const char *name, uint64_
 	snprintf(done->stages[at].name, sizeof done->stages[at].name, "%s", name);
 }
 
+// What compiling took beside the worker is a part of what it took in all.
+static void add_compiling(candil_Done *done, uint64_t us)
+{
+	pb_size_t i = 0;
+	if (us == 0)
+		return;
+	done->cold_us += us;
+	while (i < done->stages_count && strcmp(done->stages[i].name, "compile") != 0)
+		i++;
+	if (i < done->stages_count)
+		done->stages[i].us += us;
+	else
+		put_stage(done, 0, "compile", us);
+}
+
 // Add the front's part to the worker's account of a job, whose stages are all time that the worker spent on it. So what is
 // left between BEGIN and the image is the wait for the device, for room and for messages.
 static void complete_account(struct job *job)
@@ -122,8 +137,9 @@ static void complete_account(struct job *job)
 	for (pb_size_t i = 0; i < done->stages_count; i++)
 		worked += done->stages[i].us;
 	put_stage(done, 0, "wait", with_worker > worked ? with_worker - worked : 0);
-	if (job->again_us > job->begun_us)
-		put_stage(done, 0, "lost", job->again_us - job->begun_us);
+	if (job->again_us - job->begun_us > job->compiled_us)
+		put_stage(done, 0, "lost", job->again_us - job->begun_us - job->compiled_us);
+	add_compiling(done, job->compiled_us);
 	put_stage(done, 0, "queue", job->begun_us - job->asked_us);
 	put_stage(done, MAX_STAGES, "send", now - job->encoded_us);
 	done->elapsed_us = now - job->asked_us;

@@ -39,6 +39,11 @@ struct job {
 	bool undecided; // its technique is being chosen: it is not begun before
 	candil_QuoteReply *quote; // owned: what its technique was chosen by; NULL: nobody chose
 	bool crowded; // others had the device, too
+	uint64_t code; // that the worker refused it for (compile.h); 0: none
+	bool compiling; // it waits for that code: it is not begun before
+	bool compile; // the worker compiles what it needs
+	uint64_t cold_us; // when the BEGIN was sent that was refused for it; 0: none, or it is begun again since
+	uint64_t compiled_us; // from such a BEGIN to the next one, all together
 	bool short_of_memory; // begins again when another job has ended
 	unsigned refusals; // for want of memory
 	unsigned blames; // workers that were lost while they had it

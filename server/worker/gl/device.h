@@ -13,6 +13,7 @@
 #define GL_UUID_BYTES 16u
 
 struct gl_program;
+struct code_list; // worker/code_list.h
 
 // Which GPU to open, and whose memory budget to share. What it points to outlives the device.
 struct gl_device_options {
@@ -42,6 +43,7 @@ struct gl_device {
 	uint64_t program_turn; // counts gl_program_get
 	bool software; // its driver compiles programs anew for other shapes of textures
 	uint64_t shapes; // of what is bound since gl_program_use: kept by texture.c and scene.c by gl_shape
+	struct code_list *code; // asked before a program is made or runs in a new way; NULL: nobody is asked
 	struct gl_program *settle; // kept by settle.c
 	unsigned settle_texture;
 };

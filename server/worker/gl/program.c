@@ -8,6 +8,7 @@
 
 #include "protocol/names.h"
 #include "server/base/log.h"
+#include "server/worker/code_list.h"
 
 static const char version[] = "#version 450 core\n";
 
@@ -106,10 +107,25 @@ bool gl_program_is_warm(const struct gl_device *d, const struct gl_program *p)
 	return false;
 }
 
+// The piece of code that the program in use is with the textures that are bound.
+static uint64_t piece_in_use(const struct gl_device *d, const struct gl_program *p)
+{
+	return d->software ? code_piece(p->piece, &d->shapes, sizeof d->shapes) : p->piece;
+}
+
+enum status gl_program_ask(const struct gl_device *d, const struct gl_program *p, bool *warm, struct error *err)
+{
+	*warm = gl_program_is_warm(d, p);
+	return *warm || !d->code ? STATUS_OK : code_list_ask(d->code, piece_in_use(d, p), err);
+}
+
 void gl_program_has_run(const struct gl_device *d, struct gl_program *p)
 {
-	if (!gl_program_is_warm(d, p))
-		p->warm[p->warm_count++ % GL_PROGRAM_SHAPES] = d->shapes;
+	if (gl_program_is_warm(d, p))
+		return;
+	p->warm[p->warm_count++ % GL_PROGRAM_SHAPES] = d->shapes;
+	if (d->code)
+		code_list_add(d->code, piece_in_use(d, p));
 }
 
 void gl_program_hold(struct gl_program *p)
@@ -142,6 +158,16 @@ static void gl_program_trim(struct gl_device *d)
 	free(p);
 }
 
+static uint64_t piece_of(const struct gl_source *source, const struct gl_defines *defines)
+{
+	const char *const parts[] = {source->compute, source->vertex, source->fragment, defines->text};
+	uint64_t piece = 0;
+	for (unsigned i = 0; i < sizeof parts / sizeof *parts; i++)
+		if (parts[i])
+			piece = code_piece(piece, parts[i], strlen(parts[i]));
+	return piece;
+}
+
 enum status gl_program_get(struct gl_device *d, const struct gl_source *source, const struct gl_defines *defines,
 			   struct gl_program **program, struct error *err)
 {
@@ -153,12 +179,17 @@ enum status gl_program_get(struct gl_device *d, const struct gl_source *source, 
 		}
 	if (defines->full)
 		return error_set(err, STATUS_INTERNAL, "too many macros for the shader %s", source->name);
+	const uint64_t piece = piece_of(source, defines);
+	enum status s = d->code ? code_list_ask(d->code, piece, err) : STATUS_OK;
+	if (s != STATUS_OK)
+		return s;
 	struct gl_program *p = calloc(1, sizeof *p);
 	if (!p)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	p->source = source;
+	p->piece = piece;
 	memcpy(p->defines, defines->text, sizeof p->defines);
-	enum status s = build(p, err);
+	s = build(p, err);
 	if (s == STATUS_OK)
 		s = gl_check(d, "making a program", err);
 	if (s != STATUS_OK) {
@@ -166,6 +197,8 @@ enum status gl_program_get(struct gl_device *d, const struct gl_source *source, 
 		free(p);
 		return s;
 	}
+	if (d->code)
+		code_list_add(d->code, piece);
 	gl_program_trim(d);
 	p->used = ++d->program_turn;
 	p->next = d->programs;

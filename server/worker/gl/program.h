@@ -23,6 +23,7 @@ struct gl_source {
 struct gl_program {
 	struct gl_program *next;
 	const struct gl_source *source;
+	uint64_t piece; // of the list of code; a run with textures of other shapes is a piece that follows from it
 	char defines[GL_DEFINES_BYTES];
 	unsigned name; // OpenGL's
 	uint32_t users; // holds of it: gl_program_hold
@@ -48,8 +49,8 @@ void gl_define_effects(struct gl_defines *defines, uint32_t effects);
 #define GL_PROGRAMS_MAX 192u
 
 // The program of a source with these macros, compiled and linked if it is not kept, which may take seconds. It is the
-// device's: the next call may destroy it unless it is held. STATUS_INTERNAL with the compiler's first words, or for macros
-// that are `full`; STATUS_MEMORY, STATUS_DEVICE.
+// device's: the next call may destroy it unless it is held. STATUS_INTERNAL with the compiler's first words, for macros that
+// are `full`, or where device->code refuses to compile it now; STATUS_MEMORY, STATUS_DEVICE.
 enum status gl_program_get(struct gl_device *device, const struct gl_source *source, const struct gl_defines *defines,
 			   struct gl_program **program, struct error *err);
 
@@ -60,9 +61,14 @@ void gl_program_use(struct gl_device *device, const struct gl_program *program);
 // driver may have to compile another program.
 void gl_shape(struct gl_device *device, uint64_t shape);
 
-// Whether the program in use has run with textures of the shapes that are bound, and so is compiled; and that it has. On
-// hardware any run is enough.
+// Whether the program in use has run with textures of the shapes that are bound, and so is compiled. On hardware any run is
+// enough.
 bool gl_program_is_warm(const struct gl_device *device, const struct gl_program *program);
+
+// The same, for a caller who will run it. STATUS_INTERNAL: it is not, and device->code refuses to compile it now.
+enum status gl_program_ask(const struct gl_device *device, const struct gl_program *program, bool *warm, struct error *err);
+
+// It has run.
 void gl_program_has_run(const struct gl_device *device, struct gl_program *program);
 
 // Hold a program for as long as the caller keeps a pointer to it, and let go of it: once for each hold. NULL is allowed in

@@ -14,6 +14,7 @@
 #define DEVICE_NAME_BYTES 128u
 
 struct pipeline;
+struct code_list; // worker/code_list.h
 
 // What the driver tells of one physical device.
 struct device_info {
@@ -64,6 +65,7 @@ struct device {
 	bool lost; // the driver says so: only a new process can open it again
 	struct pipeline *pipelines; // kept by pipeline.c
 	uint64_t pipeline_turn; // counts pipeline_get
+	struct code_list *code; // asked before a pipeline is made; NULL: nobody is asked
 };
 
 // List the physical devices, usable or not. *count is at most DEVICE_MAX. STATUS_DEVICE if there is no Vulkan loader or no

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "protocol/names.h"
+#include "server/worker/code_list.h"
 #include "server/worker/vk/specialise.h"
 
 _Static_assert(EFFECT_COUNT <= SPEC_EFFECTS, "every effect has a constant");
@@ -156,12 +157,18 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const st
 			*pipeline = p;
 			return STATUS_OK;
 		}
+	const uint64_t piece = code_piece(code_piece(0, shader->code, shader->bytes), constants->of,
+					  constants->count * sizeof constants->of[0]);
+	enum status s = d->code ? code_list_ask(d->code, piece, err) : STATUS_OK;
+	if (s != STATUS_OK)
+		return s;
 	struct pipeline *p = calloc(1, sizeof *p);
 	if (!p)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	p->shader = shader;
 	p->constants = *constants;
-	enum status s = make_layout(d, p, err);
+	p->piece = piece;
+	s = make_layout(d, p, err);
 	if (s == STATUS_OK)
 		s = make_pipeline(d, p, err);
 	if (s != STATUS_OK) {
@@ -174,6 +181,13 @@ enum status pipeline_get(struct device *d, const struct shader *shader, const st
 	d->pipelines = p;
 	*pipeline = p;
 	return STATUS_OK;
+}
+
+void pipeline_has_run(struct device *d, struct pipeline *p)
+{
+	if (!p->warm && d->code)
+		code_list_add(d->code, p->piece);
+	p->warm = true;
 }
 
 void pipeline_destroy_all(struct device *d)

@@ -38,7 +38,7 @@ struct shader {
 	uint32_t push_bytes; // of push constants
 };
 
-// A compiled pipeline. `warm` is its user's to set; all else is for reading.
+// A compiled pipeline, for reading.
 struct pipeline {
 	struct pipeline *next;
 	const struct shader *shader;
@@ -48,6 +48,7 @@ struct pipeline {
 	VkPipeline handle;
 	uint32_t users; // binding sets made for it
 	uint64_t used; // device->pipeline_turn when it was last asked for
+	uint64_t piece; // of the list of code
 	bool warm; // it has run once: some drivers compile at the first dispatch
 };
 
@@ -57,9 +58,13 @@ struct pipeline {
 
 // The pipeline of `shader` with these constants (NULL: none), compiled if it is not kept, which may take seconds. It is the
 // device's: the next call may destroy it unless a binding set has been made for it. STATUS_INTERNAL if the shader has more
-// bindings or constants than there is room for; STATUS_MEMORY, STATUS_DEVICE.
+// bindings or constants than there is room for, or where device->code refuses to compile it now; STATUS_MEMORY,
+// STATUS_DEVICE.
 enum status pipeline_get(struct device *device, const struct shader *shader, const struct constants *constants,
 			 struct pipeline **pipeline, struct error *err);
+
+// The pipeline has run once, and so is compiled whatever the driver: device->code learns of it.
+void pipeline_has_run(struct device *device, struct pipeline *pipeline);
 
 // Wait until the device is idle and destroy all pipelines that it keeps. To be called before device_destroy, without any
 // binding set left. A device whose opening failed half-way is allowed.

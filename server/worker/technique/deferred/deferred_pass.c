@@ -176,16 +176,18 @@ enum status deferred_warm_up(struct deferred *d, struct deferred_work *work, boo
 		bind_common(d, work->program);
 	else
 		record_tiles(d, work, 0, 0);
-	*cold = !gl_program_is_warm(d->device, work->program);
-	if (!*cold)
-		return STATUS_OK;
+	bool warm;
+	enum status s = gl_program_ask(d->device, work->program, &warm, err);
+	*cold = !warm;
+	if (warm || s != STATUS_OK)
+		return s;
 	if (work->kind == DEFERRED_DRAW) {
 		record_draw(d, work, 0, scene_count(d->scene, BLOB_TRIANGLES) > 0);
 	} else {
 		set_uniforms(d, 0, 0);
 		glDispatchCompute(1, 1, 1);
 	}
-	enum status s = gl_wait(d->device, work->stage, err);
+	s = gl_wait(d->device, work->stage, err);
 	if (s == STATUS_OK)
 		gl_program_has_run(d->device, work->program);
 	return s;

@@ -208,7 +208,7 @@ static enum status draw(const struct shadow_maps *m, uint32_t count, struct erro
 static enum status make_programs(struct shadow_maps *m, const struct plan *plan, uint64_t *compile_us, struct error *err)
 {
 	const uint64_t start = clock_us();
-	bool warm = true;
+	bool all_warm = true;
 	for (unsigned i = 0; i < (is_cut(plan) ? 2 : 1); i++) {
 		struct gl_defines defines = {0};
 		struct gl_program *program;
@@ -220,10 +220,14 @@ static enum status make_programs(struct shadow_maps *m, const struct plan *plan,
 		gl_program_hold(program);
 		m->programs[i] = program;
 		gl_program_use(m->device, program);
-		warm &= gl_program_is_warm(m->device, program);
+		bool warm;
+		s = gl_program_ask(m->device, program, &warm, err);
+		if (s != STATUS_OK)
+			return s;
+		all_warm &= warm;
 		gl_program_has_run(m->device, program);
 	}
-	if (warm || scene_count(m->scene, BLOB_TRIANGLES) == 0)
+	if (all_warm || scene_count(m->scene, BLOB_TRIANGLES) == 0)
 		return STATUS_OK;
 	// Make the driver compile: draw the first triangle, whatever it is, by both programs. It is drawn again at its turn.
 	enum status s = draw(m, 1, err);

@@ -82,7 +82,8 @@ enum status pt_error_init(struct technique_job *j, struct error *err)
 		return s;
 	// A run to make the driver compile: what it writes, of a picture without samples, is not read.
 	s = pt_error_run(j, err);
-	j->error->warm = s == STATUS_OK;
+	if (s == STATUS_OK)
+		pipeline_has_run(j->device, j->error);
 	j->compile_us += clock_us() - start;
 	return s;
 }

@@ -62,7 +62,8 @@ enum status pt_job_warm_up(struct technique_job *j, struct pipeline *pipeline, c
 	vkCmdPushConstants(c, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof nothing, &nothing);
 	vkCmdDispatch(c, 1, 1, 1);
 	s = command_finish(j->device, err);
-	pipeline->warm = s == STATUS_OK;
+	if (s == STATUS_OK)
+		pipeline_has_run(j->device, pipeline);
 	return s;
 }
 

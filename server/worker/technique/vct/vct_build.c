@@ -207,7 +207,10 @@ static enum status warm_up(const struct vct_volume *v, enum vct_stage stage, str
 	enum status s = program_of(v, stage, &program, err);
 	if (s == STATUS_OK)
 		s = vct_build_bind(v, stage, program, err);
-	if (s != STATUS_OK || gl_program_is_warm(v->device, program))
+	bool warm = false;
+	if (s == STATUS_OK)
+		s = gl_program_ask(v->device, program, &warm, err);
+	if (s != STATUS_OK || warm)
 		return s;
 	glUniform2ui(VCT_RANGE, 0, 0);
 	glDispatchCompute(1, 1, 1);

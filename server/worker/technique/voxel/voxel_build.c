@@ -164,13 +164,19 @@ static enum status compile_piece(struct voxels *v, struct error *err)
 	const uint64_t start = clock_us();
 	if (i == VOXEL_PROGRAM_SUM)
 		scene_define(&defines, b->scene, v->effects);
-	enum status r = gl_program_get(v->device, &sources[i], &defines, &b->programs[i], err);
+	struct gl_program *program;
+	bool warm;
+	enum status r = gl_program_get(v->device, &sources[i], &defines, &program, err);
 	if (r != STATUS_OK)
 		return r;
-	gl_program_hold(b->programs[i]);
+	voxel_build_use(v, program);
+	r = gl_program_ask(v->device, program, &warm, err);
+	if (r != STATUS_OK)
+		return r;
+	gl_program_hold(program);
+	b->programs[i] = program;
 	b->compiled++;
-	voxel_build_use(v, b->programs[i]);
-	if (gl_program_is_warm(v->device, b->programs[i]))
+	if (warm)
 		return STATUS_OK;
 	if (i == VOXEL_PROGRAM_MARK || i == VOXEL_PROGRAM_SUM)
 		glUniform2ui(0, 0, 0);
@@ -179,7 +185,7 @@ static enum status compile_piece(struct voxels *v, struct error *err)
 	voxel_build_run(1, 1);
 	r = gl_wait(v->device, "compiling", err);
 	if (r == STATUS_OK)
-		gl_program_has_run(v->device, b->programs[i]);
+		gl_program_has_run(v->device, program);
 	b->compile_us += clock_us() - start;
 	return r;
 }

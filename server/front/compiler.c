@@ -1,0 +1,104 @@
+#include "server/front/compiler.h"
+
+#include <sys/epoll.h>
+
+#include "server/base/clock.h"
+#include "server/base/ipc.h"
+#include "server/base/log.h"
+
+static void compiler_look(void *owner);
+
+static void compiler_look_again(struct compiler *c)
+{
+	loop_timer_set(c->worker->loop, &c->look, clock_us() + worker_patience_s(c->worker) * 1000000ull / PULSE_LOOKS,
+		       compiler_look, c);
+}
+
+static void compiler_look(void *owner)
+{
+	struct compiler *c = owner;
+	c->work_us += pulse_look(&c->pulse);
+	if (c->pulse.still >= PULSE_LOOKS || c->work_us > c->worker->options->answer_s * 1000000ull)
+		child_kill(&c->child);
+	else
+		compiler_look_again(c);
+}
+
+static void compiler_ended(void *owner, uint32_t events)
+{
+	struct compiler *c = owner;
+	char how[64];
+	const uint64_t code = c->code;
+	(void)events;
+	child_reap(&c->child, c->worker->loop, how, sizeof how);
+	loop_timer_stop(c->worker->loop, &c->look);
+	log_line(LOG_INFO, "compiler of %016llx: %s", (unsigned long long)code, how);
+	c->code = 0;
+	c->done(c->owner, code);
+}
+
+// It says nothing, so this is its end, which its pidfd tells, too.
+static void compiler_hung_up(void *owner, uint32_t events)
+{
+	struct compiler *c = owner;
+	(void)events;
+	loop_forget(c->worker->loop, c->child.socket);
+}
+
+void compiler_init(struct compiler *c, struct worker *worker, compiler_done *done, void *owner)
+{
+	*c = (struct compiler){.worker = worker, .done = done, .owner = owner};
+	child_init(&c->child);
+}
+
+// All of it fits a socket's buffer, so nothing waits for the process to start.
+static enum status give_orders(const struct compiler *c, const struct scene *scene, const struct scene *environment,
+			       const candil_Render *render, struct error *err)
+{
+	const struct scene *const both[] = {scene, environment};
+	enum status status = STATUS_OK;
+	for (int i = 0; status == STATUS_OK && i < 2; i++) {
+		if (!both[i])
+			continue;
+		const struct ipc_scene message = {.head = {.op = IPC_SCENE}, .scene = both[i]->id};
+		status = ipc_send(c->child.socket, &message, sizeof message, both[i]->blob, err);
+	}
+	const struct ipc_begin message = {.head = {.op = IPC_BEGIN, .job = 1},
+					  .scene = scene->id,
+					  .environment = environment ? environment->id : 0,
+					  .render = *render,
+					  .end_us = UINT64_MAX,
+					  .compile = true};
+	return status == STATUS_OK ? ipc_send(c->child.socket, &message, sizeof message, -1, err) : status;
+}
+
+enum status compiler_start(struct compiler *c, uint64_t code, const struct scene *scene, const struct scene *environment,
+			   const candil_Render *render, struct error *err)
+{
+	struct worker_command command;
+	enum status status = worker_command(c->worker, true, &command, err);
+	if (status == STATUS_OK)
+		status = child_start(&c->child, PROGRAM_WORKER, command.argv, -1, err);
+	if (status == STATUS_OK)
+		status = loop_watch(c->worker->loop, c->child.socket, EPOLLIN, compiler_hung_up, c, err);
+	if (status == STATUS_OK)
+		status = loop_watch(c->worker->loop, c->child.pidfd, EPOLLIN, compiler_ended, c, err);
+	if (status == STATUS_OK)
+		status = give_orders(c, scene, environment, render, err);
+	if (status != STATUS_OK) {
+		compiler_stop(c);
+		return status;
+	}
+	c->code = code;
+	c->work_us = 0;
+	pulse_begin(&c->pulse, c->child.pid);
+	compiler_look_again(c);
+	return STATUS_OK;
+}
+
+void compiler_stop(struct compiler *c)
+{
+	loop_timer_stop(c->worker->loop, &c->look);
+	child_abandon(&c->child, c->worker->children);
+	c->code = 0;
+}

@@ -1,0 +1,42 @@
+// A process that compiles the shader code of one job, so that the worker can go on with others: code that no driver has seen
+// before takes seconds, on a busy machine minutes. It is candil-worker once more, run with --compile: it gets the scene and
+// the job, begins it, and exits when all code is compiled. What comes of it is the driver's cache, where the worker then
+// finds the code. One that crashes or hangs has compiled nothing, and the worker compiles for itself.
+//
+// For the front's one thread (loop.h).
+#ifndef CANDIL_FRONT_COMPILER_H
+#define CANDIL_FRONT_COMPILER_H
+
+#include <stdint.h>
+
+#include "server/base/pulse.h"
+#include "server/front/child.h"
+#include "server/front/scenes.h"
+#include "server/front/worker.h"
+
+// It has ended, well or not. `code` is the number that it was started with. Not called from within the functions below.
+typedef void compiler_done(void *owner, uint64_t code);
+
+struct compiler {
+	struct worker *worker; // whose device it compiles for
+	struct child child;
+	struct loop_timer look;
+	struct pulse pulse;
+	uint64_t work_us; // since its start
+	uint64_t code; // what it compiles: a number that the worker gave (ipc.h); 0: nothing, it is free
+	compiler_done *done;
+	void *owner;
+};
+
+// `worker` and `owner` must outlive it.
+void compiler_init(struct compiler *compiler, struct worker *worker, compiler_done *done, void *owner);
+
+// Start it for a job: `code` is not 0, `scene` and `environment` (NULL: none) are loaded. It must be free. Failure, and it
+// is free: STATUS_INTERNAL, STATUS_IO.
+enum status compiler_start(struct compiler *compiler, uint64_t code, const struct scene *scene,
+			   const struct scene *environment, const candil_Render *render, struct error *err);
+
+// Kill it; `done` is not called. Nothing if it is free.
+void compiler_stop(struct compiler *compiler);
+
+#endif
