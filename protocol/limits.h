@@ -71,12 +71,13 @@
 // ---- a scene ----
 #define LIMIT_SCENE_FILE_BYTES (1ull << 30) // the file and each of its side files
 #define LIMIT_SCENE_SOURCE_BYTES (2ull << 30) // all its files together
+#define LIMIT_FOLDER_ENTRIES (8u * 1024u * 1024u) // read to find files whose names differ in case
 #define LIMIT_BLOB_BYTES (4ull << 30)
 #define LIMIT_SCENES_BYTES (16ull << 30) // the blobs of all scenes together
 #define LIMIT_TRIANGLES (32u * 1024u * 1024u)
 #define LIMIT_VERTICES (96u * 1024u * 1024u)
 #define LIMIT_ZERO_ELEMENTS (1024u * 1024u) // of glTF accessors without a buffer view, all together
-#define LIMIT_INSTANCES (1024u * 1024u) // of one node of a glTF file
+#define LIMIT_INSTANCES (1024u * 1024u) // of one node of a glTF file; those of all count as their triangles and vertices
 #define LIMIT_MATERIALS 65535u
 #define LIMIT_IOR_LEAST 0.1 // index of refraction of what lets light through
 #define LIMIT_IOR_MOST 10.0

@@ -1,8 +1,11 @@
 #include "server/base/ipc.h"
 
 #include <errno.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -111,4 +114,12 @@ enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes
 	}
 	*bytes = (size_t)got;
 	return STATUS_OK;
+}
+
+bool ipc_end_with_parent(int socket)
+{
+	struct pollfd peer = {.fd = socket};
+	prctl(PR_SET_PDEATHSIG, SIGKILL);
+	// A parent that ended before that call is not noticed by it, but its descriptors are closed by then.
+	return poll(&peer, 1, 0) <= 0 || !(peer.revents & POLLHUP);
 }

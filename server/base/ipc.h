@@ -174,4 +174,8 @@ bool ipc_next_is(int socket, enum ipc_op op);
 // EAGAIN, if a non-blocking socket has nothing to read.
 enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fd, struct error *err);
 
+// For a child, before anything that takes time: have the kernel kill it when the thread that started it ends. False if the
+// parent, which held the other end of `socket`, has ended already.
+bool ipc_end_with_parent(int socket);
+
 #endif

@@ -94,8 +94,9 @@ static void make_nodes(const struct import *im, const uint32_t *light_place, str
 static enum status make_lights_and_nodes(struct import *im, struct parts *p, struct error *err)
 {
 	const struct geometry *g = &p->geometry;
-	for (size_t i = 0; i < im->material_count; i++)
-		im->materials[i].power_density = lights_power_density(&im->materials[i], im->textures, im->texels);
+	if (lights_power_densities(im->materials, (uint32_t)im->material_count, im->textures, (uint32_t)im->texture_count,
+				   im->texels, err) != STATUS_OK)
+		return err->code;
 	if (lights_collect_emitters(im->materials, g->vertices, g->triangles, g->triangle_count, &p->emitters,
 				    &p->emitter_count, &p->emitter_power, err) != STATUS_OK)
 		return err->code;

@@ -112,10 +112,11 @@ bool files_exists(const struct files *files, const char *name)
 
 // Put the entry of a folder that has this name, else the one that has it in any case, behind `found`, whose first `used`
 // bytes name the folder.
-static bool find_entry(const struct files *files, const char *name, size_t length, char *found, size_t used)
+static bool find_entry(struct files *files, const char *name, size_t length, char *found, size_t used)
 {
 	found[used] = '\0';
-	const int fd = open_as(files->dir, used ? found : ".", O_RDONLY | O_DIRECTORY);
+	const bool may_look = files->entries_read <= LIMIT_FOLDER_ENTRIES;
+	const int fd = may_look ? open_as(files->dir, used ? found : ".", O_RDONLY | O_DIRECTORY) : -1;
 	DIR *folder = fd >= 0 ? fdopendir(fd) : NULL;
 	unsigned matches = 0;
 	bool exact = false;
@@ -124,17 +125,18 @@ static bool find_entry(const struct files *files, const char *name, size_t lengt
 			close(fd);
 		return false;
 	}
-	for (struct dirent *e; !exact && (e = readdir(folder));)
+	bool cut = false;
+	for (struct dirent *e; !exact && !cut && (e = readdir(folder)); cut = ++files->entries_read > LIMIT_FOLDER_ENTRIES)
 		if (strlen(e->d_name) == length && strncasecmp(e->d_name, name, length) == 0) {
 			memcpy(found + used, e->d_name, length + 1);
 			exact = strncmp(e->d_name, name, length) == 0;
 			matches++;
 		}
 	closedir(folder);
-	return exact || matches == 1;
+	return exact || (matches == 1 && !cut);
 }
 
-bool files_find_in_any_case(const struct files *files, const char *name, char *found)
+bool files_find_in_any_case(struct files *files, const char *name, char *found)
 {
 	size_t used = 0;
 	while (*name) {

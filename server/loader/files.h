@@ -12,6 +12,7 @@
 struct files {
 	int dir; // descriptor of the scene's folder; the caller's
 	uint64_t bytes_read; // bytes of all files so far, at most LIMIT_SCENE_SOURCE_BYTES
+	uint64_t entries_read; // entries of folders so far, at most LIMIT_FOLDER_ENTRIES
 };
 
 struct file_bytes {
@@ -33,8 +34,8 @@ bool files_exists(const struct files *files, const char *name);
 
 // Find the one file whose name differs from `name` by nothing but the case of ASCII letters, as files of systems do that do
 // not tell them apart. Of several folders, or files, the one that has the very name counts. `found`, of strlen(name) + 1
-// bytes, becomes the file's name. False: there is none, or more than one.
-bool files_find_in_any_case(const struct files *files, const char *name, char *found);
+// bytes, becomes the file's name. False: there is none, or more than one, or looking would take too long.
+bool files_find_in_any_case(struct files *files, const char *name, char *found);
 
 // Free the bytes.
 void file_bytes_finish(struct file_bytes *bytes);

@@ -274,7 +274,7 @@ enum status import_all(struct import *import, const struct file_bytes *bytes, st
 	if (status == STATUS_OK)
 		status = pick_scene(reader->model, &scene, err);
 	if (status == STATUS_OK)
-		status = gltf_check_instances(reader.get(), err);
+		status = gltf_check_sums(reader.get(), scene->nodes, err);
 	if (status == STATUS_OK)
 		status = gltf_add_materials(reader.get(), err);
 	if (status == STATUS_OK)

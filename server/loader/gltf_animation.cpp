@@ -42,11 +42,27 @@ bool ascend(const std::vector<float> &times)
 	return true;
 }
 
+// Limit what all channels read, also those that are left out then: many may name the same numbers.
+enum status count_numbers(gltf_reader *reader, const tinygltf::AnimationSampler &sampler, struct error *err)
+{
+	const std::vector<tinygltf::Accessor> &accessors = reader->model.accessors;
+	for (const int a : {sampler.input, sampler.output}) {
+		const size_t count = a >= 0 && a < (int)accessors.size() ? accessors[(size_t)a].count : 0;
+		if (count > LIMIT_CURVE_FLOATS - reader->curve_numbers)
+			return error_set(err, STATUS_SCENE_LIMIT,
+					 "the scene's animations have more than %u keys; simplify them", LIMIT_CURVE_FLOATS);
+		reader->curve_numbers += count;
+	}
+	return STATUS_OK;
+}
+
 enum status add_curve(gltf_reader *reader, const tinygltf::AnimationSampler &sampler, struct scene_channel *channel,
 		      const char *name, struct error *err)
 {
 	gltf_elements keys, elements;
 	std::vector<float> times, values;
+	if (count_numbers(reader, sampler, err) != STATUS_OK)
+		return err->code;
 	const int type = channel->path == CHANNEL_ROTATION ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3;
 	if (gltf_read_accessor(reader->model, sampler.input, TINYGLTF_TYPE_SCALAR, LIMIT_CURVE_FLOATS, &keys, err) !=
 		STATUS_OK ||

@@ -1,11 +1,9 @@
 #include "server/loader/gltf_accessor.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
 extern "C" {
-#include "server/base/checked.h"
 #include "server/scene/transform.h"
 }
 
@@ -21,7 +19,7 @@ struct instances {
 enum status read_part(const gltf_reader *reader, const tinygltf::Node &node, const char *name, int type, gltf_elements *out,
 		      instances *all, struct error *err)
 {
-	const tinygltf::Value &attributes = node.extensions.at("EXT_mesh_gpu_instancing").Get("attributes");
+	const tinygltf::Value &attributes = *gltf_instances_of(node);
 	if (!attributes.Has(name))
 		return STATUS_OK;
 	if (gltf_read_accessor(reader->model, (int)gltf_number(attributes, name, -1), type, LIMIT_INSTANCES, out, err) !=
@@ -35,35 +33,6 @@ enum status read_part(const gltf_reader *reader, const tinygltf::Node &node, con
 	all->count = out->count;
 	all->known = true;
 	return STATUS_OK;
-}
-
-// The elements that one instance of a mesh makes the loader read.
-size_t elements_of(const tinygltf::Model &model, const tinygltf::Mesh &mesh)
-{
-	size_t elements = 1;
-	for (const tinygltf::Primitive &p : mesh.primitives) {
-		const auto positions = p.attributes.find("POSITION");
-		const int read[] = {p.indices, positions == p.attributes.end() ? -1 : positions->second};
-		elements++;
-		for (int a : read)
-			if (a >= 0 && a < (int)model.accessors.size() &&
-			    !checked_add(elements, model.accessors[(size_t)a].count, &elements))
-				return SIZE_MAX;
-	}
-	return elements;
-}
-
-// The largest number of instances that a node's attributes speak of; gltf_add_instances finds out whether they agree.
-size_t instances_of(const tinygltf::Model &model, const tinygltf::Node &node)
-{
-	const tinygltf::Value &attributes = node.extensions.at("EXT_mesh_gpu_instancing").Get("attributes");
-	size_t count = 0;
-	for (const char *name : {"TRANSLATION", "ROTATION", "SCALE"}) {
-		const int a = attributes.Has(name) ? (int)gltf_number(attributes, name, -1) : -1;
-		if (a >= 0 && a < (int)model.accessors.size())
-			count = std::max(count, model.accessors[(size_t)a].count);
-	}
-	return count;
 }
 
 transform place_of(const instances &all, size_t i)
@@ -82,40 +51,23 @@ transform place_of(const instances &all, size_t i)
 	return transform_of_parts(&parts);
 }
 
-bool has_attributes(const tinygltf::Node &node)
+} // namespace
+
+const tinygltf::Value *gltf_instances_of(const tinygltf::Node &node)
 {
 	const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
 	if (found == node.extensions.end() || !found->second.Has("attributes"))
-		return false;
+		return nullptr;
 	const tinygltf::Value &attributes = found->second.Get("attributes");
-	return attributes.Has("TRANSLATION") || attributes.Has("ROTATION") || attributes.Has("SCALE");
-}
-
-} // namespace
-
-enum status gltf_check_instances(const gltf_reader *reader, struct error *err)
-{
-	const tinygltf::Model &model = reader->model;
-	size_t sum = 0;
-	for (const tinygltf::Node &node : model.nodes) {
-		size_t all;
-		if (node.mesh < 0 || node.mesh >= (int)model.meshes.size() || !has_attributes(node))
-			continue;
-		if (!checked_mul(elements_of(model, model.meshes[(size_t)node.mesh]), instances_of(model, node), &all) ||
-		    !checked_add(sum, all, &sum) || sum > (size_t)LIMIT_TRIANGLES * 3 + LIMIT_VERTICES)
-			return error_set(
-			    err, STATUS_SCENE_LIMIT,
-			    "the instances up to those of node '%.60s' have more vertices than a scene may have",
-			    node.name.c_str());
-	}
-	return STATUS_OK;
+	return attributes.Has("TRANSLATION") || attributes.Has("ROTATION") || attributes.Has("SCALE") ? &attributes
+												      : nullptr;
 }
 
 enum status gltf_add_instances(gltf_reader *reader, const tinygltf::Node &node, const transform &world, struct error *err)
 {
 	const tinygltf::Mesh &mesh = reader->model.meshes[(size_t)node.mesh];
 	instances all;
-	if (!has_attributes(node))
+	if (!gltf_instances_of(node))
 		return gltf_add_mesh(reader, mesh, world, err);
 	if (read_part(reader, node, "TRANSLATION", TINYGLTF_TYPE_VEC3, &all.translations, &all, err) != STATUS_OK ||
 	    read_part(reader, node, "ROTATION", TINYGLTF_TYPE_VEC4, &all.rotations, &all, err) != STATUS_OK ||

@@ -33,14 +33,6 @@ struct attributes {
 	size_t color_width = 0;
 };
 
-bool uses_second_uvs(const struct import *import)
-{
-	for (size_t i = 0; i < import->texture_count; i++)
-		if (import->textures[i].flags & TEXTURE_UV1)
-			return true;
-	return false;
-}
-
 enum status read_colors(const gltf_reader *reader, const tinygltf::Primitive &primitive, attributes *out, struct error *err)
 {
 	const auto found = primitive.attributes.find("COLOR_0");
@@ -61,7 +53,7 @@ enum status read_attributes(const gltf_reader *reader, const tinygltf::Primitive
 	    read_attribute(reader, primitive, "TEXCOORD_0", TINYGLTF_TYPE_VEC2, &out->uvs, err) != STATUS_OK ||
 	    read_colors(reader, primitive, out, err) != STATUS_OK)
 		return err->code;
-	if (uses_second_uvs(import) &&
+	if (reader->uses_second_uvs &&
 	    read_attribute(reader, primitive, "TEXCOORD_1", TINYGLTF_TYPE_VEC2, &out->uvs1, err) != STATUS_OK)
 		return err->code;
 	if (import_tangent_map(&import->materials[material]) != NONE &&

@@ -17,15 +17,20 @@ struct gltf_reader {
 	struct import *import;
 	tinygltf::Model model;
 	uint32_t default_material = NONE; // NONE until the first primitive without a material
+	bool uses_second_uvs = false; // whether some texture does
+	size_t curve_numbers = 0; // that the channels read so far name
 	std::vector<uint32_t> nodes; // each of the file's nodes: its index in the import, or NONE outside of the scene
 };
 
 // Add a mesh's vertices and triangles, transformed to world space. gltf_mesh.cpp
 enum status gltf_add_mesh(gltf_reader *reader, const tinygltf::Mesh &mesh, const transform &world, struct error *err);
 
-// Limit the elements that all instances of all nodes together make the loader read: a file of a few bytes may ask for
-// millions of instances, on each of many nodes. gltf_instances.cpp
-enum status gltf_check_instances(const gltf_reader *reader, struct error *err);
+// Limit what all nodes beneath `roots`, with all their instances, ask for, before any of it is made: a file of a few bytes
+// may name a large mesh by each of many nodes, and millions of instances by each. gltf_sums.cpp
+enum status gltf_check_sums(const gltf_reader *reader, const std::vector<int> &roots, struct error *err);
+
+// The object of a node's instances, EXT_mesh_gpu_instancing's attributes; null if it has none. gltf_instances.cpp
+const tinygltf::Value *gltf_instances_of(const tinygltf::Node &node);
 
 // Add the mesh of a node, once or for each instance of EXT_mesh_gpu_instancing. The import's node must exist. All instances
 // belong to the node and move with it. gltf_instances.cpp

@@ -72,14 +72,18 @@ enum status image_texture(gltf_reader *reader, int number, const struct import_s
 	struct import *import = reader->import;
 	const tinygltf::Image &image = reader->model.images[(size_t)number];
 	const bool in_file = image.uri.empty() || data_uri_is(image.uri.c_str());
-	const std::string key = in_file ? "image " + std::to_string(number) : percent_decoded(image.uri);
+	// A name longer than any path is none, and not read again for each texture.
+	const bool too_long = !in_file && image.uri.size() > 3 * LIMIT_PATH;
+	const std::string key = in_file || too_long ? "image " + std::to_string(number) : percent_decoded(image.uri);
 	struct file_bytes file = {nullptr, 0};
 	struct error why;
 	size_t size = 0;
 	const unsigned char *bytes = nullptr;
 
 	if (!import_knows_image(import, key.c_str())) {
-		if (in_file && !image.uri.empty()) { // of a form that tinygltf does not know
+		if (too_long) {
+			error_set(&why, STATUS_SCENE_FILE, "its name is longer than %u bytes", LIMIT_PATH);
+		} else if (in_file && !image.uri.empty()) { // of a form that tinygltf does not know
 			if (data_uri_read(image.uri.c_str(), &file, &why) == STATUS_OK) {
 				bytes = file.data;
 				size = file.size;
@@ -180,5 +184,6 @@ enum status gltf_find_texture(gltf_reader *reader, const gltf_slot &slot, uint32
 		return STATUS_OK;
 	}
 	const struct import_sampling sampling = sampling_of(reader, slot, flags | flags_of(model, texture));
+	reader->uses_second_uvs = reader->uses_second_uvs || (sampling.flags & TEXTURE_UV1);
 	return image_texture(reader, texture.source, sampling, out, err);
 }

@@ -13,6 +13,9 @@
 void import_init(struct import *im, struct files *files, candil_SceneInfo *info)
 {
 	*im = (struct import){.files = files, .info = info, .unit = 1.0};
+	key_table_init(&im->image_keys, IMPORT_IMAGE_WORDS);
+	key_table_init(&im->texture_keys, IMPORT_TEXTURE_WORDS);
+	key_table_init(&im->sought, KEY_TEXT_WORDS);
 }
 
 void import_finish(struct import *im)
@@ -35,6 +38,12 @@ void import_finish(struct import *im)
 	free(im->curves);
 	free(im->environment);
 	free(im->environment_rows);
+	key_table_finish(&im->image_keys);
+	key_table_finish(&im->texture_keys);
+	key_table_finish(&im->sought);
+	for (size_t i = 0; i < im->found_count; i++)
+		free(im->found[i]);
+	free(im->found);
 	*im = (struct import){0};
 }
 

@@ -12,6 +12,7 @@
 #include "server/base/remarks.h"
 #include "server/loader/files.h"
 #include "server/loader/image_read.h"
+#include "server/loader/key_table.h"
 #include "server/scene/blob.h"
 
 // A vertex in world space, metres. Positions are doubles until the blob's origin is known. They may have any value here,
@@ -93,6 +94,13 @@ struct import {
 	size_t animation_count, animation_room;
 	size_t channel_count, channel_room;
 	size_t curve_count, curve_room;
+	struct key_table image_keys; // of the images, by key and whether derived
+	struct key_table texture_keys; // of the textures, by the number of their image and their sampling
+	size_t encoded_bytes; // of the images that were decoded
+	size_t wasted_texels; // of those whose pixels could not be read
+	struct key_table sought; // files of maps, by their names where they were looked for
+	char **found; // for each of them, the name by which it was found
+	size_t found_count, found_room;
 
 	double source_reach; // of the positions stored least precisely in the file: largest |coordinate|
 	double source_extent; // and the extent that they span; 0: nothing noted

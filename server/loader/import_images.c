@@ -5,12 +5,19 @@
 #include "server/loader/import_parts.h"
 #include "server/scene/texel.h"
 
+static void image_key(const char *key, bool derived, uint32_t out[IMPORT_IMAGE_WORDS])
+{
+	_Static_assert(IMPORT_IMAGE_WORDS == KEY_TEXT_WORDS + 1, "a text and whether the image is derived");
+	key_of_text(key, out);
+	out[KEY_TEXT_WORDS] = derived;
+}
+
 static struct import_image *image_find(const struct import *im, const char *key, bool derived)
 {
-	for (size_t i = 0; i < im->image_count; i++)
-		if (im->images[i].derived == derived && strcmp(im->images[i].key, key) == 0)
-			return &im->images[i];
-	return NULL;
+	uint32_t words[IMPORT_IMAGE_WORDS];
+	image_key(key, derived, words);
+	const uint32_t number = key_table_find(&im->image_keys, words);
+	return number == NONE ? NULL : &im->images[number];
 }
 
 bool import_knows_image(const struct import *im, const char *key)
@@ -25,19 +32,20 @@ bool import_knows_derived(const struct import *im, const char *key)
 
 struct import_image *import_image_of(struct import *im, uint32_t texture)
 {
-	size_t i = 0;
-	while (im->images[i].width == 0 || im->images[i].offset != im->textures[texture].offset)
-		i++;
-	return &im->images[i];
+	return &im->images[im->texture_keys.keys[(size_t)texture * IMPORT_TEXTURE_WORDS]];
 }
 
 static enum status image_add(struct import *im, const char *key, const struct import_image *image, struct error *err)
 {
+	uint32_t words[IMPORT_IMAGE_WORDS], number;
 	void *items =
 	    import_grown(im->images, im->image_count, 1, &im->image_room, sizeof *image, LIMIT_TEXTURES, "images", err);
 	if (!items)
 		return err->code;
 	im->images = items;
+	image_key(key, image->derived, words);
+	if (key_table_number(&im->image_keys, words, &number, err) != STATUS_OK)
+		return err->code;
 	im->images[im->image_count] = *image;
 	im->images[im->image_count].key = strdup(key);
 	if (!im->images[im->image_count].key)
@@ -83,22 +91,21 @@ static void round_images(struct import *im)
 	uint32_t gone = 0;
 	for (size_t i = 0; i < im->image_count; i++) { // ascending by their offsets
 		struct import_image *image = &im->images[i];
-		const uint32_t count = image->width * image->height, offset = image->offset;
+		const uint32_t count = image->width * image->height;
 		if (count == 0)
 			continue;
-		uint32_t *from = im->texels + offset, *to = from - gone;
+		uint32_t *from = im->texels + image->offset, *to = from - gone;
 		if (image->deep)
 			round_texels(from, count, to);
 		else
 			memmove(to, from, count * sizeof *to);
 		image->offset -= gone;
-		for (size_t t = 0; t < im->texture_count; t++)
-			if (im->textures[t].offset == offset) {
-				im->textures[t].offset = image->offset;
-				im->textures[t].flags &= ~TEXTURE_DEEP;
-			}
 		gone += image->deep ? count : 0;
 		image->deep = false;
+	}
+	for (uint32_t t = 0; t < im->texture_count; t++) {
+		im->textures[t].offset = import_image_of(im, t)->offset;
+		im->textures[t].flags &= ~TEXTURE_DEEP;
 	}
 	im->texel_count -= gone;
 	if (gone > 0)
@@ -126,6 +133,26 @@ enum status import_expect_images(struct import *im, struct error *err)
 	return error_set(err, STATUS_SCENE_UNSUPPORTED, "the scene has images, and nothing decodes them");
 }
 
+// Limit what is decoded: many images may be the same bytes of the file, and one that breaks off late leaves no texel that
+// would count.
+static enum status count_encoded(struct import *im, size_t bytes, struct error *err)
+{
+	if (bytes > LIMIT_SCENE_SOURCE_BYTES - im->encoded_bytes)
+		return error_set(err, STATUS_SCENE_LIMIT, "the scene's images have more than %llu bytes; scale them down",
+				 LIMIT_SCENE_SOURCE_BYTES);
+	im->encoded_bytes += bytes;
+	return STATUS_OK;
+}
+
+static enum status count_wasted(struct import *im, size_t texels, struct error *err)
+{
+	if (texels > LIMIT_TEXELS - im->wasted_texels)
+		return error_set(err, STATUS_SCENE_LIMIT,
+				 "images of more than %u texels are damaged; mend them or leave them out", LIMIT_TEXELS);
+	im->wasted_texels += texels;
+	return STATUS_OK;
+}
+
 static enum status image_decode(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,
 				struct error *err)
 {
@@ -133,10 +160,9 @@ static enum status image_decode(struct import *im, const char *key, const uint8_
 	struct error why;
 	struct image_reader *reader = NULL;
 
-	enum status status = import_expect_images(im, err);
-	if (status != STATUS_OK)
-		return status;
-	status = im->decoder->open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why);
+	if (import_expect_images(im, err) != STATUS_OK || count_encoded(im, size, err) != STATUS_OK)
+		return err->code;
+	enum status status = im->decoder->open(bytes, size, key, any_format, &reader, &image.width, &image.height, &why);
 	if (status == STATUS_MEMORY)
 		return error_set(err, status, "%s", why.text);
 	if (status != STATUS_OK)
@@ -152,6 +178,8 @@ static enum status image_decode(struct import *im, const char *key, const uint8_
 	im->decoder->close(reader);
 	if (status == STATUS_MEMORY)
 		return error_set(err, status, "%s", why.text);
+	if (status != STATUS_OK && count_wasted(im, count, err) != STATUS_OK)
+		return err->code;
 	if (status != STATUS_OK)
 		return import_missing_image(im, key, why.text, err);
 	if (image.deep && words == 1)
@@ -174,20 +202,20 @@ static enum status texture_over(struct import *im, const struct import_image *im
 	struct texture_info info = {image->offset, image->width, image->height, flags, {0}, {0}};
 	memcpy(info.row_u, sampling->row_u, sizeof info.row_u);
 	memcpy(info.row_v, sampling->row_v, sizeof info.row_v);
-	for (size_t i = 0; i < im->texture_count; i++) {
-		if (memcmp(&im->textures[i], &info, sizeof info) == 0) {
-			*texture = (uint32_t)i;
-			return STATUS_OK;
-		}
-	}
+	uint32_t key[IMPORT_TEXTURE_WORDS] = {(uint32_t)(image - im->images), sampling->flags};
+	_Static_assert(sizeof key == 2 * sizeof *key + sizeof info.row_u + sizeof info.row_v, "image, flags and rows");
+	memcpy(key + 2, info.row_u, sizeof info.row_u);
+	memcpy(key + 5, info.row_v, sizeof info.row_v);
+	*texture = key_table_find(&im->texture_keys, key);
+	if (*texture != NONE)
+		return STATUS_OK;
 	void *items = import_grown(im->textures, im->texture_count, 1, &im->texture_room, sizeof info, LIMIT_TEXTURES,
 				   "textures", err);
 	if (!items)
 		return err->code;
 	im->textures = items;
-	im->textures[im->texture_count] = info;
-	*texture = (uint32_t)im->texture_count++;
-	return STATUS_OK;
+	im->textures[im->texture_count++] = info;
+	return key_table_number(&im->texture_keys, key, texture, err);
 }
 
 enum status import_texture(struct import *im, const char *key, const uint8_t *bytes, size_t size, bool any_format,

@@ -12,4 +12,8 @@
 void *import_grown(void *items, size_t count, size_t more, size_t *room, size_t stride, size_t limit, const char *what,
 		   struct error *err);
 
+// The words of the keys in image_keys and texture_keys.
+#define IMPORT_IMAGE_WORDS 5
+#define IMPORT_TEXTURE_WORDS 8
+
 #endif

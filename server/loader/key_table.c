@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/auxv.h>
 #include <xxhash.h>
 
 #include "shaders/shared/layout.h"
@@ -9,6 +10,9 @@
 void key_table_init(struct key_table *t, size_t words)
 {
 	*t = (struct key_table){.words = words};
+	const void *random = (const void *)getauxval(AT_RANDOM); // sixteen bytes that the kernel leaves every process
+	if (random)
+		memcpy(&t->seed, random, sizeof t->seed);
 }
 
 void key_table_finish(struct key_table *t)
@@ -22,7 +26,7 @@ void key_table_finish(struct key_table *t)
 static uint32_t *find_slot(const struct key_table *t, const uint32_t *key)
 {
 	const size_t bytes = t->words * sizeof *key;
-	size_t at = (size_t)XXH3_64bits(key, bytes) & (t->slot_count - 1);
+	size_t at = (size_t)XXH3_64bits_withSeed(key, bytes, t->seed) & (t->slot_count - 1);
 	while (t->slots[at] != NONE && memcmp(t->keys + t->slots[at] * t->words, key, bytes) != 0)
 		at = (at + 1) & (t->slot_count - 1);
 	return &t->slots[at];
@@ -61,4 +65,15 @@ enum status key_table_number(struct key_table *t, const uint32_t *key, uint32_t 
 	}
 	*number = *slot;
 	return STATUS_OK;
+}
+
+uint32_t key_table_find(const struct key_table *t, const uint32_t *key)
+{
+	return t->count > 0 ? *find_slot(t, key) : NONE;
+}
+
+void key_of_text(const char *text, uint32_t key[KEY_TEXT_WORDS])
+{
+	const XXH128_hash_t hash = XXH3_128bits(text, strlen(text));
+	memcpy(key, &hash, sizeof hash);
 }

@@ -213,7 +213,9 @@ int main(int argc, char **argv)
 	if (!loaded)
 		return EXIT_FAILURE;
 	int result;
-	if (arguments.images && !(arguments.load.decoder = image_decoder_open(&loaded->error)))
+	if (!arguments.describe && !ipc_end_with_parent(IPC_FD))
+		result = EXIT_FAILURE;
+	else if (arguments.images && !(arguments.load.decoder = image_decoder_open(&loaded->error)))
 		result = library_missing("candil-loader", &loaded->error);
 	else
 		result = arguments.describe ? describe(&arguments, loaded) : serve(&arguments, loaded);

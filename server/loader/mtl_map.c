@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/loader/import_parts.h"
+
 #define ON_OFF (-1)
 
 // An option of a map: what follows it, and what it is by default.
@@ -143,10 +145,8 @@ static struct import_sampling sampling_of(const struct mtl_map *map, uint32_t fl
 }
 
 // The name by which the file is found, or that which it ought to have.
-static enum status find_file(struct import *im, const char *file, const char *folder, char **name, struct error *err)
+static enum status seek_file(struct import *im, const char *file, const char *folder, char **name, struct error *err)
 {
-	while (file[0] == '.' && file[1] == '/')
-		file += 2;
 	const size_t bytes = strlen(folder) + strlen(file) + 1;
 	const char *last = strrchr(file, '/');
 	const struct {
@@ -177,6 +177,33 @@ static enum status find_file(struct import *im, const char *file, const char *fo
 	return STATUS_OK;
 }
 
+// Find a file, once for all maps that name it: folders may be large.
+static enum status find_file(struct import *im, const char *file, const char *folder, const char **name, struct error *err)
+{
+	uint32_t key[KEY_TEXT_WORDS], number;
+	char *wanted;
+	while (file[0] == '.' && file[1] == '/')
+		file += 2;
+	if (asprintf(&wanted, "%s\n%s", folder, file) < 0)
+		return error_set(err, STATUS_MEMORY, "no memory for a map's name");
+	key_of_text(wanted, key);
+	free(wanted);
+	if (key_table_number(&im->sought, key, &number, err) != STATUS_OK)
+		return err->code;
+	if (number == im->found_count) {
+		void *items = import_grown(im->found, number, 1, &im->found_room, sizeof *im->found,
+					   (size_t)LIMIT_MATERIALS * 8, "maps", err);
+		if (!items)
+			return err->code;
+		im->found = items;
+		if (seek_file(im, file, folder, &im->found[number], err) != STATUS_OK)
+			return err->code;
+		im->found_count++;
+	}
+	*name = im->found[number];
+	return STATUS_OK;
+}
+
 static bool is_finite(const struct import_sampling *s)
 {
 	for (int i = 0; i < 3; i++)
@@ -185,8 +212,8 @@ static bool is_finite(const struct import_sampling *s)
 	return true;
 }
 
-enum status mtl_map_texture(struct import *im, const struct mtl_map *map, const char *folder, uint32_t flags, char **key,
-			    uint32_t *texture, struct error *err)
+enum status mtl_map_texture(struct import *im, const struct mtl_map *map, const char *folder, uint32_t flags,
+			    const char **key, uint32_t *texture, struct error *err)
 {
 	struct file_bytes file = {0};
 	struct error why;

@@ -20,8 +20,8 @@ enum status mtl_map_read(struct import *import, struct obj_text *text, struct mt
 // Make the map's texture; *texture becomes NONE if there is no map, or its picture cannot be read, which is told. The file
 // is looked for beside the MTL, whose folder is `folder` ("" or ended by a slash), in the scene's folder, and there by its
 // last name alone; then in the same places in any case of letters. *key becomes the name that the import knows the picture
-// by, which the caller frees. `flags` is TEXTURE_SRGB or 0. STATUS_SCENE_LIMIT, STATUS_MEMORY.
-enum status mtl_map_texture(struct import *import, const struct mtl_map *map, const char *folder, uint32_t flags, char **key,
-			    uint32_t *texture, struct error *err);
+// by, and stays the import's. `flags` is TEXTURE_SRGB or 0. STATUS_SCENE_LIMIT, STATUS_MEMORY.
+enum status mtl_map_texture(struct import *import, const struct mtl_map *map, const char *folder, uint32_t flags,
+			    const char **key, uint32_t *texture, struct error *err);
 
 #endif

@@ -19,12 +19,10 @@ static bool fit_colour(const double from[3], float out[3], double limit)
 static enum status find_map(struct import *im, const struct mtl_note *note, enum mtl_map_kind kind, uint32_t flags,
 			    uint32_t *texture, struct error *err)
 {
-	char *key;
+	const char *key;
 	if (note->maps[kind].file && note->maps[kind].channel && kind < MTL_DISSOLVE)
 		import_ignore(im, "map option -imfchan");
-	const enum status status = mtl_map_texture(im, &note->maps[kind], note->folder, flags, &key, texture, err);
-	free(key);
-	return status;
+	return mtl_map_texture(im, &note->maps[kind], note->folder, flags, &key, texture, err);
 }
 
 // Turn a bump map into a normal map, unless it already is one.
@@ -51,7 +49,7 @@ static enum status normals_of_bumps(struct import *im, const char *name, uint32_
 
 static enum status find_normals(struct import *im, const struct mtl_note *note, struct material *out, struct error *err)
 {
-	char *key;
+	const char *key;
 	const enum mtl_map_kind kind = note->maps[MTL_NORMALS].file ? MTL_NORMALS : MTL_BUMPS;
 	const double bump = note->maps[kind].bump;
 	const char channel = note->maps[kind].channel;
@@ -62,7 +60,6 @@ static enum status find_normals(struct import *im, const struct mtl_note *note, 
 	enum status status = mtl_map_texture(im, &note->maps[kind], note->folder, 0, &key, &out->normal_texture, err);
 	if (status == STATUS_OK && out->normal_texture != NONE && kind == MTL_BUMPS)
 		status = normals_of_bumps(im, key, &out->normal_texture, err);
-	free(key);
 	return status;
 }
 

@@ -2,7 +2,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 #include "server/loader/import_parts.h"
 
@@ -35,13 +34,10 @@ struct reader {
 	bool has_begun; // a material
 };
 
-// Names are told apart by 128 bits of hash.
-#define NAME_WORDS 4
-
 void mtl_notes_init(struct mtl_notes *notes)
 {
 	*notes = (struct mtl_notes){0};
-	key_table_init(&notes->names, NAME_WORDS);
+	key_table_init(&notes->names, KEY_TEXT_WORDS);
 }
 
 void mtl_notes_finish(struct mtl_notes *notes)
@@ -75,9 +71,8 @@ static enum status add_note(struct mtl_notes *notes, const char *name, struct er
 
 enum status mtl_notes_number(struct mtl_notes *notes, const char *name, uint32_t *number, struct error *err)
 {
-	uint32_t key[NAME_WORDS];
-	const XXH128_hash_t hash = XXH3_128bits(name, strlen(name));
-	memcpy(key, &hash, sizeof key);
+	uint32_t key[KEY_TEXT_WORDS];
+	key_of_text(name, key);
 	if (key_table_number(&notes->names, key, number, err) != STATUS_OK)
 		return err->code;
 	return *number < notes->count ? STATUS_OK : add_note(notes, name, err);

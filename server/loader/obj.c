@@ -68,6 +68,7 @@ struct reader {
 	bool is_smooth;
 	bool has_statement; // any that is known
 	bool told_fallback;
+	struct key_table libraries; // the names of those that were read
 };
 
 // Read the library that has the OBJ file's own name in the place of one that is not there, as exporters name it.
@@ -109,15 +110,22 @@ static enum status read_renamed(struct reader *r, const char *name, const char *
 	return files_read(r->import->files, *from, bytes, err);
 }
 
-static enum status read_library(struct reader *r, char *name, struct error *err)
+// Whether a library has not been read yet: exporters name one before each object.
+static enum status note_library(struct reader *r, const char *name, bool *is_new, struct error *err)
 {
+	uint32_t key[KEY_TEXT_WORDS], number;
+	const uint32_t known = r->libraries.count;
+	key_of_text(name, key);
+	const enum status status = key_table_number(&r->libraries, key, &number, err);
+	*is_new = r->libraries.count > known;
+	return status;
+}
+
+static enum status read_library(struct reader *r, const char *name, struct error *err)
+{
+	bool is_new = true;
 	struct file_bytes bytes;
 	struct error why;
-	for (char *c = name; *c; c++)
-		if (*c == '\\')
-			*c = '/';
-	while (name[0] == '.' && name[1] == '/')
-		name += 2;
 	const char *from = name;
 	char *found = malloc(strlen(name) + 1);
 	if (!found)
@@ -130,11 +138,26 @@ static enum status read_library(struct reader *r, char *name, struct error *err)
 	} else if (status != STATUS_OK) {
 		status = read_own_library(r, name, why.text, err);
 	} else {
-		status = mtl_notes_read(&r->notes, r->import, from, &bytes, err);
+		status = from == name ? STATUS_OK : note_library(r, from, &is_new, err);
+		if (status == STATUS_OK && is_new)
+			status = mtl_notes_read(&r->notes, r->import, from, &bytes, err);
 		file_bytes_finish(&bytes);
 	}
 	free(found);
 	return status;
+}
+
+static enum status read_library_once(struct reader *r, char *name, struct error *err)
+{
+	bool is_new;
+	for (char *c = name; *c; c++)
+		if (*c == '\\')
+			*c = '/';
+	while (name[0] == '.' && name[1] == '/')
+		name += 2;
+	if (note_library(r, name, &is_new, err) != STATUS_OK)
+		return err->code;
+	return is_new ? read_library(r, name, err) : STATUS_OK;
 }
 
 // Whether the word ends the name of a library. Names may hold blanks.
@@ -159,7 +182,8 @@ static enum status read_libraries(struct reader *r, struct error *err)
 		if (!from || (more && !ends_library(&word)))
 			continue;
 		char *name = obj_text_name(from, to);
-		status = name ? read_library(r, name, err) : error_set(err, STATUS_MEMORY, "no memory for a library's name");
+		status =
+		    name ? read_library_once(r, name, err) : error_set(err, STATUS_MEMORY, "no memory for a library's name");
 		free(name);
 		from = NULL;
 	}
@@ -299,12 +323,14 @@ enum status obj_import(struct import *im, const char *name, const struct file_by
 {
 	struct reader r = {.import = im, .name = name, .material = NONE};
 	mtl_notes_init(&r.notes);
+	key_table_init(&r.libraries, KEY_TEXT_WORDS);
 	obj_groups_init(&r.groups);
 	obj_faces_init(&r.faces, im, &r.points);
 	enum status status = read_all(&r, bytes, err);
 	obj_faces_finish(&r.faces);
 	obj_groups_finish(&r.groups);
 	mtl_notes_finish(&r.notes);
+	key_table_finish(&r.libraries);
 	obj_points_finish(&r.points);
 	return status;
 }

@@ -2,11 +2,8 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 #include "server/loader/import_parts.h"
-
-#define NAME_WORDS 4 // 128 bits of hash tell names apart
 
 // Triangles in the order of the file that belong to one group; they end where the next run begins.
 struct obj_run {
@@ -17,7 +14,7 @@ struct obj_run {
 void obj_groups_init(struct obj_groups *g)
 {
 	*g = (struct obj_groups){0};
-	key_table_init(&g->names, NAME_WORDS);
+	key_table_init(&g->names, KEY_TEXT_WORDS);
 }
 
 void obj_groups_finish(struct obj_groups *g)
@@ -39,9 +36,8 @@ void obj_groups_name(struct obj_groups *g, char *name)
 
 static enum status begin_run(struct obj_groups *g, size_t first, struct error *err)
 {
-	uint32_t key[NAME_WORDS], number;
-	const XXH128_hash_t hash = XXH3_128bits(g->next, strlen(g->next));
-	memcpy(key, &hash, sizeof key);
+	uint32_t key[KEY_TEXT_WORDS], number;
+	key_of_text(g->next, key);
 	if (key_table_number(&g->names, key, &number, err) != STATUS_OK)
 		return err->code;
 	void *items = import_grown(g->runs, g->run_count, 1, &g->run_room, sizeof *g->runs, LIMIT_TRIANGLES, "groups", err);

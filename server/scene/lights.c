@@ -71,15 +71,64 @@ void lights_texture_luminance(const struct texture_info *t, const uint32_t *texe
 		out[i] = (float)((double)out[i] * scale);
 }
 
+static float power_density(const struct material *m, const double mean[3])
+{
+	const double light = luminance_of(mean[0] * m->emission[0], mean[1] * m->emission[1], mean[2] * m->emission[2]);
+	return (float)(PI * light * (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
+}
+
+static const double white[3] = {1, 1, 1};
+
 float lights_power_density(const struct material *m, const struct texture_info *textures, const uint32_t *texels)
 {
-	double colour[3] = {1, 1, 1};
-	if (m->emission_texture != NONE)
-		mean_colour(&textures[m->emission_texture], texels, colour);
-	for (int c = 0; c < 3; c++)
-		colour[c] *= m->emission[c];
-	return (float)(PI * luminance_of(colour[0], colour[1], colour[2]) *
-		       (m->flags & MATERIAL_EMITS_BOTH_SIDES ? 2.0 : 1.0));
+	double mean[3];
+	if (m->emission_texture == NONE)
+		return power_density(m, white);
+	mean_colour(&textures[m->emission_texture], texels, mean);
+	return power_density(m, mean);
+}
+
+// The mean colour of a texture's image, which several textures may show.
+struct image_mean {
+	const struct texture_info *texture; // the first that shows it; NULL: none yet
+	double colour[3];
+};
+
+static bool same_image(const struct texture_info *a, const struct texture_info *b)
+{
+	return a->offset == b->offset && a->width == b->width && a->height == b->height &&
+	       ((a->flags ^ b->flags) & (TEXTURE_SRGB | TEXTURE_DEEP)) == 0;
+}
+
+// The mean of texture t. means[i] is of the i-th image that was asked for.
+static const double *mean_of_texture(const struct texture_info *t, const uint32_t *texels, struct image_mean *means)
+{
+	struct image_mean *m = means;
+	while (m->texture && !same_image(m->texture, t))
+		m++;
+	if (!m->texture) {
+		m->texture = t;
+		mean_colour(t, texels, m->colour);
+	}
+	return m->colour;
+}
+
+enum status lights_power_densities(struct material *materials, uint32_t count, const struct texture_info *textures,
+				   uint32_t texture_count, const uint32_t *texels, struct error *err)
+{
+	struct image_mean *means = calloc((size_t)texture_count + 1, sizeof *means);
+	const double **of = calloc((size_t)texture_count + 1, sizeof *of); // textures that were met
+	enum status status =
+	    means && of ? STATUS_OK : error_set(err, STATUS_MEMORY, "no memory for %u textures", texture_count);
+	for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+		const uint32_t t = materials[i].emission_texture;
+		if (t != NONE && !of[t])
+			of[t] = mean_of_texture(&textures[t], texels, means);
+		materials[i].power_density = power_density(&materials[i], t == NONE ? white : of[t]);
+	}
+	free(of);
+	free(means);
+	return status;
 }
 
 double lights_area(const struct vertex *vertices, const struct triangle *t)

@@ -9,6 +9,10 @@
 // factor times the mean of its texture in linear light; all texels of the texture are read.
 float lights_power_density(const struct material *material, const struct texture_info *textures, const uint32_t *texels);
 
+// Set that of `count` materials, whose textures are among `texture_count`. Each image is read once. STATUS_MEMORY.
+enum status lights_power_densities(struct material *materials, uint32_t count, const struct texture_info *textures,
+				   uint32_t texture_count, const uint32_t *texels, struct error *err);
+
 // The luminance of each of `count` factors times a texture, in linear light: the means over each cell of a grid of width ·
 // height cells, no more than the texture has texels, into `out`, which is zeroed: row by row, and of each cell factor by
 // factor.

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 
 #include "server/base/ipc.h"
 #include "server/base/library.h"
@@ -98,8 +97,8 @@ int main(int argc, char **argv)
 	if (settings.doctor)
 		return doctor(&settings.device, &fence);
 	fence_log(&fence.report);
-	// A worker without its front has nobody to serve.
-	prctl(PR_SET_PDEATHSIG, SIGKILL);
+	if (!ipc_end_with_parent(IPC_FD))
+		return 1;
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the socket
 	if (device_create(&settings.device, &devices.vk, &err) != STATUS_OK)

@@ -50,6 +50,31 @@ class Killed(unittest.TestCase):
             self.assertGreater(float(daemon.render("box", spp=4).radiance.max()), 0)
             self.assertEqual(daemon.stats()["loader_failures"], 1)
 
+    def test_daemon_takes_its_children_along(self):
+        """Stopped, they could not even notice that it is gone. One that goes on would end by itself some day."""
+        daemon = Daemon().__enter__()
+        self.addCleanup(daemon.stop)
+        daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
+        job = self.start(daemon, "load", make.slow_to_load(daemon.folder), "--name", "big")
+        loader = wait_for(lambda: daemon.stats()["loader_pid"], "the loader is there")
+        worker = wait_for(lambda: daemon.stats()["worker_pid"], "the worker is there")
+        for child in loader, worker:
+            os.kill(child, signal.SIGSTOP)
+        daemon.process.kill()
+        for child in loader, worker:
+            wait_for(lambda: is_gone(child), "the child is gone")
+        _, error = job.communicate(timeout=120)
+        self.assertNotEqual(job.returncode, 0, error)
+
+
+def is_gone(pid):
+    """Dead, if nobody may have asked how yet."""
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] in "ZX"
+    except (FileNotFoundError, ProcessLookupError):
+        return True
+
 
 if __name__ == "__main__":
     unittest.main()
