@@ -5,10 +5,12 @@
 #include "clients/libcandil/client.h"
 #include "clients/libcandil/error.h"
 
-static candil_status refuse_if_busy(const candil_client *client, struct candil_error *error)
+// Before every call: `given` says whether the pointers are there that `which` names.
+static candil_status refuse(const candil_client *client, bool given, const char *which, struct candil_error *error)
 {
-	if (!request_any_audible(&client->requests))
-		return CANDIL_STATUS_OK;
+	const candil_status status = error_if_missing(given, which, error);
+	if (status != CANDIL_STATUS_OK || !request_any_audible(&client->requests))
+		return status;
 	return error_set(error, CANDIL_STATUS_BAD_ARGUMENT,
 			 "submitted requests are open on this connection; take their events first or use another one");
 }
@@ -33,7 +35,7 @@ candil_status candil_ping(candil_client *client, uint64_t *microseconds, struct 
 	struct candil_event event;
 	struct timespec from, to;
 	uint32_t id;
-	candil_status status = refuse_if_busy(client, error);
+	candil_status status = refuse(client, client, "the client", error);
 	clock_gettime(CLOCK_MONOTONIC, &from);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_ping(client, payload, sizeof(payload), &id, error);
@@ -54,7 +56,7 @@ candil_status candil_load(candil_client *client, const struct candil_load_reques
 {
 	struct candil_event event;
 	uint32_t id;
-	candil_status status = refuse_if_busy(client, error);
+	candil_status status = refuse(client, client && request, "the client or the request", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_load(client, request, &id, error);
 	if (status == CANDIL_STATUS_OK)
@@ -75,7 +77,7 @@ candil_status candil_unload(candil_client *client, const char *name, struct cand
 {
 	struct candil_event event;
 	uint32_t id;
-	candil_status status = refuse_if_busy(client, error);
+	candil_status status = refuse(client, client && name, "the client or the name", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_unload(client, name, &id, error);
 	if (status == CANDIL_STATUS_OK)
@@ -87,7 +89,7 @@ candil_status candil_scenes(candil_client *client, struct candil_scene_list *lis
 {
 	struct candil_event event;
 	uint32_t id;
-	candil_status status = refuse_if_busy(client, error);
+	candil_status status = refuse(client, client && list, "the client or the list", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_scenes(client, &id, error);
 	if (status == CANDIL_STATUS_OK)
@@ -102,7 +104,7 @@ candil_status candil_describe(candil_client *client, const char *name, struct ca
 {
 	struct candil_event event;
 	uint32_t id;
-	candil_status status = refuse_if_busy(client, error);
+	candil_status status = refuse(client, client && name && info, "the client, the name or the info", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_describe(client, name, &id, error);
 	if (status == CANDIL_STATUS_OK)
@@ -116,7 +118,7 @@ candil_status candil_stats(candil_client *client, struct candil_stats *stats, st
 {
 	struct candil_event event;
 	uint32_t id;
-	candil_status status = refuse_if_busy(client, error);
+	candil_status status = refuse(client, client && stats, "the client or the stats", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_stats(client, &id, error);
 	if (status == CANDIL_STATUS_OK)
@@ -131,7 +133,7 @@ candil_status candil_ask_quote(candil_client *client, const struct candil_render
 {
 	struct candil_event event;
 	uint32_t id;
-	candil_status status = refuse_if_busy(client, error);
+	candil_status status = refuse(client, client && request && quote, "the client, the request or the quote", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_quote(client, request, pilot_ms, &id, error);
 	if (status == CANDIL_STATUS_OK)
@@ -143,6 +145,8 @@ candil_status candil_ask_quote(candil_client *client, const struct candil_render
 
 void candil_render_request_init(struct candil_render_request *request)
 {
+	if (!request)
+		return;
 	memset(request, 0, sizeof(*request));
 	request->width = request->height = 512;
 	request->samples = 64;
@@ -188,8 +192,9 @@ candil_status candil_render(candil_client *client, const struct candil_render_re
 	struct candil_event event = {0};
 	bool cancelled = false;
 	uint32_t id;
-	memset(result, 0, sizeof(*result));
-	candil_status status = refuse_if_busy(client, error);
+	if (result)
+		memset(result, 0, sizeof(*result));
+	candil_status status = refuse(client, client && request && result, "the client, the request or the result", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_render(client, request, &id, error);
 	while (status == CANDIL_STATUS_OK && !event.ends_request) {
@@ -202,7 +207,7 @@ candil_status candil_render(candil_client *client, const struct candil_render_re
 	// If the render was quicker than its cancel, to the caller it is cancelled all the same.
 	if (status == CANDIL_STATUS_OK && cancelled)
 		status = error_set(error, CANDIL_STATUS_CANCELLED, "the render was cancelled by its caller");
-	if (status != CANDIL_STATUS_OK) {
+	if (status != CANDIL_STATUS_OK && result) {
 		candil_free(result->image.data);
 		result->image = (struct candil_image){0};
 	}
@@ -235,8 +240,10 @@ candil_status candil_sweep(candil_client *client, const struct candil_render_req
 	struct candil_event event = {0};
 	bool cancelled = false;
 	uint32_t id;
-	memset(result, 0, sizeof(*result));
-	candil_status status = refuse_if_busy(client, error);
+	if (result)
+		memset(result, 0, sizeof(*result));
+	candil_status status = refuse(client, client && request && cameras && result,
+				      "the client, the request, the cameras or the result", error);
 	if (status == CANDIL_STATUS_OK)
 		status = candil_submit_sweep(client, request, cameras, count, &id, error);
 	while (status == CANDIL_STATUS_OK && !event.ends_request) {

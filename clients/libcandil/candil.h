@@ -17,12 +17,14 @@
 // that says what is wrong and what to do; on success it is left alone. What a call would have given is undefined after a
 // failure, unless the call says otherwise. Besides the failures that a call names, each call that takes a client can fail
 // with IO and with what a daemon says as it closes the connection, SHUTTING_DOWN for example. Once the connection itself has
-// failed, every later call fails with the same status: all that is left is candil_disconnect.
+// failed, every later call that is right in itself fails with the same status: all that is left is candil_disconnect.
 //
 // Ownership: strings and arrays that go in stay the caller's and are copied before the call returns. What comes out is plain
 // values without pointers, but for the bytes of images, whose owner is said where they appear.
 //
-// NULL: no pointer may be NULL unless its call or field says so.
+// NULL: no pointer may be NULL unless its call or field says so. A call that gets one all the same fails with BAD_ARGUMENT
+// and changes nothing; one that returns no status does nothing, and returns NULL, false or, of candil_fd, -1. `error` may be
+// NULL everywhere.
 //
 // Units: metres, degrees, W/(m² sr), microseconds, unless a name says otherwise. Colours are linear Rec.709. Axes are
 // right-handed with +Y up. Strings are UTF-8.
@@ -122,7 +124,8 @@ CANDIL_API bool candil_default_address(char *path, size_t capacity);
 //	candil_disconnect(other);
 CANDIL_API candil_status candil_connect(const char *address, candil_client **client, struct candil_error *error);
 
-// The same over a stream socket that is connected already. The descriptor is the client's from now on, even on failure.
+// The same over a stream socket that is connected already. The descriptor is the client's from now on, even on failure: then
+// it is closed. One that is anything else, or closed, fails at once with BAD_ARGUMENT.
 //
 // Example:
 //	struct sockaddr_un to = {.sun_family = AF_UNIX};

@@ -18,6 +18,9 @@
 
 candil_status candil_process(candil_client *client, struct candil_error *error)
 {
+	const candil_status status = error_if_missing(client, "the client", error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	connection_exchange(&client->connection);
 	// While a request is open, its ERROR event tells that the connection is over.
 	if (request_any_audible(&client->requests))
@@ -33,22 +36,23 @@ candil_status client_wait(candil_client *client, int timeout_ms, struct candil_e
 
 int candil_fd(const candil_client *client)
 {
-	return client->connection.fd;
+	return client ? client->connection.fd : -1;
 }
 
 bool candil_wants_write(const candil_client *client)
 {
-	return connection_wants_write(&client->connection);
+	return client && connection_wants_write(&client->connection);
 }
 
 const struct candil_server *candil_server(const candil_client *client)
 {
-	return &client->server;
+	return client ? &client->server : NULL;
 }
 
 void candil_set_timeout(candil_client *client, uint32_t milliseconds)
 {
-	client->timeout_ms = milliseconds;
+	if (client)
+		client->timeout_ms = milliseconds;
 }
 
 void candil_disconnect(candil_client *client)
@@ -64,7 +68,7 @@ void candil_disconnect(candil_client *client)
 bool candil_default_address(char *path, size_t capacity)
 {
 	const char *folder = getenv("XDG_RUNTIME_DIR");
-	if (!folder || !*folder)
+	if (!path || !folder || !*folder)
 		return false;
 	int length = snprintf(path, capacity, "%s/candil.sock", folder);
 	return length > 0 && (size_t)length < capacity;
@@ -94,16 +98,35 @@ static candil_status client_greet(candil_client *client, struct candil_error *er
 	return status;
 }
 
+// Whether a message could come and go by a descriptor. One that is closed, a file, a pipe or a socket that listens would be
+// waited for in vain.
+static bool is_connected_stream(int fd)
+{
+	int type = 0, listens = 1;
+	socklen_t type_bytes = sizeof(type), listens_bytes = sizeof(listens), peer_bytes = sizeof(struct sockaddr_storage);
+	struct sockaddr_storage peer;
+	return getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &type_bytes) == 0 && type == SOCK_STREAM &&
+	       getsockopt(fd, SOL_SOCKET, SO_ACCEPTCONN, &listens, &listens_bytes) == 0 && !listens &&
+	       getpeername(fd, (struct sockaddr *)&peer, &peer_bytes) == 0;
+}
+
 candil_status candil_connect_fd(int fd, candil_client **client, struct candil_error *error)
 {
-	*client = NULL;
-	candil_client *made = calloc(1, sizeof(*made));
-	if (!made) {
-		close(fd);
-		return error_set(error, CANDIL_STATUS_MEMORY, "out of memory for a connection");
+	candil_status status = error_if_missing(client, "the client's place", error);
+	candil_client *made = NULL;
+	if (client)
+		*client = NULL;
+	if (status == CANDIL_STATUS_OK && !is_connected_stream(fd))
+		status = error_set(error, CANDIL_STATUS_BAD_ARGUMENT, "descriptor %d is no connected stream socket", fd);
+	if (status == CANDIL_STATUS_OK && !(made = calloc(1, sizeof(*made))))
+		status = error_set(error, CANDIL_STATUS_MEMORY, "out of memory for a connection");
+	if (status != CANDIL_STATUS_OK) {
+		if (fd >= 0)
+			close(fd);
+		return status;
 	}
 	connection_init(&made->connection, fd);
-	candil_status status = client_greet(made, error);
+	status = client_greet(made, error);
 	if (status == CANDIL_STATUS_OK)
 		*client = made;
 	else
@@ -113,6 +136,8 @@ candil_status candil_connect_fd(int fd, candil_client **client, struct candil_er
 
 candil_status candil_connect(const char *address, candil_client **client, struct candil_error *error)
 {
+	if (!client)
+		return error_if_missing(false, "the client's place", error);
 	*client = NULL;
 	struct sockaddr_un to = {.sun_family = AF_UNIX};
 	char fallback[sizeof(to.sun_path)];

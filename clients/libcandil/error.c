@@ -14,3 +14,8 @@ candil_status error_set(struct candil_error *error, candil_status code, const ch
 	}
 	return code;
 }
+
+candil_status error_if_missing(bool given, const char *which, struct candil_error *error)
+{
+	return given ? CANDIL_STATUS_OK : error_set(error, CANDIL_STATUS_BAD_ARGUMENT, "NULL was given for %s", which);
+}

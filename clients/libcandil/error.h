@@ -8,4 +8,7 @@
 candil_status error_set(struct candil_error *error, candil_status code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+// Refuse a call that lacks a pointer: `given` says whether all are there that `which` names.
+candil_status error_if_missing(bool given, const char *which, struct candil_error *error);
+
 #endif

@@ -186,6 +186,8 @@ static bool next_failure(candil_client *client, struct candil_event *event)
 
 bool candil_next_event(candil_client *client, struct candil_event *event)
 {
+	if (!client || !event)
+		return false;
 	free(client->event_image);
 	client->event_image = NULL;
 	memset(event, 0, sizeof(*event));
@@ -205,7 +207,7 @@ bool candil_next_event(candil_client *client, struct candil_event *event)
 
 void candil_keep_image(candil_client *client, const struct candil_image *image)
 {
-	if (client->event_image == image->data)
+	if (client && image && client->event_image == image->data)
 		client->event_image = NULL;
 }
 

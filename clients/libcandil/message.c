@@ -69,7 +69,8 @@ static candil_status write_options(const struct candil_render_request *request, 
 {
 	if (request->option_count > COUNT(render->options))
 		return error_set(error, CANDIL_STATUS_LIMIT, "a render takes at most %zu options", COUNT(render->options));
-	candil_status status = CANDIL_STATUS_OK;
+	candil_status status =
+	    error_if_missing(request->options || request->option_count == 0, "the request's options", error);
 	for (size_t i = 0; i < request->option_count && status == CANDIL_STATUS_OK; i++) {
 		candil_Option *to = &render->options[render->options_count++];
 		status = take_string("an option's name", request->options[i].name, to->name, sizeof(to->name), error);
@@ -128,6 +129,12 @@ static candil_status write_edits(const struct candil_edits *from, candil_Edits *
 	    from->node_count > COUNT(to->nodes))
 		return error_set(error, CANDIL_STATUS_LIMIT, "a request edits at most %zu lights, materials and nodes each",
 				 COUNT(to->lights));
+	status =
+	    error_if_missing((from->lights || from->light_count == 0) && (from->materials || from->material_count == 0) &&
+				 (from->nodes || from->node_count == 0),
+			     "a list of the request's edits", error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	to->replace_lights = from->replace_lights;
 	to->time_s = from->time_s;
 	for (size_t i = 0; i < from->light_count; i++)

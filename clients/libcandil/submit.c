@@ -47,6 +47,14 @@ candil_status submit_message(candil_client *client, enum message_type type, cons
 	return CANDIL_STATUS_OK;
 }
 
+// Before every public call: no id yet, and `given` says whether the pointers are there that `which` names beside the id.
+static candil_status begin(bool given, const char *which, uint32_t *id, struct candil_error *error)
+{
+	if (id)
+		*id = 0;
+	return error_if_missing(given && id, which, error);
+}
+
 // submit_message for the public calls that send no descriptor.
 static candil_status submit_plain(candil_client *client, enum message_type type, const pb_msgdesc_t *fields,
 				  const void *message, uint32_t *id, struct candil_error *error)
@@ -61,7 +69,9 @@ candil_status candil_submit_ping(candil_client *client, const void *payload, siz
 				 struct candil_error *error)
 {
 	candil_Ping ping = candil_Ping_init_zero;
-	*id = 0;
+	candil_status status = begin(client && (payload || bytes == 0), "the client, the payload or the id", id, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	if (bytes > sizeof(ping.payload.bytes))
 		return error_set(error, CANDIL_STATUS_BAD_ARGUMENT, "a ping carries at most %zu bytes",
 				 sizeof(ping.payload.bytes));
@@ -106,8 +116,9 @@ candil_status candil_submit_load(candil_client *client, const struct candil_load
 {
 	candil_Load load = candil_Load_init_zero;
 	int fd = -1;
-	*id = 0;
-	candil_status status = message_write_load(request, &load, error);
+	candil_status status = begin(client && request, "the client, the request or the id", id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = message_write_load(request, &load, error);
 	if (status == CANDIL_STATUS_OK && request->file)
 		status = open_folder(request->file, load.path, sizeof(load.path), &fd, error);
 	if (status != CANDIL_STATUS_OK)
@@ -124,8 +135,9 @@ candil_status candil_submit_load(candil_client *client, const struct candil_load
 candil_status candil_submit_unload(candil_client *client, const char *name, uint32_t *id, struct candil_error *error)
 {
 	candil_Unload unload = candil_Unload_init_zero;
-	*id = 0;
-	candil_status status = message_write_name(name, unload.name, sizeof(unload.name), error);
+	candil_status status = begin(client && name, "the client, the name or the id", id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = message_write_name(name, unload.name, sizeof(unload.name), error);
 	if (status != CANDIL_STATUS_OK)
 		return status;
 	return submit_plain(client, MESSAGE_UNLOAD, candil_Unload_fields, &unload, id, error);
@@ -134,14 +146,18 @@ candil_status candil_submit_unload(candil_client *client, const char *name, uint
 candil_status candil_submit_scenes(candil_client *client, uint32_t *id, struct candil_error *error)
 {
 	candil_ListScenes list = candil_ListScenes_init_zero;
+	const candil_status status = begin(client, "the client or the id", id, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	return submit_plain(client, MESSAGE_LIST_SCENES, candil_ListScenes_fields, &list, id, error);
 }
 
 candil_status candil_submit_describe(candil_client *client, const char *name, uint32_t *id, struct candil_error *error)
 {
 	candil_Describe describe = candil_Describe_init_zero;
-	*id = 0;
-	candil_status status = message_write_name(name, describe.name, sizeof(describe.name), error);
+	candil_status status = begin(client && name, "the client, the name or the id", id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = message_write_name(name, describe.name, sizeof(describe.name), error);
 	if (status != CANDIL_STATUS_OK)
 		return status;
 	return submit_plain(client, MESSAGE_DESCRIBE, candil_Describe_fields, &describe, id, error);
@@ -150,6 +166,9 @@ candil_status candil_submit_describe(candil_client *client, const char *name, ui
 candil_status candil_submit_stats(candil_client *client, uint32_t *id, struct candil_error *error)
 {
 	candil_Stats stats = candil_Stats_init_zero;
+	const candil_status status = begin(client, "the client or the id", id, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	return submit_plain(client, MESSAGE_STATS, candil_Stats_fields, &stats, id, error);
 }
 
@@ -165,9 +184,10 @@ candil_status candil_submit_render(candil_client *client, const struct candil_re
 				   struct candil_error *error)
 {
 	candil_Render render = candil_Render_init_zero;
-	*id = 0;
-	candil_status status = message_write_render(request, &render, error);
+	candil_status status = begin(client && request, "the client, the request or the id", id, error);
 	struct request *slot;
+	if (status == CANDIL_STATUS_OK)
+		status = message_write_render(request, &render, error);
 	if (status == CANDIL_STATUS_OK)
 		status = submit_message(client, MESSAGE_RENDER, candil_Render_fields, &render, -1, false, &slot, error);
 	if (status != CANDIL_STATUS_OK)
@@ -181,12 +201,15 @@ candil_status candil_submit_sweep(candil_client *client, const struct candil_ren
 				  const struct candil_camera *cameras, size_t count, uint32_t *id,
 				  struct candil_error *error)
 {
+	candil_status status =
+	    begin(client && request && cameras, "the client, the request, the cameras or the id", id, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	candil_Sweep *sweep = calloc(1, sizeof(*sweep)); // too large for the stack of a thread
 	struct request *slot;
-	*id = 0;
 	if (!sweep)
 		return error_set(error, CANDIL_STATUS_MEMORY, "out of memory for a request");
-	candil_status status = message_write_sweep(request, cameras, count, sweep, error);
+	status = message_write_sweep(request, cameras, count, sweep, error);
 	if (status == CANDIL_STATUS_OK)
 		status = submit_message(client, MESSAGE_SWEEP, candil_Sweep_fields, sweep, -1, false, &slot, error);
 	free(sweep);
@@ -201,8 +224,9 @@ candil_status candil_submit_quote(candil_client *client, const struct candil_ren
 				  uint32_t *id, struct candil_error *error)
 {
 	candil_Quote quote = {.has_render = true, .pilot_ms = pilot_ms};
-	*id = 0;
-	const candil_status status = message_write_render(request, &quote.render, error);
+	candil_status status = begin(client && request, "the client, the request or the id", id, error);
+	if (status == CANDIL_STATUS_OK)
+		status = message_write_render(request, &quote.render, error);
 	if (status != CANDIL_STATUS_OK)
 		return status;
 	return submit_plain(client, MESSAGE_QUOTE, candil_Quote_fields, &quote, id, error);
@@ -210,6 +234,11 @@ candil_status candil_submit_quote(candil_client *client, const struct candil_ren
 
 candil_status candil_cancel(candil_client *client, uint32_t id, struct candil_error *error)
 {
+	candil_status status = error_if_missing(client, "the client", error);
+	if (status == CANDIL_STATUS_OK && !request_any(&client->requests))
+		status = connection_status(&client->connection, error);
+	if (status != CANDIL_STATUS_OK)
+		return status;
 	struct request *render = request_find(&client->requests, id);
 	if (!render || (render->type != MESSAGE_RENDER && render->type != MESSAGE_SWEEP && render->type != MESSAGE_QUOTE))
 		return error_set(error, CANDIL_STATUS_NO_SUCH_REQUEST, "no render, sweep or quote %u is open", id);
@@ -217,7 +246,7 @@ candil_status candil_cancel(candil_client *client, uint32_t id, struct candil_er
 		return CANDIL_STATUS_OK;
 	candil_Cancel cancel = {.request = id};
 	struct request *slot;
-	candil_status status = submit_message(client, MESSAGE_CANCEL, candil_Cancel_fields, &cancel, -1, true, &slot, error);
+	status = submit_message(client, MESSAGE_CANCEL, candil_Cancel_fields, &cancel, -1, true, &slot, error);
 	render->cancelled = status == CANDIL_STATUS_OK;
 	return status;
 }

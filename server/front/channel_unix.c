@@ -125,7 +125,13 @@ static const struct channel_kind unix_channel = {.watch = unix_watch,
 
 enum status channel_unix_adopt(struct channel *channel, struct loop *loop, int fd, struct error *err)
 {
-	int flags = fcntl(fd, F_GETFL);
+	int flags = fcntl(fd, F_GETFL), type = 0, listens = 1;
+	socklen_t type_bytes = sizeof type, listens_bytes = sizeof listens;
+	if (getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &type_bytes) != 0 || type != SOCK_STREAM ||
+	    getsockopt(fd, SOL_SOCKET, SO_ACCEPTCONN, &listens, &listens_bytes) != 0 || listens) {
+		close(fd);
+		return error_set(err, STATUS_CONNECT, "descriptor %d is no connected stream socket", fd);
+	}
 	if (flags < 0 || fcntl(fd, F_SETFL, flags | O_NONBLOCK) != 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) != 0) {
 		enum status status = error_errno(err, STATUS_INTERNAL, "cannot use descriptor %d", fd);
 		close(fd);

@@ -14,6 +14,7 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include "tests/cli/fake_server.h"
@@ -509,9 +510,221 @@ static void test_many_open_requests(void **state)
 	stop(&f);
 }
 
+// ---- NULL, and calls on a connection that has failed -----------------------------------------------------------------
+
+// The pointer, but the one whose turn it is to be NULL.
+static const void *unless(int turn, int number, const void *pointer)
+{
+	return turn == number ? NULL : pointer;
+}
+#define ARG(number, pointer) ((void *)(uintptr_t)unless(turn, (number), (pointer)))
+
+struct given {
+	candil_client *client, *other;
+	struct candil_error error;
+	struct candil_load_request load;
+	struct candil_render_request render;
+	struct candil_camera cameras[1];
+	uint32_t id;
+	union {
+		struct candil_scene_info info;
+		struct candil_scene_list list;
+		struct candil_stats stats;
+		struct candil_quote quote;
+		struct candil_render_result render;
+		struct candil_sweep_result sweep;
+	} out;
+};
+
+#define CALL(name, ...) \
+	static candil_status call_##name(struct given *g, int turn) \
+	{ \
+		return candil_##name(__VA_ARGS__); \
+	}
+CALL(connect, ARG(1, "no/such/socket"), ARG(0, &g->other), ARG(2, &g->error))
+CALL(connect_fd, open("/dev/null", O_RDWR | O_CLOEXEC), ARG(0, &g->other), ARG(1, &g->error))
+CALL(ping, ARG(0, g->client), ARG(1, NULL), ARG(2, &g->error))
+CALL(load, ARG(0, g->client), ARG(1, &g->load), ARG(2, &g->out.info), ARG(3, &g->error))
+CALL(load_file, ARG(0, g->client), ARG(1, "box"), ARG(2, "/dev/null"), ARG(3, &g->out.info), ARG(4, &g->error))
+CALL(unload, ARG(0, g->client), ARG(1, "box"), ARG(2, &g->error))
+CALL(scenes, ARG(0, g->client), ARG(1, &g->out.list), ARG(2, &g->error))
+CALL(describe, ARG(0, g->client), ARG(1, "box"), ARG(2, &g->out.info), ARG(3, &g->error))
+CALL(stats, ARG(0, g->client), ARG(1, &g->out.stats), ARG(2, &g->error))
+CALL(render, ARG(0, g->client), ARG(1, &g->render), ARG(3, NULL), ARG(2, &g->out.render), ARG(4, &g->error))
+CALL(sweep, ARG(0, g->client), ARG(1, &g->render), ARG(2, g->cameras), 1, ARG(4, NULL), ARG(3, &g->out.sweep),
+     ARG(5, &g->error))
+CALL(ask_quote, ARG(0, g->client), ARG(1, &g->render), 0, ARG(2, &g->out.quote), ARG(3, &g->error))
+CALL(process, ARG(0, g->client), ARG(1, &g->error))
+CALL(submit_ping, ARG(0, g->client), ARG(1, "x"), 1, ARG(2, &g->id), ARG(3, &g->error))
+CALL(submit_load, ARG(0, g->client), ARG(1, &g->load), ARG(2, &g->id), ARG(3, &g->error))
+CALL(submit_unload, ARG(0, g->client), ARG(1, "box"), ARG(2, &g->id), ARG(3, &g->error))
+CALL(submit_scenes, ARG(0, g->client), ARG(1, &g->id), ARG(2, &g->error))
+CALL(submit_describe, ARG(0, g->client), ARG(1, "box"), ARG(2, &g->id), ARG(3, &g->error))
+CALL(submit_render, ARG(0, g->client), ARG(1, &g->render), ARG(2, &g->id), ARG(3, &g->error))
+CALL(submit_sweep, ARG(0, g->client), ARG(1, &g->render), ARG(2, g->cameras), 1, ARG(3, &g->id), ARG(4, &g->error))
+CALL(submit_quote, ARG(0, g->client), ARG(1, &g->render), 0, ARG(2, &g->id), ARG(3, &g->error))
+CALL(submit_stats, ARG(0, g->client), ARG(1, &g->id), ARG(2, &g->error))
+CALL(cancel, ARG(0, g->client), 7, ARG(1, &g->error))
+
+// Pointers are numbered so that those which must be there come first.
+static const struct call {
+	const char *name;
+	candil_status (*make)(struct given *g, int turn);
+	int needed, all;
+	candil_status without_null; // what comes of it on a connection that has failed
+} calls[] = {
+#define ROW(name, needed, all, status) \
+	{ \
+#name, call_##name, needed, all, CANDIL_STATUS_##status \
+	}
+    ROW(connect, 1, 3, CONNECT),
+    ROW(connect_fd, 1, 2, BAD_ARGUMENT),
+    ROW(ping, 1, 3, IO),
+    ROW(load, 2, 4, IO),
+    ROW(load_file, 3, 5, SCENE_FILE),
+    ROW(unload, 2, 3, IO),
+    ROW(scenes, 2, 3, IO),
+    ROW(describe, 3, 4, IO),
+    ROW(stats, 2, 3, IO),
+    ROW(render, 3, 5, IO),
+    ROW(sweep, 4, 6, IO),
+    ROW(ask_quote, 3, 4, IO),
+    ROW(process, 1, 2, IO),
+    ROW(submit_ping, 3, 4, IO),
+    ROW(submit_load, 3, 4, IO),
+    ROW(submit_unload, 3, 4, IO),
+    ROW(submit_scenes, 2, 3, IO),
+    ROW(submit_describe, 3, 4, IO),
+    ROW(submit_render, 3, 4, IO),
+    ROW(submit_sweep, 4, 5, IO),
+    ROW(submit_quote, 3, 4, IO),
+    ROW(submit_stats, 2, 3, IO),
+    ROW(cancel, 1, 2, IO),
+#undef ROW
+};
+
+static void given_init(struct given *g, candil_client *client)
+{
+	memset(g, 0, sizeof(*g));
+	g->client = client;
+	g->load = (struct candil_load_request){.name = "box", .server_path = "box.gltf"};
+	candil_render_request_init(&g->render);
+	g->render.scene = "box";
+	g->id = 99;
+}
+
+static void test_null_is_refused_and_a_failed_connection_stays_failed(void **state)
+{
+	(void)state;
+	static struct given g; // large
+	struct fake f = start();
+	close(f.peer);
+	f.peer = -1;
+	assert_int_equal(candil_ping(f.client, NULL, NULL), CANDIL_STATUS_IO);
+	for (size_t i = 0; i < sizeof(calls) / sizeof(calls[0]); i++) {
+		const struct call *c = &calls[i];
+		for (int turn = -1; turn < c->all; turn++) {
+			given_init(&g, f.client);
+			const bool refused = turn >= 0 && turn < c->needed;
+			const candil_status wanted = refused ? CANDIL_STATUS_BAD_ARGUMENT : c->without_null;
+			const candil_status got = c->make(&g, turn);
+			// A null address is the default one.
+			if (got != wanted && !(c->make == call_connect && turn == 1 && got != CANDIL_STATUS_OK))
+				fail_msg("%s with argument %d NULL: %s", c->name, turn, candil_status_name(got));
+			// `error` is the last.
+			if (turn != c->all - 1)
+				assert_true(g.error.code == got && strlen(g.error.text) > 5);
+			assert_true(g.id == 0 || g.id == 99);
+			assert_null(g.other);
+		}
+	}
+	stop(&f);
+}
+
+static void test_null_does_nothing_where_there_is_no_status(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	struct candil_event event;
+	struct candil_image image = {0};
+	assert_false(candil_default_address(NULL, 100));
+	assert_null(candil_server(NULL));
+	assert_int_equal(candil_fd(NULL), -1);
+	assert_false(candil_wants_write(NULL));
+	assert_false(candil_next_event(NULL, &event));
+	assert_false(candil_next_event(f.client, NULL));
+	candil_set_timeout(NULL, 1);
+	candil_render_request_init(NULL);
+	candil_keep_image(NULL, &image);
+	candil_keep_image(f.client, NULL);
+	candil_free(NULL);
+	candil_disconnect(NULL);
+	stop(&f);
+}
+
+static void test_lists_that_are_announced_must_be_there(void **state)
+{
+	(void)state;
+	struct fake f = start();
+	const struct candil_edits edits[] = {{.light_count = 1}, {.material_count = 1}, {.node_count = 1}};
+	struct candil_render_request request;
+	uint32_t id;
+	candil_render_request_init(&request);
+	request.scene = "box";
+	request.option_count = 1;
+	assert_int_equal(candil_submit_render(f.client, &request, &id, NULL), CANDIL_STATUS_BAD_ARGUMENT);
+	request.option_count = 0;
+	for (size_t i = 0; i < 3; i++) {
+		request.edits = &edits[i];
+		assert_int_equal(candil_submit_render(f.client, &request, &id, NULL), CANDIL_STATUS_BAD_ARGUMENT);
+	}
+	assert_int_equal(candil_submit_ping(f.client, NULL, 0, &id, NULL), CANDIL_STATUS_OK);
+	stop(&f);
+}
+
+// At once: none of these would ever become readable.
+static void test_descriptors_that_are_no_connection(void **state)
+{
+	(void)state;
+	struct candil_error error;
+	int ends[2], pipes[2], closed = dup(0);
+	close(closed);
+	assert_int_equal(pipe2(pipes, O_CLOEXEC), 0);
+	assert_int_equal(socketpair(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0, ends), 0);
+	const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	const struct sockaddr_un nameless = {.sun_family = AF_UNIX}; // the kernel chooses a name
+	assert_int_equal(bind(listener, (const struct sockaddr *)&nameless, sizeof(sa_family_t)), 0);
+	assert_int_equal(listen(listener, 1), 0);
+	const int fds[] = {
+	    -1,
+	    closed,
+	    open("/dev/null", O_RDWR | O_CLOEXEC),
+	    open("/", O_RDONLY | O_DIRECTORY | O_CLOEXEC),
+	    open("/", O_PATH | O_CLOEXEC),
+	    pipes[0],
+	    pipes[1],
+	    ends[0],
+	    listener,
+	    socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0),
+	};
+	for (size_t i = 0; i < sizeof(fds) / sizeof(fds[0]); i++) {
+		candil_client *client = NULL;
+		if (candil_connect_fd(fds[i], &client, &error) != CANDIL_STATUS_BAD_ARGUMENT)
+			fail_msg("case %zu: %s", i, error.text);
+		assert_null(client);
+		assert_non_null(strstr(error.text, "no connected stream socket"));
+		assert_int_equal(fcntl(fds[i], F_GETFD), -1); // it was the client's
+	}
+	close(ends[1]);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_null_is_refused_and_a_failed_connection_stays_failed),
+	    cmocka_unit_test(test_null_does_nothing_where_there_is_no_status),
+	    cmocka_unit_test(test_lists_that_are_announced_must_be_there),
+	    cmocka_unit_test(test_descriptors_that_are_no_connection),
 	    cmocka_unit_test(test_hello_says_what_the_daemon_is),
 	    cmocka_unit_test(test_hello_refused),
 	    cmocka_unit_test(test_nobody_listens),

@@ -254,6 +254,18 @@ class Program(unittest.TestCase):
         self.assertIn("no such option", self.run_it("--sockets").stderr)
         self.assertIn("takes no value", self.run_it("--require-gpu=1").stderr)
 
+    def test_a_descriptor_that_is_no_connection(self):
+        listener = socket.socket(socket.AF_UNIX)
+        listener.bind("")  # the kernel chooses a name
+        listener.listen(1)
+        datagrams, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
+        with listener, datagrams, other, open("/dev/null") as file:
+            for one in (listener, datagrams, file):
+                refused = self.run_it("--no-state", "--private-fd", str(one.fileno()), "--libexec", LIBEXEC,
+                                      pass_fds=[one.fileno()])
+                self.assertEqual(refused.returncode, 1)
+                self.assertIn("no connected stream socket", refused.stderr)
+
     def test_closed_standard_descriptors_are_filled(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "candil.sock")
