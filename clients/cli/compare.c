@@ -44,10 +44,12 @@ const struct command compare_command = {
 	"  --side-by-side OUT.png draw A, B and the error beside one another\n"
 	"  --html OUT.html        write a page that slides and flips between A, B and any number of others, with the\n"
 	"                         figures and the maps of each beside B; what is printed is of A and B\n\n"
+	"Pictures of candil tell what they are of: a warning says where two are of other scenes or cameras, or share\n"
+	"samples, which makes the difference smaller than the error.\n\n"
 	"candil compare room.exr reference.exr --mask-above 10   leaves out the lamp that is seen itself\n\n"
 	"--json: {\"a\", \"b\", \"width\", \"height\", \"pixels\", \"masked\", \"non_finite_a\", \"non_finite_b\",\n"
 	"\"rmse\", \"relmse\", \"mean_difference\", \"mean_difference_relative\", \"max_abs\", \"flip\",\n"
 	"\"flip_max\", \"flip_exposures\": null or {\"low\", \"high\", \"count\"}, \"mean_a\", \"mean_b\", \"mean_a_rgb\",\n"
-	"\"mean_b_rgb\", \"mask_above\"}; a value that is not finite is null\n",
+	"\"mean_b_rgb\", \"mask_above\", \"warnings\"}; a value that is not finite is null\n",
     .run = run_compare,
 };

@@ -123,6 +123,8 @@ static enum exit_code open_all(struct study *study)
 	enum exit_code code = study_open_folder(study);
 	if (code == EXIT_DONE)
 		code = job_open(&study->job);
+	if (code == EXIT_DONE)
+		code = study_check_scene(study);
 	return code == EXIT_DONE ? find_device(study) : code;
 }
 
@@ -231,7 +233,7 @@ const struct command study_command = {
 	"leaves in FOLDER a report to open in a browser: error against seconds, where each technique's error ends, what\n"
 	"its effects cost. First runs measure the scene; then the plan is printed with the time that it takes, and\n"
 	"followed. Start the same command again and it goes on where it was cut short; what is done is not done again.\n\n"
-	"  -o, --output FOLDER   a new folder, or that of a study to go on with\n"
+	"  -o, --output FOLDER   a new folder, or that of a study of this scene to go on with\n"
 	"  --camera NAME|ex,…    a view, as candil render takes it; up to 32 times; default: its first, else its bounds\n"
 	"                        are framed\n"
 	"  --size WxH            pixels; default 256x256, with --quick 128x128\n"

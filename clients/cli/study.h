@@ -209,6 +209,8 @@ bool study_options(struct study *study, struct cli *cli, const struct command *s
 
 // Make the folder, lock it, read runs.jsonl. Fails with BAD_ARGUMENT if it is not a study's, or another one works in it.
 enum exit_code study_open_folder(struct study *study);
+// Refuse, with BAD_ARGUMENT, a folder that has runs of another scene than the target's: they would go out of its report.
+enum exit_code study_check_scene(struct study *study);
 // Mark a run as done if it has a whole image under its name, and a line.
 void study_find_run(struct study *study, struct study_run *run);
 // Take all lines but those of runs that are done out of runs.jsonl. Good lines of other runs go to others.jsonl first.

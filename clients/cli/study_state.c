@@ -22,6 +22,7 @@
 #define RUNS_FILE "runs.jsonl"
 #define OTHERS_FILE "others.jsonl"
 #define PLAN_FILE "plan.json"
+#define STATE_FILE "study.json"
 #define MISSING_MAX 400u // runs that study.json names, whose sentences are long: the reader takes 1 MiB of it at most
 #define RUNS_BYTES (256L << 20) // of runs.jsonl at most
 #define LINE_BYTES (1u << 20) // of one line that counts
@@ -205,7 +206,7 @@ enum exit_code study_prune(struct study *study)
 static bool is_ours(const struct study *study)
 {
 	char path[PATH_MAX];
-	static const char *const names[] = {PLAN_FILE, RUNS_FILE, "study.json"};
+	static const char *const names[] = {PLAN_FILE, RUNS_FILE, STATE_FILE};
 	for (size_t i = 0; i < sizeof(names) / sizeof(*names); i++)
 		if (study_path(study, names[i], path, sizeof(path)) && access(path, F_OK) == 0)
 			return true;
@@ -260,10 +261,11 @@ bool study_read_own_plan(struct study *study, const char *key)
 {
 	char path[PATH_MAX];
 	struct candil_error error;
+	struct stat about;
 	struct study_plan plan = study->plan;
 	plan.points = NULL;
 	plan.point_count = 0;
-	if (!study_path(study, PLAN_FILE, path, sizeof(path)) ||
+	if (!study_path(study, PLAN_FILE, path, sizeof(path)) || stat(path, &about) != 0 || !S_ISREG(about.st_mode) ||
 	    study_plan_read(path, ~0u, &plan, &error) != CANDIL_STATUS_OK || strcmp(plan.key, key) != 0) {
 		free(plan.points);
 		return false;
@@ -279,10 +281,34 @@ enum exit_code study_write_plan(struct study *study)
 									     : job_fail_output(&study->job, PLAN_FILE);
 }
 
+// What is in study.json; NULL: nothing. A pipe of that name is not waited for.
 static json_t *read_state(const struct study *study)
 {
-	char path[PATH_MAX];
-	return study_path(study, "study.json", path, sizeof(path)) ? json_load_file(path, 0, NULL) : NULL;
+	const int fd = openat(study->lock, STATE_FILE, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+	FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
+	json_t *state = file ? json_loadf(file, 0, NULL) : NULL;
+	if (file)
+		fclose(file);
+	else if (fd >= 0)
+		close(fd);
+	return state;
+}
+
+enum exit_code study_check_scene(struct study *study)
+{
+	struct candil_error error;
+	json_t *state = read_state(study);
+	const json_t *scene = json_object_get(state, "scene");
+	const char *hash = json_string_value(json_object_get(scene, "hash")),
+		   *file = json_string_value(json_object_get(scene, "file"));
+	const bool other = hash && strcmp(hash, study->job.target.info.hash) != 0 && json_object_size(study->lines) > 0;
+	error_set(
+	    &error, CANDIL_STATUS_BAD_ARGUMENT,
+	    "%.100s is the study of another scene, or of this one as it was before (%.80s): name a new folder, or remove "
+	    "that one",
+	    study->job.options.output, file ? file : "?");
+	json_decref(state);
+	return other ? job_fail(&study->job, &error) : EXIT_DONE;
 }
 
 json_t *study_read_report_of(const struct study *study)
@@ -297,7 +323,7 @@ bool study_write_report_of(const struct study *study, json_t *what)
 	json_t *file = read_state(study);
 	json_object_set_new(file, "report_of", what);
 	char *text = file ? json_dumps(file, JSON_INDENT(1) | JSON_REAL_PRECISION(12)) : NULL;
-	const bool good = text && study_save(study, study->lock, "study.json", text, strlen(text));
+	const bool good = text && study_save(study, study->lock, STATE_FILE, text, strlen(text));
 	free(text);
 	json_decref(file);
 	return good;
@@ -436,5 +462,5 @@ bool study_write_state(struct study *study)
 	    cli_json_text(plan->title[0] ? plan->title : scene_name), "settings_varied", varied_json(study), "budget_s",
 	    plan->budget_s, "seeds", cli_json_u64(plan->seeds), "quick", study->texts.quick, "complete", complete, "missing",
 	    missing, "skipped", study_skipped_json(study), "notes", notes, "order_seed", cli_json_u64(STUDY_REFERENCE_SEED));
-	return write_object(study, "study.json", o);
+	return write_object(study, STATE_FILE, o);
 }

@@ -119,6 +119,7 @@ static enum status compare(const struct arguments *args, struct error *err)
 	enum status s = picture_read(args->a, &a, err);
 	if (s == STATUS_OK)
 		s = picture_read(args->b, &b, err);
+	report.warning_count = origin_compare(&a.origin, &b.origin, report.warnings);
 	if (s == STATUS_OK)
 		s = metrics_fit(&a, &b, err);
 	if (s != STATUS_OK)

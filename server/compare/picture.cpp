@@ -41,6 +41,37 @@ status check_size(const char *path, const OIIO::ImageSpec &spec, error *err)
 	return STATUS_OK;
 }
 
+// A text that candil wrote into the picture; "" if there is none or it is too long.
+template <size_t N> void read_text(const OIIO::ImageSpec &spec, const char *key, char (&to)[N])
+{
+	const std::string text = spec.get_string_attribute(std::string("candil/") + key);
+	to[0] = 0;
+	if (text.size() < N)
+		std::memcpy(to, text.c_str(), text.size() + 1);
+}
+
+uint64_t read_number(const OIIO::ImageSpec &spec, const char *key)
+{
+	const uint64_t all = std::strtoull(spec.get_string_attribute(std::string("candil/") + key).c_str(), nullptr, 10);
+	return std::min<uint64_t>(all, UINT32_MAX);
+}
+
+void read_origin(const OIIO::ImageSpec &spec, origin *o)
+{
+	char part[64];
+	std::string view;
+	read_text(spec, "scene_hash", o->scene);
+	read_text(spec, "technique", o->technique);
+	for (const char *key : {"camera_eye", "camera_forward", "camera_up", "camera_projection"}) {
+		read_text(spec, key, part);
+		view += part[0] ? std::string(" ") + part : std::string();
+	}
+	std::memcpy(o->view, view.c_str(), view.size() + 1);
+	o->seed = std::strtoull(spec.get_string_attribute("candil/seed").c_str(), nullptr, 10);
+	o->first_sample = read_number(spec, "first_sample");
+	o->samples = read_number(spec, "samples");
+}
+
 status read(const char *path, picture *out, error *err)
 {
 	auto in = OIIO::ImageInput::open(path);
@@ -67,7 +98,8 @@ status read(const char *path, picture *out, error *err)
 			float v = all[i * span + size_t(index[c] - first)];
 			rgb[i * 3 + size_t(c)] = srgb ? float(view_srgb_decode(double(v))) : v;
 		}
-	*out = {uint32_t(spec.width), uint32_t(spec.height), rgb, !spec.format.is_floating_point()};
+	*out = {uint32_t(spec.width), uint32_t(spec.height), rgb, !spec.format.is_floating_point(), {}};
+	read_origin(spec, &out->origin);
 	return STATUS_OK;
 }
 

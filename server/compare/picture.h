@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "server/base/error.h"
+#include "server/compare/origin.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,6 +17,7 @@ struct picture {
 	uint32_t width, height;
 	float *rgb; // row by row from the top, 3 floats a pixel, linear; freed by picture_finish
 	bool is_display; // the file has whole numbers, which are what a display shows; otherwise radiance
+	struct origin origin;
 };
 
 // Read the channels R, G and B of any file that OpenImageIO reads. Without these names, take the first three channels; with

@@ -35,6 +35,8 @@ void report_print(const struct report *report)
 		printf("  (the largest of %u exposures, %+.2f to %+.2f stops)", report->comparison.flip.exposures,
 		       report->comparison.flip.exposure_low, report->comparison.flip.exposure_high);
 	putchar('\n');
+	for (unsigned i = 0; i < report->warning_count; i++)
+		fprintf(stderr, "warning    %s\n", report->warnings[i]);
 	if (isfinite(report->mask_above))
 		printf("%-22s %" PRIu64 " pixels (reference above %g)\n", "masked", m->masked, report->mask_above);
 }
@@ -79,6 +81,10 @@ enum status report_print_json(const struct report *report, struct error *err)
 	json_object_set_new(root, "mean_a_rgb", rgb_a);
 	json_object_set_new(root, "mean_b_rgb", rgb_b);
 	json_object_set_new(root, "mask_above", number(report->mask_above));
+	json_t *warnings = json_array();
+	for (unsigned i = 0; i < report->warning_count; i++)
+		json_array_append_new(warnings, json_string(report->warnings[i]));
+	json_object_set_new(root, "warnings", warnings);
 	int failed = json_dumpf(root, stdout, JSON_INDENT(2));
 	putchar('\n');
 	json_decref(root);

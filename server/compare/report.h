@@ -8,10 +8,12 @@ struct report {
 	struct comparison comparison;
 	const char *name_a, *name_b;
 	double mask_above; // radiance; +infinity: no mask
+	char warnings[ORIGIN_WARNINGS_MAX][ORIGIN_WARNING_BYTES]; // `warning_count` of them
+	unsigned warning_count;
 };
 
-// Print to standard output: a table for people, or one JSON object. STATUS_BAD_ARGUMENT if a file name is not UTF-8,
-// STATUS_IO.
+// Print to standard output: a table for people, with warnings on standard error, or one JSON object. STATUS_BAD_ARGUMENT if
+// a file name is not UTF-8, STATUS_IO.
 void report_print(const struct report *report);
 enum status report_print_json(const struct report *report, struct error *err);
 

@@ -198,9 +198,41 @@ static void the_scale_grows_brighter_and_is_logarithmic(void **state)
 	assert_true(heat_position(0) == 0 && heat_position((double)NAN) == 0 && heat_position(1e30) == 1);
 }
 
+static void pictures_that_make_no_pair_are_told(void **state)
+{
+	(void)state;
+	const struct origin a = {.scene = "1", .view = "here", .technique = "pt", .seed = 7, .samples = 16};
+	const struct {
+		struct origin b;
+		const char *told[ORIGIN_WARNINGS_MAX]; // NULL: no more
+	} cases[] = {
+	    {{"1", "here", "pt", 8, 0, 16}, {NULL}},
+	    {{"2", "there", "pt", 8, 0, 16}, {"two scenes"}},
+	    {{"1", "there", "pt", 8, 0, 16}, {"two cameras"}},
+	    {{"1", "here", "pt", 7, 12, 64}, {"seed 7 and share samples 12 to 15"}},
+	    {{"2", "here", "pt", 7, 0, 1}, {"two scenes", "share samples 0 to 0"}},
+	    {{"1", "here", "pt", 7, 16, 64}, {NULL}},
+	    {{"1", "here", "direct", 7, 0, 16}, {NULL}},
+	    {{"1", "here", "no such", 7, 0, 16}, {NULL}},
+	    {{"", "", "", 0, 0, 0}, {NULL}}, // no picture of ours
+	};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		char told[ORIGIN_WARNINGS_MAX][ORIGIN_WARNING_BYTES];
+		const unsigned count = origin_compare(&a, &cases[i].b, told);
+		for (unsigned k = 0; k < ORIGIN_WARNINGS_MAX && (k < count || cases[i].told[k]); k++)
+			if (k >= count || !cases[i].told[k] || !strstr(told[k], cases[i].told[k]))
+				fail_msg("case %zu: %s", i, k < count ? told[k] : "nothing is told");
+	}
+	// Without noise nothing is random.
+	const struct origin even = {.technique = "direct", .seed = 7, .samples = 16};
+	char told[ORIGIN_WARNINGS_MAX][ORIGIN_WARNING_BYTES];
+	assert_int_equal(origin_compare(&even, &even, told), 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(pictures_that_make_no_pair_are_told),
 	    cmocka_unit_test(figures_are_those_worked_out_by_hand),
 	    cmocka_unit_test(masked_and_broken_pixels_are_left_out),
 	    cmocka_unit_test(the_larger_is_scaled_down_exactly),

@@ -139,6 +139,22 @@ class Compare(unittest.TestCase):
         for words in ("RMSE", "relMSE", "mean difference", "FLIP", "logarithmic"):
             self.assertIn(words, done.stdout)
 
+    def test_pictures_that_make_no_pair_are_told(self):
+        about = {"scene_hash": "1" * 32, "technique": "pt", "seed": "7", "first_sample": "0", "samples": "16", "camera_eye": "0,1,4"}
+        images.write(self.path("a.exr"), self.b, about)
+        images.write(self.path("b.exr"), np.repeat(np.repeat(self.b, 2, 0), 2, 1), {**about, "camera_eye": "0,1,5"})
+        done = run(self.path("a.exr"), self.path("b.exr"), "--json")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        camera, shared = json.loads(done.stdout)["warnings"]
+        self.assertIn("two cameras", camera)
+        self.assertIn("seed 7 and share samples 0 to 15", shared)
+        # What is as long as no file of ours has it is not told.
+        images.write(self.path("b.exr"), self.b, {**about, "camera_eye": "9" * 300, "samples": "x" * 300})
+        images.write(self.path("a.exr"), self.b, {"scene_hash": "2" * 32})
+        done = run(self.path("a.exr"), self.path("b.exr"))
+        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertTrue(done.stderr.startswith("warning    the pictures are of two scenes"), done.stderr)
+
     def test_could_not(self):
         images.write(self.path("b.exr"), self.b)
         images.write(self.path("odd.exr"), self.b[:7])

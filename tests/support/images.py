@@ -50,15 +50,18 @@ def metadata(path):
     return {a.name: a.value for a in source.spec().extra_attribs}
 
 
-def write(path, pixels):
-    """Write height x width x 3 as float EXR, or as 8-bit codes of values 0…1 for a PNG."""
+def write(path, pixels, candil=None):
+    """Write height x width x 3 as float EXR, or as 8-bit codes of values 0…1 for a PNG. `candil`: of its own metadata."""
     pixels = np.ascontiguousarray(pixels, dtype=np.float32)
     height, width, count = pixels.shape
     out = oiio.ImageOutput.create(str(path))
     if out is None:
         raise OSError(f"{path}: {oiio.geterror()}")
     kind = "float" if str(path).endswith(".exr") else "uint8"
-    if not out.open(str(path), oiio.ImageSpec(width, height, count, kind)) or not out.write_image(pixels):
+    spec = oiio.ImageSpec(width, height, count, kind)
+    for key, value in (candil or {}).items():
+        spec.attribute("candil/" + key, value)
+    if not out.open(str(path), spec) or not out.write_image(pixels):
         raise OSError(f"{path}: {out.geterror()}")
     out.close()
 
