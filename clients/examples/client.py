@@ -7,6 +7,7 @@
 Every message is a header of 16 bytes and a body; protocol/PROTOCOL.md is the manual.
 """
 import os
+import signal
 import socket
 import struct
 import sys
@@ -22,7 +23,7 @@ except ModuleNotFoundError as missing:
 
 HEADER = struct.Struct("<IBBHII")  # magic, version, type, flags, length, request id
 MAGIC, VERSION, FLAG_FD = 0x4C444E43, 1, 1
-HELLO, LOAD, UNLOAD, RENDER = 0x01, 0x03, 0x04, 0x07
+HELLO, LOAD, UNLOAD, RENDER, CANCEL = 0x01, 0x03, 0x04, 0x07, 0x08
 HELLO_REPLY, SCENE_INFO, OK, ACCEPTED, PROGRESS, IMAGE, CHUNK, DONE, ERROR = (
     0x81, 0x83, 0x84, 0x86, 0x87, 0x88, 0x89, 0x8A, 0xFF)
 
@@ -39,6 +40,7 @@ class Client:
         except OSError as error:
             raise ConnectionError(f"cannot connect to {path}: {error.strerror or error}") from error
         self.last_id = 0
+        self.stopped = False
         self.call(HELLO, pb.Hello(version_min=VERSION, version_max=VERSION, client="client.py"), HELLO_REPLY,
                   pb.HelloReply)
 
@@ -94,11 +96,14 @@ class Client:
         self.call(UNLOAD, pb.Unload(name=name), OK, pb.Ok)
 
     def render(self, message):
-        """Returns the final image's bytes and the Done message."""
+        """Returns the final image's bytes and the Done message. Once `stopped` is set, the render is cancelled."""
         request = self.send(RENDER, message)
-        frame, image, final = None, bytearray(), None
+        frame, image, final, cancelled = None, bytearray(), None, False
         while True:
             kind, body = self.receive(request)
+            if self.stopped and not cancelled:
+                cancelled = True
+                self.send(CANCEL, pb.Cancel(request=request))
             if kind == IMAGE:
                 frame, image = pb.ImageFrame.FromString(body), bytearray()
             elif kind == CHUNK:
@@ -107,6 +112,10 @@ class Client:
                     final = bytes(image)
             elif kind == DONE:
                 return final, pb.Done.FromString(body)
+
+
+    def stop(self, *_):
+        self.stopped = True
 
 
 def look_at(info):
@@ -124,15 +133,23 @@ def main():
     path, scene, out = sys.argv[1:]
     try:
         client = Client(path)
+        # A program that ended by these would leave its scene in the daemon.
+        signal.signal(signal.SIGINT, client.stop)
+        signal.signal(signal.SIGTERM, client.stop)
         info = client.load("client.py", scene)
-        image, done = client.render(pb.Render(
-            scene="client.py", width=128, height=128, samples=16, format=pb.FORMAT_PNG,
-            background=pb.Vec3(x=0.5, y=0.5, z=0.5), camera=None if info.camera_count else look_at(info)))
-        client.unload("client.py")
+        try:
+            image, done = client.render(pb.Render(
+                scene="client.py", width=128, height=128, samples=16, format=pb.FORMAT_PNG,
+                background=pb.Vec3(x=0.5, y=0.5, z=0.5), camera=None if info.camera_count else look_at(info)))
+        finally:
+            client.unload("client.py")
     except (OSError, Refused) as error:
         sys.exit(f"client.py: {error}")
-    with open(out, "wb") as file:
-        file.write(image)
+    try:
+        with open(out, "wb") as file:
+            file.write(image)
+    except OSError as error:
+        sys.exit(f"client.py: {out}: {error.strerror}")
     print(f"{out}: {info.triangles} triangle{'s'[:info.triangles != 1]}, {done.samples} samples, {done.elapsed_us / 1000:.1f} ms")
 
 

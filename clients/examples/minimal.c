@@ -3,7 +3,24 @@
 //   cc minimal.c $(pkg-config --cflags --libs candil) -o minimal
 //   ./minimal SOCKET SCENE.gltf OUT.png
 #include <candil.h>
+#include <signal.h>
 #include <stdio.h>
+
+static volatile sig_atomic_t stopped; // by Ctrl-C or SIGTERM
+
+static void stop(int number)
+{
+	(void)number;
+	stopped = 1;
+}
+
+// Called some times a second while the daemon renders. Anything but 0 cancels.
+static int look(void *user, const struct candil_progress *progress)
+{
+	(void)user;
+	(void)progress;
+	return stopped;
+}
 
 static int fail(const char *what, const struct candil_error *error)
 {
@@ -43,6 +60,7 @@ static int render(candil_client *client, const struct candil_scene_info *scene, 
 	struct candil_error error;
 	struct candil_render_result result;
 	struct candil_render_request request;
+	const struct candil_callbacks callbacks = {.progress = look};
 	candil_render_request_init(&request);
 	request.scene = "minimal";
 	request.width = request.height = 128;
@@ -52,7 +70,7 @@ static int render(candil_client *client, const struct candil_scene_info *scene, 
 	request.background = (struct candil_vec3){0.5, 0.5, 0.5};
 	if (scene->camera_count == 0)
 		look_at(scene, &request);
-	if (candil_render(client, &request, NULL, &result, &error) != CANDIL_STATUS_OK)
+	if (candil_render(client, &request, &callbacks, &result, &error) != CANDIL_STATUS_OK)
 		return fail("render", &error);
 	int failed = write_file(out, &result.image);
 	candil_free(result.image.data);
@@ -71,6 +89,9 @@ int main(int argc, char **argv)
 	if (candil_connect(argv[1], &client, &error) != CANDIL_STATUS_OK)
 		return fail("connect", &error);
 	int failed = 1;
+	// A program that ended now would leave its scene in the daemon.
+	signal(SIGINT, stop);
+	signal(SIGTERM, stop);
 	if (candil_ping(client, NULL, &error) != CANDIL_STATUS_OK ||
 	    candil_load_file(client, "minimal", argv[2], &scene, &error) != CANDIL_STATUS_OK) {
 		fail("load", &error);

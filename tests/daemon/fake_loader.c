@@ -43,6 +43,8 @@ static void read_orders(const char *file, char *orders, size_t capacity)
 static void describe(const char *file)
 {
 	loaded.info.triangles = 12;
+	loaded.info.has_bounds_min = loaded.info.has_bounds_max = true;
+	loaded.info.bounds_max = (candil_Vec3){1, 1, 1};
 	snprintf(loaded.info.file, sizeof loaded.info.file, "%s", file);
 	loaded.info.warnings_count = 1;
 	snprintf(loaded.info.warnings[0], sizeof loaded.info.warnings[0], "%s",
