@@ -10,6 +10,7 @@
 #define LIMIT_TURNED_AWAY 4u // connections beyond them that are told so at once; others wait to be told
 #define LIMIT_JOBS_PER_CONNECTION 16u
 #define LIMIT_JOBS 256u // in the daemon
+#define LIMIT_SHARE 3u // times what is left, that a peer with some may have of what all share
 #define LIMIT_OUT_BUFFER_BYTES (256u * 1024u) // unsent bytes past which a connection is not read and gets no chunks
 #define LIMIT_HELLO_MS 10000u // a connection that has not said hello by then is closed
 #define LIMIT_LINGER_MS 1000u // after its last message a connection that closes gets so long to read it

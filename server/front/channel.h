@@ -113,6 +113,7 @@ struct channel {
 	const struct channel_kind *kind;
 	struct loop *loop;
 	int fd; // for the kind alone
+	uint64_t peer; // whose it is: those of one number share (peer.h)
 };
 
 enum listener_result {
@@ -139,7 +140,8 @@ struct listener {
 	const struct listener_kind *kind;
 };
 
-// ---- channel_unix.c: Unix stream sockets, which pass descriptors and know their peer's user --------------------------
+// ---- channel_unix.c: Unix stream sockets, which pass descriptors and know their peer's user. All of one process are one
+// peer's, and so are those of all processes that are not of our namespace
 
 // Listen at `path`, mode 0600, and call `ready` whenever somebody waits. A socket file that nobody answers on is replaced;
 // one that somebody answers on, or a file that is no socket, is an error. Closing the listener removes the file if it is

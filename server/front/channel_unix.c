@@ -123,6 +123,15 @@ static const struct channel_kind unix_channel = {.watch = unix_watch,
 						 .peer_allowed = unix_peer_allowed,
 						 .close = unix_close};
 
+// Process ids are reused, but not while we count on one: a peer goes with its last connection, and shares with a namesake
+// until then.
+static uint64_t unix_peer(int fd)
+{
+	struct ucred peer;
+	socklen_t length = sizeof peer;
+	return getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.pid > 0 ? (uint64_t)peer.pid : 0;
+}
+
 enum status channel_unix_adopt(struct channel *channel, struct loop *loop, int fd, struct error *err)
 {
 	int flags = fcntl(fd, F_GETFL), type = 0, listens = 1;
@@ -137,7 +146,7 @@ enum status channel_unix_adopt(struct channel *channel, struct loop *loop, int f
 		close(fd);
 		return status;
 	}
-	*channel = (struct channel){.kind = &unix_channel, .loop = loop, .fd = fd};
+	*channel = (struct channel){.kind = &unix_channel, .loop = loop, .fd = fd, .peer = unix_peer(fd)};
 	return STATUS_OK;
 }
 
@@ -150,7 +159,7 @@ static enum listener_result unix_accept(struct listener *listener, struct channe
 	if (fd < 0)
 		return errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS ? LISTENER_EXHAUSTED
 												 : LISTENER_NONE;
-	*channel = (struct channel){.kind = &unix_channel, .loop = l->loop, .fd = fd};
+	*channel = (struct channel){.kind = &unix_channel, .loop = l->loop, .fd = fd, .peer = unix_peer(fd)};
 	return LISTENER_ACCEPTED;
 }
 

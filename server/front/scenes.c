@@ -7,6 +7,7 @@
 #include "protocol/limits.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/front/session.h"
 
 void scenes_init(struct scenes *scenes, struct children *children, const struct options *options, unsigned most,
 		 const struct scenes_events *events, void *owner)
@@ -230,13 +231,25 @@ enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct s
 	return STATUS_OK;
 }
 
+// Has the peer that waits for this load a loader at work already?
+static bool is_loading_for(const struct scenes *scenes, const struct scene *load)
+{
+	const struct peer *peer = load->session ? load->session->peer : NULL;
+	for (const struct scene *s = scenes->first; s; s = s->next)
+		if (s->state == SCENE_LOADING && peer == (s->session ? s->session->peer : NULL))
+			return true;
+	return false;
+}
+
+// The oldest load; one of a peer that has a loader comes after those of others.
 static struct scene *next_waiting(struct scenes *scenes)
 {
 	unsigned running = 0;
 	struct scene *waiting = NULL;
 	for (struct scene *s = scenes->first; s; s = s->next) {
 		running += s->state == SCENE_LOADING;
-		if (!waiting && s->state == SCENE_WAITING)
+		if (s->state == SCENE_WAITING &&
+		    (!waiting || (is_loading_for(scenes, waiting) && !is_loading_for(scenes, s))))
 			waiting = s;
 	}
 	// A load may leave two behind: a loader that wants images is started a second time.

@@ -90,7 +90,8 @@ void scenes_finish(struct scenes *scenes);
 enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct source *source, struct session *session,
 			uint32_t request, struct error *err);
 
-// Start the loads that wait, oldest first, while loaders are free. The service calls it once after each batch of events.
+// Start the loads that wait, oldest first, while loaders are free: no peer has two of them while another waits. The service
+// calls it once after each batch of events.
 void scenes_dispatch(struct scenes *scenes);
 
 // The scene of a name: the ready one, else the one that is being loaded, else NULL. Good until the next call that may free

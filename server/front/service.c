@@ -15,6 +15,7 @@
 #include "server/base/log.h"
 #include "server/front/dispatch.h"
 #include "server/front/reply.h"
+#include "server/front/share.h"
 #include "server/front/state.h"
 
 #define ACCEPTS_PER_TURN 16u
@@ -52,13 +53,17 @@ static void accept_later(struct service *service)
 static enum status may_connect(const struct service *service, const struct channel *channel, struct error *err)
 {
 	const unsigned most = service->capacity.connections;
+	const unsigned count = service->sessions.count - service->sessions.turned_away;
+	const unsigned own = sessions_of(&service->sessions, channel->peer);
 	if (!channel->kind->peer_allowed(channel))
 		return error_set(err, STATUS_NOT_ALLOWED, "this daemon serves its own user and root alone");
-	if (service->sessions.count - service->sessions.turned_away >= most)
+	if (count >= most)
 		return error_set(err, STATUS_TOO_MANY_CONNECTIONS,
-				 "there are %u connections, as many as there may be: try again "
-				 "later",
-				 most);
+				 "there are %u connections, no more may be: try again later", count);
+	if (!share_allows(own, 1, most - count))
+		return error_set(err, STATUS_TOO_MANY_CONNECTIONS,
+				 "of %u connections this process has %u, the others are kept for others: close some", most,
+				 own);
 	return STATUS_OK;
 }
 

@@ -27,6 +27,7 @@ static void session_destroy(struct session *session)
 	session->channel.kind->close(&session->channel);
 	reader_finish(&session->reader);
 	outbox_finish(&session->outbox);
+	peers_leave(&session->table->peers, session->peer);
 	session->table->count--;
 	session->table->turned_away -= session->turned_away;
 	free(session);
@@ -39,6 +40,14 @@ void sessions_finish(struct sessions *sessions)
 		sessions->first = s->next;
 		session_destroy(s);
 	}
+}
+
+unsigned sessions_of(const struct sessions *sessions, uint64_t peer)
+{
+	unsigned count = 0;
+	for (const struct session *s = sessions->first; s; s = s->next)
+		count += s->channel.peer == peer && !s->turned_away;
+	return count;
 }
 
 static void say_ended(struct session *session)
@@ -88,6 +97,11 @@ enum status session_create(struct sessions *sessions, struct channel *channel, s
 	}
 	*s = (struct session){.id = sessions->next_id++, .channel = *channel, .table = sessions, .next = sessions->first};
 	reader_init(&s->reader);
+	s->peer = peers_join(&sessions->peers, channel->peer);
+	if (!s->peer) {
+		error_set(err, status, "no memory for one more connection");
+		goto out;
+	}
 	status = s->channel.kind->watch(&s->channel, session_ready, s, err);
 	if (status != STATUS_OK)
 		goto out;
@@ -97,6 +111,8 @@ enum status session_create(struct sessions *sessions, struct channel *channel, s
 	*session = s;
 	return STATUS_OK;
 out:
+	if (s && s->peer)
+		peers_leave(&sessions->peers, s->peer);
 	free(s);
 	channel->kind->close(channel);
 	return status;

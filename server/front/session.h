@@ -17,6 +17,7 @@
 #include "server/front/jobs/room.h"
 #include "server/front/loop.h"
 #include "server/front/outbox.h"
+#include "server/front/peer.h"
 #include "server/front/reader.h"
 
 enum session_state {
@@ -47,10 +48,11 @@ struct session_events {
 	void (*ended)(void *owner, struct session *session);
 };
 
-// Others may read `id`, `state`, `outbox`, claim from `reader`, set `turned_away`, and keep `requests` and `room`.
+// Others may read `id`, `peer`, `state`, `outbox`, claim from `reader`, set `turned_away`, and keep `requests` and `room`.
 struct session {
 	uint64_t id; // for the log
 	struct channel channel;
+	struct peer *peer;
 	enum session_state state;
 	bool ended_said;
 	bool blocked; // the channel took no more
@@ -71,6 +73,7 @@ struct sessions {
 	const struct session_events *events;
 	void *owner;
 	struct session *first;
+	struct peer *peers;
 	unsigned count;
 	unsigned turned_away; // of these: counted up by their owner
 	uint64_t next_id;
@@ -78,6 +81,9 @@ struct sessions {
 
 // No session yet. `loop`, `events` and `owner` must outlive it.
 void sessions_init(struct sessions *sessions, struct loop *loop, const struct session_events *events, void *owner);
+
+// How many sessions a peer has, without those that are turned away.
+unsigned sessions_of(const struct sessions *sessions, uint64_t peer);
 
 // Close and free all sessions at once. No call is made.
 void sessions_finish(struct sessions *sessions);

@@ -116,7 +116,8 @@ class CommonRoom(FakeCase):
         return self.ask_for(connection, width=4096, height=4096)
 
     def fill(self):
-        connections = [self.with_box()] + [self.connect() for _ in range(4)]
+        # Of one process they would leave a quarter of the room.
+        connections = [self.with_box()] + [self.connect(elsewhere=True) for _ in range(4)]
         jobs = [(connection, self.large(connection)) for connection in connections]
         other = self.connect()
         wire.wait_for(lambda: other.stats().image_bytes == 5 * self.LARGE, "five images wait")
@@ -139,7 +140,7 @@ class CommonRoom(FakeCase):
 
     def test_a_full_room_holds_up_only_what_needs_it(self):
         jobs, other = self.fill()
-        waiting, younger = self.connect(), self.connect()
+        waiting, younger = self.connect(elsewhere=True), self.connect(elsewhere=True)
         job = self.large(waiting)
         self.wait_until_traced(other, 6)
         # It would fit, but the one before it has waited longer.
@@ -158,7 +159,7 @@ class CommonRoom(FakeCase):
 
     def test_a_client_that_goes_makes_room(self):
         jobs, other = self.fill()
-        waiting = self.connect()
+        waiting = self.connect(elsewhere=True)
         job = self.large(waiting)
         self.wait_until_traced(other, 6)
         self.assert_small_ones_pass(other)
@@ -169,7 +170,7 @@ class CommonRoom(FakeCase):
 
     def test_one_larger_than_the_room_has_it_alone(self):
         jobs, other = self.fill()
-        waiting = self.connect()
+        waiting = self.connect(elsewhere=True)
         aovs = 1 | 2 | 4 | 8
         huge = self.ask_for(waiting, width=8192, height=8192, aovs=aovs)  # 2.75 GiB by estimate
         self.wait_until_traced(other, 6)
@@ -184,7 +185,7 @@ class CommonRoom(FakeCase):
 
     def test_sweeps_and_previews_come_to_their_end(self):
         jobs, other = self.fill()
-        late = self.connect()
+        late = self.connect(elsewhere=True)
         sweep = pb.Sweep(render=render(width=1024, height=1024, samples=8, progressive=True, progress_ms=1),
                          cameras=[pb.Camera(eye=pb.Vec3(x=i), target=pb.Vec3(z=1), vfov_degrees=40) for i in range(4)])
         swept = late.send(wire.SWEEP, sweep)
@@ -200,13 +201,18 @@ class CommonRoom(FakeCase):
 
 class Crowd(FakeCase):
     def test_too_many_connections(self):
-        crowd = [self.connect() for _ in range(256)]
-        late = self.connect(greet=False)
-        self.assert_error(late.drained()[0], "too-many-connections")
+        crowd = [self.connect() for _ in range(192)]
+        reply, = self.connect(greet=False).drained()
+        self.assert_error(reply, "too-many-connections")
+        self.assertIn("this process has 192", reply.body.message)
+        crowd += [self.connect(elsewhere=True) for _ in range(64)]
+        reply, = self.connect(elsewhere=True, greet=False).drained()
+        self.assert_error(reply, "too-many-connections")
+        self.assertIn("there are 256", reply.body.message)
         for connection in crowd[:10]:
             connection.close()
         wire.wait_for(lambda: crowd[20].stats().connections <= 246, "places are free")
-        self.assert_serves()
+        self.assertEqual(self.connect(elsewhere=True).ask(wire.PING).kind, wire.PONG)
 
     def test_connections_that_say_nothing(self):
         silent = [socket.socket(socket.AF_UNIX) for _ in range(100)]

@@ -19,8 +19,8 @@ class Full(FakeCase):
     jobs_each = 1
 
     def greeted(self):
-        """A connection, or None for one that is turned away."""
-        connection = self.connect(greet=False)
+        """A connection of a process of its own, or None for one that is turned away."""
+        connection = self.connect(greet=False, elsewhere=True)
         try:
             connection.send(wire.HELLO, pb.Hello(version_min=1, version_max=1))
             reply = connection.receive()

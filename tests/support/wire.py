@@ -181,6 +181,24 @@ def descriptors(pid):
     return len(os.listdir(f"/proc/{pid}/fd"))
 
 
+def connected_elsewhere(path):
+    """A socket that another process has connected, which has ended since."""
+    ours, theirs = socket.socketpair()
+    child = os.fork()
+    if child == 0:
+        try:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as sock:
+                sock.connect(path)
+                socket.send_fds(theirs, [b"x"], [sock.fileno()])
+        finally:
+            os._exit(0)
+    theirs.close()
+    with ours:
+        fds = socket.recv_fds(ours, 1, 1)[1]
+    os.waitpid(child, 0)
+    return socket.socket(fileno=fds[0])
+
+
 class Daemon:
     """candild on a socket in a temporary folder. `libexec` None: the build's own loader and worker. `most_descriptors` None: as
     many as we may have ourselves."""
@@ -219,7 +237,10 @@ class Daemon:
         if self.most_descriptors:
             resource.setrlimit(resource.RLIMIT_NOFILE, (self.most_descriptors, self.most_descriptors))
 
-    def connect(self, **keywords):
+    def connect(self, elsewhere=False, **keywords):
+        """`elsewhere`: by a process of its own, which is another peer."""
+        if elsewhere:
+            return Connection(sock=connected_elsewhere(self.socket), **keywords)
         return Connection(self.socket, **keywords)
 
     def alive(self):

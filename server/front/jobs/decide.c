@@ -7,6 +7,7 @@
 #include "protocol/names.h"
 #include "server/base/clock.h"
 #include "server/front/jobs/table.h"
+#include "server/front/session.h"
 
 uint32_t jobs_hold(struct jobs *jobs, const struct session *session, uint32_t request)
 {
@@ -59,18 +60,46 @@ uint64_t jobs_first_end_us(const struct jobs *jobs, uint32_t but)
 	return first;
 }
 
-double jobs_queue_us(const struct jobs *jobs, uint32_t but, double us, uint32_t *count)
+// Device time that a job is likely to take yet. Of one that has not begun nothing is known.
+static double left_us(const struct job *job, double otherwise)
 {
-	double all = 0;
-	*count = 0;
+	return job->fraction > 0 ? (double)job->device_us * (1 - job->fraction) / job->fraction : otherwise;
+}
+
+// The jobs of one peer that will have the device, but for job `but`, taken together.
+struct queue {
+	struct turn turn;
+	double left_us, delay_us; // delay_us: what they add to work of the same peer
+	uint32_t count;
+};
+
+static struct queue queue_of(const struct jobs *jobs, const struct peer *peer, uint32_t but, double us)
+{
+	struct queue q = {0};
 	for (unsigned i = 0; i < jobs->count; i++) {
 		const struct job *job = jobs->job[i];
-		if (job->id == but || job->state > JOB_ACTIVE)
+		if (job->id == but || job->state > JOB_ACTIVE || job->session->peer != peer)
 			continue;
-		++*count;
-		// Of a job that has not begun nothing is known.
-		const double left = job->fraction > 0 ? (double)job->device_us * (1 - job->fraction) / job->fraction : us;
-		all += schedule_delay_us(&job->turn, left, us);
+		const double left = left_us(job, us);
+		q.count++;
+		q.left_us += left;
+		q.delay_us += schedule_delay_us(&job->turn, left, us);
+		schedule_charge(&q.turn, job->turn.attained_us);
+	}
+	return q;
+}
+
+double jobs_queue_us(const struct jobs *jobs, const struct session *session, uint32_t but, double us, uint32_t *count)
+{
+	const struct queue own = queue_of(jobs, session ? session->peer : NULL, but, us);
+	double all = own.delay_us;
+	*count = own.count;
+	for (const struct peer *p = session ? session->table->peers : NULL; p; p = p->next) {
+		if (p == session->peer)
+			continue;
+		const struct queue q = queue_of(jobs, p, but, us);
+		*count += q.count;
+		all += schedule_delay_us(&q.turn, q.left_us, us + own.delay_us);
 	}
 	return all;
 }

@@ -14,6 +14,7 @@
 #include "server/front/jobs/table.h"
 #include "server/front/jobs/warnings.h"
 #include "server/front/reply.h"
+#include "server/front/session.h"
 
 // A job refused so often for want of memory lets no younger one begin before it.
 #define MEMORY_PATIENCE 4u
@@ -26,18 +27,29 @@ static bool device_busy(const struct jobs *jobs, const struct job *but)
 	return false;
 }
 
+static void count_on_device(const struct jobs *jobs)
+{
+	for (unsigned i = 0; i < jobs->count; i++)
+		jobs->job[i]->session->peer->on_device = 0;
+	for (unsigned i = 0; i < jobs->count; i++)
+		jobs->job[i]->session->peer->on_device += job_on_device(jobs->job[i]);
+}
+
+// The oldest one of the peer that has the fewest on the device.
 static struct job *next_to_begin(const struct jobs *jobs)
 {
+	struct job *next = NULL;
+	count_on_device(jobs);
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
 		if (job->state != JOB_WAITING || job->undecided || job->compiling || !job_is_loaded(job))
 			continue;
-		if (!job->short_of_memory)
-			return job;
-		if (job->refusals >= MEMORY_PATIENCE)
-			return NULL;
+		if (!job->short_of_memory && (!next || job->session->peer->on_device < next->session->peer->on_device))
+			next = job;
+		if (job->short_of_memory && job->refusals >= MEMORY_PATIENCE)
+			break;
 	}
-	return NULL;
+	return next;
 }
 
 bool jobs_want_device(const struct jobs *jobs)
@@ -74,7 +86,7 @@ void jobs_begin_next(struct jobs *jobs)
 void jobs_step_next(struct jobs *jobs)
 {
 	struct job *active[LIMIT_JOBS];
-	struct turn *turns[LIMIT_JOBS];
+	struct candidate candidates[LIMIT_JOBS];
 	size_t count = 0;
 	// No STEP is sent while a BEGIN is outstanding: the new job, which may be a small one, would wait for one more slice
 	// of a large one. Since jobs_step_next comes before jobs_begin_next in each dispatch, BEGIN and STEP take turns, and
@@ -84,11 +96,11 @@ void jobs_step_next(struct jobs *jobs)
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i]->state == JOB_ACTIVE) {
 			active[count] = jobs->job[i];
-			turns[count++] = &jobs->job[i]->turn;
+			candidates[count++] = (struct candidate){&jobs->job[i]->turn, &jobs->job[i]->session->peer->turn};
 		}
 	if (count == 0)
 		return;
-	struct job *job = active[schedule_pick(turns, count, &jobs->turns)];
+	struct job *job = active[schedule_pick(candidates, count, &jobs->turns)];
 	for (size_t i = 0; i < count; i++)
 		active[i]->crowded |= count > 1;
 	jobs->stepping = job->id;

@@ -27,9 +27,10 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 	if (samples < 2 * (uint64_t)job->preview_samples && now < job->preview_us + PREVIEW_US)
 		return;
 	// Where another job waits for room, it is the next to get a descriptor that is free.
-	if (jobs->short_of_room && job->session->room.images > 0)
+	const bool short_of_room = jobs->short_of_room || job->session->peer->short_of_room;
+	if (short_of_room && job->session->room.images > 0)
 		return;
-	if (take_room(jobs, job, &job->preview, jobs->short_of_room) != ROOM_TAKEN)
+	if (take_room(jobs, job, &job->preview, short_of_room) != ROOM_TAKEN)
 		return;
 	job->preview_due = true;
 	job->preview_samples = samples;
@@ -38,16 +39,21 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 }
 
 // A job's last READ frees its memory on the device as soon as the worker has copied the picture. While an image waits for
-// common room, no younger one gets any: small images could keep a large one out for ever.
+// common room, no younger one gets any: small images could keep a large one out for ever. One that only its peer's own
+// images keep out holds up none of others.
 void jobs_read_finished(struct jobs *jobs)
 {
 	jobs->short_of_room = false;
+	for (unsigned i = 0; i < jobs->count; i++)
+		jobs->job[i]->session->peer->short_of_room = false;
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
 		if (job->state != JOB_FINISHED || !job_is_first(jobs, job))
 			continue;
-		enum room_answer answer = take_room(jobs, job, &job->final, jobs->short_of_room);
+		bool *peer_short = &job->session->peer->short_of_room;
+		enum room_answer answer = take_room(jobs, job, &job->final, jobs->short_of_room || *peer_short);
 		jobs->short_of_room |= answer == ROOM_COMMON_FULL;
+		*peer_short |= answer == ROOM_SHARE_FULL;
 		if (answer != ROOM_TAKEN)
 			continue;
 		worker_read(jobs->worker, job->id, true, &job->predicted);

@@ -29,7 +29,9 @@ enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t reques
 		     struct scene *environment, const candil_Render *render, struct error *err)
 {
 	struct job *job;
-	enum status status = job_create(jobs, session, request, scene, environment, &job, err);
+	enum status status = jobs_may_add(jobs, session, err);
+	if (status == STATUS_OK)
+		status = job_create(jobs, session, request, scene, environment, &job, err);
 	if (status != STATUS_OK)
 		return status;
 	job->render = *render;

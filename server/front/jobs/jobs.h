@@ -98,9 +98,9 @@ bool jobs_want_device(const struct jobs *jobs);
 // none has to. One that is sent does not count.
 uint64_t jobs_first_end_us(const struct jobs *jobs, uint32_t but);
 
-// What jobs under way, but for job `but` (0: none), would add to work of `us` on the device, as far as can be foreseen,
-// in its turns with them (schedule.h). *count: how many they are.
-double jobs_queue_us(const struct jobs *jobs, uint32_t but, double us, uint32_t *count);
+// What jobs under way, but for job `but` (0: none), would add to work of `us` on the device by a session, as far as can be
+// foreseen, in its turns with them (schedule.h). *count: how many they are. Nothing for a session that is gone, NULL.
+double jobs_queue_us(const struct jobs *jobs, const struct session *session, uint32_t but, double us, uint32_t *count);
 
 // Bytes that the encoded image of a request takes, at most or nearly so.
 uint64_t jobs_image_bytes(const candil_Render *render);

@@ -60,7 +60,12 @@ void job_tell_progress(const struct jobs *jobs, struct job *job)
 enum status jobs_add_frame(struct jobs *jobs, struct sweep *sweep, struct error *err)
 {
 	struct job *job;
-	enum status status = job_create(jobs, sweep->session, sweep->request, sweep->scene, sweep->environment, &job, err);
+	enum status status = STATUS_OK;
+	// The place of an image that is sent is the sweep's to use again.
+	if (sweep->next == 0 || sweep->jobs > 0)
+		status = jobs_may_add(jobs, sweep->session, err);
+	if (status == STATUS_OK)
+		status = job_create(jobs, sweep->session, sweep->request, sweep->scene, sweep->environment, &job, err);
 	if (status != STATUS_OK)
 		return status;
 	job->sweep = sweep;

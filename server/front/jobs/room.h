@@ -7,6 +7,8 @@
 //
 // Each image has a descriptor, too. The first of a connection is its own; those beside it share a number.
 //
+// Peers share the common room and that number by the rule of share.h.
+//
 // An image that has room needs nothing else in order to be sent and to give the room back, so nobody waits in a circle.
 //
 // For the front's one thread (loop.h). Nothing here fails.
@@ -16,15 +18,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// What is taken, by everybody in the daemon or by one connection. Zeroed is nothing.
+// What is taken, by everybody in the daemon, by one peer or by one connection. Zeroed is nothing.
 struct room {
 	uint64_t own, common; // bytes
-	unsigned images; // of a connection; of everybody those beside the first of each connection
+	unsigned images; // of a connection; of a peer and everybody those beside the first of each connection
 };
 
 // Whose room an image takes.
 struct room_owner {
-	struct room *all, *connection;
+	struct room *all, *peer, *connection;
 	unsigned most_images; // that all->images may be
 };
 
@@ -40,6 +42,7 @@ enum room_answer {
 	ROOM_TAKEN,
 	ROOM_CONNECTION_FULL, // until images of the same connection are gone
 	ROOM_COMMON_FULL, // until images in the common room are gone, or some of those that share descriptors
+	ROOM_SHARE_FULL, // likewise, of this peer; or others wait for the common room
 };
 
 // Take room for an image of `bytes`, whose `place` is nowhere so far. `own_only`: the common room is left to

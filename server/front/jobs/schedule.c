@@ -21,17 +21,56 @@ static bool turn_before(const struct turn *a, const struct turn *b)
 	return a->served < b->served;
 }
 
-size_t schedule_pick(struct turn *const *turns, size_t count, uint64_t *clock)
+static void pass_over(struct turn *turn)
 {
-	size_t picked = 0;
-	for (size_t i = 1; i < count; i++)
-		if (turn_before(turns[i], turns[picked]))
-			picked = i;
+	if (turn->passed_over < UINT32_MAX)
+		turn->passed_over++;
+}
+
+static void serve(struct turn *turn, uint64_t clock)
+{
+	turn->passed_over = 0;
+	turn->served = clock;
+}
+
+// What the jobs of each peer have had together.
+static void add_up(const struct candidate *candidates, size_t count)
+{
 	for (size_t i = 0; i < count; i++)
-		if (i != picked && turns[i]->passed_over < UINT32_MAX)
-			turns[i]->passed_over++;
-	turns[picked]->passed_over = 0;
-	turns[picked]->served = ++*clock;
+		candidates[i].peer->turn.attained_us = 0;
+	for (size_t i = 0; i < count; i++)
+		candidates[i].peer->turn.attained_us += turn_weight(candidates[i].job);
+}
+
+static struct peer_turn *pick_peer(const struct candidate *candidates, size_t count)
+{
+	struct peer_turn *peer = candidates[0].peer;
+	for (size_t i = 1; i < count; i++)
+		if (turn_before(&candidates[i].peer->turn, &peer->turn))
+			peer = candidates[i].peer;
+	return peer;
+}
+
+size_t schedule_pick(const struct candidate *candidates, size_t count, uint64_t *clock)
+{
+	size_t picked = count;
+	add_up(candidates, count);
+	struct peer_turn *peer = pick_peer(candidates, count);
+	++*clock;
+	for (size_t i = 0; i < count; i++) {
+		struct peer_turn *other = candidates[i].peer;
+		if (other != peer && other->passed != *clock) {
+			other->passed = *clock;
+			pass_over(&other->turn);
+		}
+		if (other == peer && (picked == count || turn_before(candidates[i].job, candidates[picked].job)))
+			picked = i;
+	}
+	for (size_t i = 0; i < count; i++)
+		if (candidates[i].peer == peer)
+			pass_over(candidates[i].job);
+	serve(&peer->turn, *clock);
+	serve(candidates[picked].job, *clock);
 	return picked;
 }
 

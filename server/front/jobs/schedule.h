@@ -6,7 +6,10 @@
 // had as much. A job that was passed over SCHEDULE_PATIENCE times is served whatever the others have had, so that no stream
 // of small requests starves it.
 //
-// For the files of this folder alone, and for the front's one thread. Nothing here fails.
+// All this is first between peers (peer.h), each with the device time that its jobs here have had together, then between
+// the jobs of the peer whose turn it is. So a peer's ten jobs take no more from another's one than one would.
+//
+// For the front alone, and for its one thread. Nothing here fails.
 #ifndef CANDIL_FRONT_JOBS_SCHEDULE_H
 #define CANDIL_FRONT_JOBS_SCHEDULE_H
 
@@ -23,11 +26,23 @@ struct turn {
 	uint32_t passed_over; // times since then
 };
 
-// Pick one of `count` ≥ 1 jobs that wait for the device, count the others as passed over, and return its index. *clock
-// counts turns; it begins at 0 and belongs to the caller.
-size_t schedule_pick(struct turn *const *turns, size_t count, uint64_t *clock);
+// The same of a peer, in the peer. Zeroed is a new one.
+struct peer_turn {
+	struct turn turn; // attained_us: of its jobs that were looked at last
+	uint64_t passed; // when it was passed over last, in turns
+};
 
-// What a job, `left_us` before its end, adds in the mean to work of `us` by a new one, if no others come.
+struct candidate {
+	struct turn *job;
+	struct peer_turn *peer;
+};
+
+// Pick one of `count` ≥ 1 jobs that wait for the device, count the other jobs of its peer and the other peers as passed
+// over, and return its index. *clock counts turns; it begins at 0 and belongs to the caller.
+size_t schedule_pick(const struct candidate *candidates, size_t count, uint64_t *clock);
+
+// What a job, `left_us` before its end, adds in the mean to work of `us` by a new one of the same peer, if no others come.
+// What all jobs of another peer add, if `other` and `left_us` are their sums and `us` is the work of all of this peer's.
 double schedule_delay_us(const struct turn *other, double left_us, double us);
 
 // The job had a slice of so many microseconds of device time.

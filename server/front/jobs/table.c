@@ -8,6 +8,7 @@
 #include "server/front/jobs/sweep.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
+#include "server/front/share.h"
 
 // ---- who is in it ----------------------------------------------------------------------------------------------------
 
@@ -68,6 +69,16 @@ bool job_on_device(const struct job *job)
 
 // ---- in and out ------------------------------------------------------------------------------------------------------
 
+enum status jobs_may_add(const struct jobs *jobs, const struct session *session, struct error *err)
+{
+	const unsigned own = session->peer->jobs;
+	if (share_allows(own, 1, LIMIT_JOBS - jobs->count))
+		return STATUS_OK;
+	return error_set(err, STATUS_TOO_MANY_JOBS,
+			 "the daemon has %u of %u jobs, %u of this process: try again when some have ended", jobs->count,
+			 LIMIT_JOBS, own);
+}
+
 enum status job_create(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
 		       struct scene *environment, struct job **out, struct error *err)
 {
@@ -89,6 +100,7 @@ enum status job_create(struct jobs *jobs, struct session *session, uint32_t requ
 	scene_hold(scene);
 	if (environment)
 		scene_hold(environment);
+	session->peer->jobs++;
 	jobs->job[jobs->count++] = job;
 	*out = job;
 	return STATUS_OK;
@@ -102,7 +114,10 @@ void jobs_let_others_try(struct jobs *jobs)
 
 struct room_owner job_room(struct jobs *jobs, const struct job *job)
 {
-	return (struct room_owner){.all = &jobs->room, .connection = &job->session->room, .most_images = jobs->most_images};
+	return (struct room_owner){.all = &jobs->room,
+				   .peer = &job->session->peer->room,
+				   .connection = &job->session->room,
+				   .most_images = jobs->most_images};
 }
 
 void job_release_image(struct jobs *jobs, const struct job *job, struct image *image)
@@ -114,6 +129,7 @@ void job_release_image(struct jobs *jobs, const struct job *job, struct image *i
 
 static void job_destroy(struct jobs *jobs, struct job *job)
 {
+	job->session->peer->jobs--;
 	job_release_image(jobs, job, &job->preview);
 	job_release_image(jobs, job, &job->final);
 	if (!job->sweep) {

@@ -88,6 +88,9 @@ bool job_on_device(const struct job *job);
 // later one could take the room that the first needs. A render is always first.
 bool job_is_first(const struct jobs *jobs, const struct job *job);
 
+// May a peer with the session's jobs have one more? Failure: STATUS_TOO_MANY_JOBS.
+enum status jobs_may_add(const struct jobs *jobs, const struct session *session, struct error *err);
+
 // Put a job at the end of the table: WAITING, with its arrival as of now, holding `scene` and `environment` (NULL: none).
 // The caller fills in `render` and the deadline. Failures: STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
 enum status job_create(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,

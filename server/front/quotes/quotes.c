@@ -13,6 +13,7 @@
 #include "server/front/quotes/pilots.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
+#include "server/front/share.h"
 
 #define QUOTE_PATIENCE_MS 900u // from a quote's arrival, or its scene's, to its answer
 
@@ -35,7 +36,7 @@ static double queue_us(void *user, double us)
 {
 	const struct asking *a = user;
 	uint32_t jobs;
-	return jobs_queue_us(a->quotes->jobs, a->quote->job, us, &jobs);
+	return jobs_queue_us(a->quotes->jobs, a->quote->session, a->quote->job, us, &jobs);
 }
 
 static void __attribute__((format(printf, 2, 3))) add_note(candil_QuoteReply *reply, const char *format, ...)
@@ -85,7 +86,7 @@ static void make_reply(struct quotes *quotes, const struct quote *quote, candil_
 	quote_choose(&ask, reply);
 	struct quote_way way = {.technique = reply->choice.technique, .samples = reply->choice.samples};
 	predict_way(&asking, &way);
-	reply->queue_ms = jobs_queue_us(quotes->jobs, quote->job, way.said.us, &reply->jobs) / 1000;
+	reply->queue_ms = jobs_queue_us(quotes->jobs, quote->session, quote->job, way.said.us, &reply->jobs) / 1000;
 	reply->cold_ms = way.said.cold_us / 1000;
 	reply->records = way.said.records;
 	snprintf(reply->from, sizeof reply->from, "%s",
@@ -285,9 +286,13 @@ static enum status quote_create(struct quotes *quotes, struct session *session, 
 				struct scene *environment, const candil_Render *render, struct quote **out,
 				struct error *err)
 {
-	if (quotes->count == LIMIT_QUOTES)
-		return error_set(err, STATUS_TOO_MANY_JOBS, "the daemon has %u quotes under way: ask again later",
-				 LIMIT_QUOTES);
+	unsigned own = 0;
+	for (const struct quote *q = quotes->first; q; q = q->next)
+		own += q->session && q->session->peer == session->peer;
+	if (!share_allows(own, 1, LIMIT_QUOTES - quotes->count))
+		return error_set(err, STATUS_TOO_MANY_JOBS,
+				 "the daemon has %u quotes under way, %u of this process: ask again later", quotes->count,
+				 own);
 	struct quote *quote = calloc(1, sizeof *quote), **end = &quotes->first;
 	if (!quote)
 		return error_set(err, STATUS_MEMORY, "no memory for a quote");
