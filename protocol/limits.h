@@ -99,8 +99,7 @@
 #define LIMIT_LOAD_SECONDS 120u // of processor time that one loader may take
 #define LIMIT_LOAD_CLOCK_SECONDS 1200u // of the clock, whether or not it gets a processor
 #define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob
-#define LIMIT_LOADER_FILES \
-	1024u // descriptors of one loader; it cannot hand over its scene while more of the user are under way
+#define LIMIT_LOADER_FILES 1024u // descriptors of one loader, and of its user on their way when it hands over
 #define LIMIT_LOADERS 2u // at once; further loads wait
 #define LIMIT_CHILDREN_LEFT 8u // loaders that were killed and have not ended yet; while there are more, loads wait
 
