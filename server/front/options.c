@@ -15,6 +15,7 @@
 enum option_id {
 	SOCKET = 256,
 	SCENE,
+	WARM,
 	SCENE_ROOT,
 	DEVICE,
 	REQUIRE_GPU,
@@ -33,6 +34,7 @@ enum option_id {
 static const struct option long_options[] = {
     {"socket", required_argument, NULL, SOCKET},
     {"scene", required_argument, NULL, SCENE},
+    {"warm", required_argument, NULL, WARM},
     {"scene-root", required_argument, NULL, SCENE_ROOT},
     {"device", required_argument, NULL, DEVICE},
     {"require-gpu", no_argument, NULL, REQUIRE_GPU},
@@ -56,6 +58,9 @@ const char *options_help(void)
 	       "  --socket PATH        listen here (default $XDG_RUNTIME_DIR/candil.sock)\n"
 	       "  --scene NAME=FILE    load FILE at start and keep it as NAME; may be repeated. If one cannot be loaded,\n"
 	       "                       the daemon says why and ends with status 1\n"
+	       "  --warm NAME=FILE     the same, and listen only when one picture of it by each technique has been "
+	       "rendered:\n"
+	       "                       the first client finds shaders compiled and voxels built\n"
 	       "  --scene-root DIR     clients may load files beneath DIR by path\n"
 	       "  --device WHICH       a device's number or UUID, or cpu (default: the best there is)\n"
 	       "  --require-gpu        refuse to render on a software device\n"
@@ -96,7 +101,7 @@ static enum status copy_path(const char *text, const char *option, char out[PATH
 	return STATUS_OK;
 }
 
-static enum status add_scene(struct options *options, const char *text, struct error *err)
+static enum status add_scene(struct options *options, const char *text, bool warm, struct error *err)
 {
 	const char *equals = strchr(text, '=');
 	if (options->scene_count == LIMIT_SCENES)
@@ -108,8 +113,10 @@ static enum status add_scene(struct options *options, const char *text, struct e
 		scene->name[length] = 0;
 	}
 	if (!text_is_name(scene->name))
-		return error_set(err, STATUS_BAD_ARGUMENT, "--scene takes NAME=FILE, not \"%.80s\"", text);
+		return error_set(err, STATUS_BAD_ARGUMENT, "--%s takes NAME=FILE, not \"%.80s\"", warm ? "warm" : "scene",
+				 text);
 	scene->file = equals + 1;
+	scene->warm = warm;
 	options->scene_count++;
 	return STATUS_OK;
 }
@@ -129,7 +136,8 @@ static enum status set_option(struct options *options, int id, const char *text,
 	case SOCKET:
 		return copy_path(text, "socket", options->socket, err);
 	case SCENE:
-		return add_scene(options, text, err);
+	case WARM:
+		return add_scene(options, text, id == WARM, err);
 	case SCENE_ROOT:
 		options->scene_root = text;
 		return STATUS_OK;

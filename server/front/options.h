@@ -11,6 +11,7 @@
 struct scene_option {
 	char name[LIMIT_NAME + 1];
 	const char *file; // of argv
+	bool warm; // the daemon listens when its pictures come quickly
 };
 
 struct options {

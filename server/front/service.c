@@ -17,6 +17,7 @@
 #include "server/front/reply.h"
 #include "server/front/share.h"
 #include "server/front/state.h"
+#include "server/front/warm.h"
 
 #define ACCEPTS_PER_TURN 16u
 #define ACCEPT_PAUSE_US 100000u
@@ -156,7 +157,7 @@ static void on_scene_failed(void *owner, struct scene *scene, const struct error
 	quotes_fail_scene(&service->quotes, scene, err);
 	// Whoever names a scene on the command line counts on it, so the daemon does not go on without it.
 	if (scene->own && !service->leaving && err->code != STATUS_CANCELLED)
-		error_set(&service->own_failure, err->code, "--scene %s: %s", scene->info.name, err->text);
+		error_set(&service->own_failure, err->code, "scene %s: %s", scene->info.name, err->text);
 }
 
 static void on_scene_gone(void *owner, struct scene *scene)
@@ -260,6 +261,22 @@ static void do_nothing(void *owner)
 	(void)owner;
 }
 
+static enum status open_door(struct service *service, struct error *err)
+{
+	const struct options *o = service->options;
+	struct session *session;
+	struct channel channel;
+	enum status status;
+	if (o->private_fd >= 0) {
+		status = channel_unix_adopt(&channel, service->loop, o->private_fd, err);
+		return status == STATUS_OK ? session_create(&service->sessions, &channel, &session, err) : status;
+	}
+	status = channel_unix_listen(&service->listener, service->loop, o->socket, accept_some, service, err);
+	if (status == STATUS_OK)
+		log_line(LOG_INFO, "listening at %s", o->socket);
+	return status;
+}
+
 static void close_door(struct service *service)
 {
 	if (service->listener)
@@ -303,6 +320,8 @@ static void service_settle(void *owner)
 		quotes_dispatch(&service->quotes);
 		jobs_dispatch(&service->jobs);
 	}
+	if (!service->leaving && service->own_failure.code == STATUS_OK && warm_is_done(service))
+		open_door(service, &service->own_failure);
 	if (service->own_failure.code != STATUS_OK && !service->leaving)
 		service_leave(service);
 	// Now that some was sent, more may be sent or read: the loop is to settle again without waiting for an event.
@@ -349,22 +368,6 @@ static enum status watch_signals(struct service *service, struct error *err)
 	return loop_watch(service->loop, service->signal_fd, EPOLLIN, signalled, service, err);
 }
 
-static enum status open_door(struct service *service, struct error *err)
-{
-	const struct options *o = service->options;
-	struct session *session;
-	struct channel channel;
-	enum status status;
-	if (o->private_fd >= 0) {
-		status = channel_unix_adopt(&channel, service->loop, o->private_fd, err);
-		return status == STATUS_OK ? session_create(&service->sessions, &channel, &session, err) : status;
-	}
-	status = channel_unix_listen(&service->listener, service->loop, o->socket, accept_some, service, err);
-	if (status == STATUS_OK)
-		log_line(LOG_INFO, "listening at %s", o->socket);
-	return status;
-}
-
 static enum status open_root(struct service *service, struct error *err)
 {
 	const char *root = service->options->scene_root;
@@ -392,6 +395,14 @@ static enum status load_own_scenes(struct service *service, struct error *err)
 	return STATUS_OK;
 }
 
+static bool wants_warmth(const struct options *o)
+{
+	for (unsigned i = 0; i < o->scene_count; i++)
+		if (o->scenes[i].warm)
+			return true;
+	return false;
+}
+
 static enum status set_up(struct service *service, struct error *err)
 {
 	enum status status = capacity_init(&service->capacity, err);
@@ -415,7 +426,7 @@ static enum status set_up(struct service *service, struct error *err)
 	if (status == STATUS_OK)
 		status = load_own_scenes(service, err);
 	if (status == STATUS_OK)
-		status = open_door(service, err);
+		status = wants_warmth(service->options) ? warm_begin(service, err) : open_door(service, err);
 	return status;
 }
 

@@ -169,6 +169,51 @@ class Signals(FakeCase):
         self.daemon.start()  # on the socket that the dead one left
 
 
+class Warm(unittest.TestCase):
+    """--warm: who can connect finds a picture of each technique rendered."""
+
+    def start(self, orders, **environment):
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        with open(os.path.join(folder, "box.gltf"), "w") as file:
+            file.write(orders)
+        self.trace = os.path.join(folder, "trace")
+        path = os.path.join(folder, "box.gltf")
+        daemon = wire.Daemon("--warm", f"box={path}", "--scene", f"other={path}", libexec=LIBEXEC,
+                             environment={"FAKE_TRACE": self.trace, **environment})
+        self.addCleanup(daemon.stop)
+        return daemon
+
+    def test_one_picture_of_each_technique(self):
+        daemon = self.start("ok").start()
+        with daemon.connect() as connection:
+            stats = connection.stats()
+            self.assertEqual((stats.jobs, stats.jobs_failed, stats.worker_starts, stats.scenes), (0, 0, 1, 2))
+            self.assertEqual(stats.jobs_done, 3)
+            with open(self.trace) as file:
+                self.assertEqual(len(set(file.read().split())), 3)
+            self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.assertEqual(daemon.end(), 0)
+
+    def test_what_fails_keeps_nobody_out(self):
+        daemon = self.start("ok", FAKE_NO_DEVICE="1").start()
+        with daemon.connect() as connection:
+            self.assertEqual((connection.stats().jobs_failed, connection.stats().jobs), (3, 0))
+        self.assertEqual(daemon.end(), 0)
+
+    def test_a_bad_scene_ends_it(self):
+        with self.assertRaisesRegex(RuntimeError, "scene (box|other): "):
+            self.start("refuse").start()
+
+    def test_it_can_be_ended_meanwhile(self):
+        daemon = self.start("ok", FAKE_STEP_US="1000000000")
+        with open(daemon.log, "ab") as log:
+            process = subprocess.Popen([daemon.program, "--socket", daemon.socket] + daemon.arguments, stderr=log, env=daemon.environment)
+        wire.wait_for(lambda: os.path.exists(self.trace) and os.path.getsize(self.trace), "it renders")
+        self.assertFalse(os.path.exists(daemon.socket))
+        process.terminate()
+        self.assertEqual(process.wait(wire.PATIENCE), 0)
+
+
 class LeaveDuringAPilot(FakeCase):
     """A quote holds its scene for as long as its pilot is out."""
     environment = {"FAKE_PILOT_US": "600000000"}

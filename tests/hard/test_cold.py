@@ -18,8 +18,8 @@ class Cold(unittest.TestCase):
         self.addCleanup(self.scenes.cleanup)
         self.scene = make.SCENES["furnace"](self.scenes.name)
 
-    def daemon(self):
-        return Daemon(environment={"MESA_SHADER_CACHE_DIR": self.cache.name, "CANDIL_LOG": "info"})
+    def daemon(self, *arguments):
+        return Daemon(*arguments, environment={"MESA_SHADER_CACHE_DIR": self.cache.name, "CANDIL_LOG": "info"})
 
     @staticmethod
     def ask(connection, technique):
@@ -50,6 +50,13 @@ class Cold(unittest.TestCase):
                 for technique in (pb.TECHNIQUE_PT, pb.TECHNIQUE_DIRECT):
                     self.assertEqual(one.follow(self.ask(one, technique))[-1].kind, wire.DONE)
             self.assertNotIn("compiler of", daemon.read_log())
+
+    def test_the_first_client_finds_it_warm(self):
+        with self.daemon("--warm", f"room={self.scene}") as daemon, wire.Connection(daemon.socket) as one:
+            for technique in (pb.TECHNIQUE_VCT, pb.TECHNIQUE_PT, pb.TECHNIQUE_DIRECT):
+                render = pb.Render(scene="room", width=512, height=512, samples=1, technique=technique)
+                done = one.follow(one.send(wire.RENDER, render))[-1]
+                self.assertEqual((done.kind, done.body.cold_us), (wire.DONE, 0), done)
 
 
 if __name__ == "__main__":
