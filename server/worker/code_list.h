@@ -19,6 +19,7 @@
 // Numbers that a list holds; one more, and it begins anew.
 #define CODE_LIST_MOST 4096u
 
+// An open list. Others may set `at_will` and `refused`, and read all else.
 struct code_list {
 	int file; // -1: none
 	uint32_t count;
