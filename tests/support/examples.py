@@ -72,7 +72,9 @@ def link_like(program, source):
         ninja = re.search(r"^CMAKE_MAKE_PROGRAM:\w+=(.*)$", file.read(), re.MULTILINE).group(1)
     commands = subprocess.run([ninja, "-C", BUILD, "-t", "commands", program], capture_output=True, check=True).stdout
     line = commands.decode().splitlines()[-1]  # ": && cc … -o PROGRAM … && :"
-    words = shlex.split(line.split("&&")[1])[1:]
+    linker, *words = shlex.split(line.split("&&")[1])
+    if linker.endswith("++"):
+        words.append("-lstdc++")  # an example is C, and so is what links it
     at = words.index("-o")
     assert words[at + 1] == program, line
     return tuple(word for word in words[:at] + words[at + 2:] if not word.endswith(f"/{source}.o"))
