@@ -100,6 +100,7 @@ int main(int argc, char **argv)
 	if (!ipc_end_with_parent(IPC_FD))
 		return 1;
 	signal(SIGPIPE, SIG_IGN);
+	signal(SIGXFSZ, SIG_IGN); // a picture that may not become so large has an error of its own
 	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the socket
 	if (device_create(&settings.device, &devices.vk, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "%s", err.text);
