@@ -108,6 +108,7 @@
 #define LIMIT_HANG_SECONDS 30u // a child that owes an answer, and is still for so long, hangs
 #define LIMIT_HANG_GPU_SECONDS 120u // the same of a worker on a GPU, which sleeps while the GPU works
 #define LIMIT_ANSWER_SECONDS 300u // of work on one order (first compilation included) past which the worker hangs
+#define LIMIT_LATE_MS 1000u // an order that is out for so long when a deadline comes is not waited for
 #define LIMIT_PROBE_SECONDS 60u // of the clock, that pilots and measurements of effects may take
 #define LIMIT_COMPILERS 2u // processes at once that compile shader code for jobs; further jobs wait for one
 #define LIMIT_JOB_RETRIES 1u // times the job that a dying worker held is begun again

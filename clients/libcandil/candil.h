@@ -255,7 +255,7 @@ CANDIL_API void candil_render_request_init(struct candil_render_request *request
 
 // Render and wait for the final image. `callbacks` may be NULL. On failure result->image.data is NULL. Fails with
 // BAD_ARGUMENT, LIMIT and UNSUPPORTED (the request is wrong), SCENE_NOT_FOUND, TOO_MANY_JOBS, MEMORY, DEVICE, DEADLINE (the
-// deadline passed before the job was begun), WORKER_LOST, SCENE_QUARANTINED, TRAVERSAL_CUT, ENCODE, CANCELLED.
+// deadline passed before there was a picture), WORKER_LOST, SCENE_QUARANTINED, TRAVERSAL_CUT, ENCODE, CANCELLED.
 //
 // Example:
 //	struct candil_render_request request;
@@ -412,8 +412,8 @@ CANDIL_API candil_status candil_submit_scenes(candil_client *client, uint32_t *i
 CANDIL_API candil_status candil_submit_describe(candil_client *client, const char *name, uint32_t *id,
 						struct candil_error *error);
 
-// As candil_render. Brings ACCEPTED, any number of PROGRESS, with `progressive` any number of IMAGE that are not final, then
-// one IMAGE that is, and ends with DONE.
+// As candil_render. Brings ACCEPTED, any number of PROGRESS (some before it if beginning takes long), with `progressive` any
+// number of IMAGE that are not final, then one IMAGE that is, and ends with DONE.
 CANDIL_API candil_status candil_submit_render(candil_client *client, const struct candil_render_request *request,
 					      uint32_t *id, struct candil_error *error);
 

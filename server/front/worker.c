@@ -207,6 +207,7 @@ static void watch_over(struct worker *worker)
 	if (worker->answers_due == 0 && worker->images_due == 0) {
 		loop_timer_stop(worker->loop, &worker->watchdog);
 	} else if (!worker->watchdog.running) {
+		worker->quiet_us = clock_us();
 		pulse_begin(&worker->pulse, worker->child.pid);
 		look_again(worker);
 	}
@@ -218,7 +219,13 @@ static void worker_answered(struct worker *worker, unsigned *due, uint64_t *work
 		(*due)--;
 	*work_us = 0;
 	worker->pulse.still = 0;
+	worker->quiet_us = clock_us();
 	watch_over(worker);
+}
+
+uint64_t worker_quiet_us(const struct worker *worker)
+{
+	return worker->answers_due > 0 || worker->images_due > 0 ? worker->quiet_us : UINT64_MAX;
 }
 
 // ---- answers ---------------------------------------------------------------------------------------------------------

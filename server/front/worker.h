@@ -57,7 +57,7 @@ struct worker_events {
 
 enum worker_state { WORKER_DOWN, WORKER_STARTING, WORKER_READY };
 
-// Others may read `state`, `loop`, child.pid and the figures at the end.
+// Others may read `state`, `loop`, `options`, child.pid and the figures at the end.
 struct worker {
 	struct loop *loop;
 	struct children *children;
@@ -74,6 +74,7 @@ struct worker {
 	uint32_t pilot; // number of the PILOT without an answer; 0: none
 	bool holding; // it has that PILOT: it is sent nothing but the pilot's end, which it can then see at once
 	struct pulse pulse; // while an answer or an image is due
+	uint64_t quiet_us; // since when it owes one, and has given none
 	uint64_t answer_work_us; // that it has worked since the last answer, or since an answer is due
 	uint64_t image_work_us; // the same for images
 	const char *killed_for; // why the front killed it; NULL: it did not
@@ -131,6 +132,9 @@ bool worker_pilot_end(struct worker *worker);
 // Encode the job's picture as it is, `final` for the last time, which ends the job; `image` answers. `predicted`: as of
 // struct ipc_read.
 void worker_read(struct worker *worker, uint32_t job, bool final, const struct estimate *predicted);
+
+// Since when it has owed an answer without giving any; UINT64_MAX: it owes none.
+uint64_t worker_quiet_us(const struct worker *worker);
 
 // Free what it has of a job, after the orders that went before. There is no answer.
 void worker_end(struct worker *worker, uint32_t job);

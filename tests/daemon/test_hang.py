@@ -7,7 +7,7 @@ import sys
 import unittest
 
 import wire
-from fakes import FakeCase, pattern, render
+from fakes import FakeCase, endless, pattern, render
 from wire import pb
 
 BOUNDS = ("--hang", "1", "--answer", "1")
@@ -97,6 +97,146 @@ class StoppedInPilot(HangCase):
         reply = connection.receive_for(connection.send(wire.QUOTE, pb.Quote(render=render(technique=pb.TECHNIQUE_AUTO), pilot_ms=10)))
         self.assertEqual(reply.kind, wire.QUOTE_REPLY, reply)
         wire.wait_for(lambda: connection.stats().worker_starts == 2, "another worker is started")
+
+
+class AnswerCase(FakeCase):
+    """The worker hangs, and nobody ends it here: what is answered is answered without it."""
+
+    def tearDown(self):
+        with self.daemon.connect() as other:
+            self.assertEqual(other.stats().worker_starts, 1)
+
+    def send(self, **fields):
+        connection = self.with_box()
+        return connection, connection.send(wire.RENDER, endless(**fields))
+
+
+class InStep(AnswerCase):
+    environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "step"}
+
+    def test_a_deadline(self):
+        connection, job = self.send(deadline_ms=300)
+        replies = connection.follow(job)
+        self.assert_error(replies[-1], "deadline")
+        self.assertEqual([reply.kind for reply in replies].count(wire.ERROR), 1)
+        self.assertEqual(connection.stats().jobs, 0)
+        self.assert_error(connection.follow(connection.send(wire.RENDER, render(deadline_ms=100)))[-1], "deadline")
+
+    def test_a_cancel(self):
+        connection, job = self.send()
+        self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=job)).kind, wire.OK)
+        self.assert_error(connection.follow(job)[-1], "cancelled")
+        self.assertEqual(connection.stats().jobs, 0)
+
+    def test_progress_goes_on(self):
+        connection, job = self.send()
+        told = []
+        while len(told) < 3:
+            reply = connection.receive_for(job)
+            if reply.kind == wire.PROGRESS:
+                told.append(reply.body.elapsed_us)
+        self.assertEqual(told, sorted(set(told)))
+
+    def test_a_sweep(self):
+        connection = self.with_box()
+        replies = connection.follow(connection.send(wire.SWEEP, pb.Sweep(render=endless(deadline_ms=300), cameras=[pb.Camera()] * 3)))
+        self.assert_error(replies[-1], "deadline")
+        self.assertEqual(connection.stats().jobs, 0)
+
+    def test_others_are_served(self):
+        connection, _ = self.send()
+        other = self.connect()
+        other.load("another", self.scenes, "box.gltf")
+        self.assertEqual(len(other.ask(wire.LIST_SCENES).body.scenes), 2)
+        other.ask(wire.UNLOAD, pb.Unload(name="another"))
+        connection.close()
+
+
+class InBurningStep(InStep):
+    environment = {"FAKE_HANG": "burn", "FAKE_HANG_ON": "step"}
+
+
+class InBegin(AnswerCase):
+    environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "begin"}
+
+    def test_a_deadline(self):
+        connection, job = self.send(deadline_ms=300)
+        reply = connection.follow(job)[-1]
+        self.assert_error(reply, "deadline")
+        self.assertIn("compiled", reply.body.message)
+
+    def test_a_cancel(self):
+        connection, job = self.send()
+        self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=job)).kind, wire.OK)
+        self.assert_error(connection.follow(job)[-1], "cancelled")
+
+    def test_progress_is_told(self):
+        connection, job = self.send()
+        self.assertEqual([connection.receive_for(job).kind for _ in range(2)], [wire.PROGRESS] * 2)
+
+
+class InRead(AnswerCase):
+    environment = {"FAKE_HANG": "stop", "FAKE_HANG_ON": "read"}
+
+    def test_a_deadline(self):
+        connection, job = self.send(deadline_ms=300)
+        reply = connection.follow(job)[-1]
+        self.assert_error(reply, "deadline")
+        self.assertEqual(connection.stats().image_bytes, 0)
+
+    def test_a_cancel(self):
+        connection = self.with_box()
+        job = connection.send(wire.RENDER, render())
+        self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=job)).kind, wire.OK)
+        self.assert_error(connection.follow(job)[-1], "cancelled")
+
+
+class InPilot(AnswerCase):
+    environment = {"FAKE_HANG": "stop", "FAKE_HANG_ON": "pilot"}
+
+    def test_a_deadline_behind_it(self):
+        connection, asker = self.with_box(), self.connect()
+        wire.wait_for(lambda: connection.stats().device, "the worker is ready")
+        asker.send(wire.QUOTE, pb.Quote(render=render(technique=pb.TECHNIQUE_AUTO), pilot_ms=10))
+        asker.ask(wire.PING)  # by now the pilot is out
+        self.assert_error(connection.follow(connection.send(wire.RENDER, render(deadline_ms=100)))[-1], "deadline")
+
+
+class Later(AnswerCase):
+    """The worker is stopped in the middle, and goes on when all is answered."""
+
+    def test_the_last_picture_is_sent(self):
+        connection, job = self.send(progressive=True, deadline_ms=5000)
+        while connection.receive_for(job).kind != wire.IMAGE:
+            pass
+        worker = self.connect().stats().worker_pid
+        os.kill(worker, signal.SIGSTOP)
+        replies = connection.follow(job)
+        images = [reply.body for reply in replies if reply.kind == wire.IMAGE]
+        done = replies[-1].body
+        self.assertEqual(replies[-1].kind, wire.DONE, replies[-1])
+        self.assertEqual([image.final for image in images].count(True), 1)
+        self.assertTrue(images[-1].final)
+        self.assertEqual((done.reason, done.samples), ("time", images[-1].samples))
+        self.assertIn("intermediate", done.notes[0])
+        os.kill(worker, signal.SIGCONT)
+        self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.assertEqual((connection.stats().jobs, connection.stats().image_bytes), (0, 0))
+
+
+class Innocent(FakeCase):
+    """Who was answered by his deadline is blamed for the hang, and not who waits behind him."""
+    arguments = ("--hang", "1")
+    environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "step", "FAKE_DIE_TIMES": "2"}
+
+    def test_a_job_behind_one_that_has_gone(self):
+        connection = self.with_box()
+        gone = connection.send(wire.RENDER, endless(deadline_ms=700))
+        self.assertEqual(connection.receive_for(gone).kind, wire.ACCEPTED)
+        behind = connection.send(wire.RENDER, render())
+        self.assert_error(connection.follow(gone)[-1], "deadline")
+        done = connection.follow(behind)[-1]
+        self.assertEqual(done.kind, wire.DONE, done)
 
 
 class Slow(FakeCase):

@@ -240,7 +240,7 @@ class Deadline(unittest.TestCase):
         path = make.cornell(daemon.folder)
         daemon.render(path, SIZE, 1)  # whatever is compiled at first use
         output = os.path.join(daemon.folder, "late.exr")
-        status, out, _ = daemon.candil("render", path, "-o", output, "--size", "48x48", "--technique", "pt", "--time", "400", "--json",
+        status, out, _ = daemon.candil("render", path, "-o", output, "--size", "48x48", "--technique", "pt", "--time", "2000", "--json",
                                        check=False)
         report = json.loads(out)
         self.assertEqual((status, report["reason"]), (7, "time"))

@@ -72,7 +72,7 @@ class Quotes(unittest.TestCase):
     def test_auto_renders_what_it_says(self):
         daemon.candil("load", make.cornell(daemon.folder), "--name", "auto")
         ask("auto", "--pilot", "100")
-        for end in (["--error", "0.02"], ["--error", "10"], ["--time", "300"]):
+        for end in (["--error", "0.02"], ["--error", "10"], ["--time", "2000"]):
             frame = rendered("auto", *end)
             self.assertEqual(frame["quote"]["technique"], frame["technique"], frame["quote"])
             self.assertIn(frame["technique"], frame["quote"]["why"])

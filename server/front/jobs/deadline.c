@@ -9,6 +9,8 @@
 #define SURPRISE 4.0 // spreads that an image may be late by: what is beyond is the machine's doing, and not learned
 #define FIRST_US 0.05 // a byte, until there was an image to learn from
 #define SHORTEST_US 1000u // of a slice
+#define LATE_US (LIMIT_LATE_MS * 1000ull)
+#define HANDOVER_MOST 4.0 // times that handing over may take what was foreseen, before the worker is taken to hang
 
 void job_set_deadline(struct job *job)
 {
@@ -59,6 +61,8 @@ void job_set_end(const struct jobs *jobs, struct job *job)
 
 void jobs_learn_handover(struct jobs *jobs, const struct job *job)
 {
+	if (job->read_us == 0)
+		return; // it was not read
 	struct handover *h = &jobs->handovers[technique_of(job)][job->render.format][size_of(job)];
 	const double made = (double)(job->encoded_us - job->read_us), sent = (double)(clock_us() - job->encoded_us);
 	// A client that reads slowly is no reason to trace less for others.
@@ -96,21 +100,42 @@ uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 
 bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now)
 {
-	if (job->deadline_us == UINT64_MAX)
-		return false;
-	if (job->state == JOB_WAITING)
-		return now >= job->deadline_us && !job->spared;
-	return jobs->stepping != job->id && left_us(job, now) < SHORTEST_US;
+	return job->deadline_us < UINT64_MAX && jobs->stepping != job->id && left_us(job, now) < SHORTEST_US;
 }
 
-void job_fail_late(struct jobs *jobs, struct job *job)
+static uint64_t later(uint64_t a, uint64_t b)
 {
-	struct error err;
-	error_set(
-	    &err, STATUS_DEADLINE,
-	    "the deadline of %u ms passed before the job could be begun: allow more time, or ask when less is under way",
-	    job->render.deadline_ms);
-	jobs_fail(jobs, job, &err);
+	return a > b ? a : b;
+}
+
+// When a job is given up, as far as can be said now; UINT64_MAX: it is not.
+static uint64_t give_up_us(const struct jobs *jobs, const struct job *job)
+{
+	const uint64_t quiet_us = worker_quiet_us(jobs->worker);
+	const uint64_t patience_us = quiet_us < UINT64_MAX ? quiet_us + LATE_US : UINT64_MAX;
+	if (job->deadline_us == UINT64_MAX)
+		return UINT64_MAX;
+	switch (job->state) {
+	case JOB_WAITING:
+	case JOB_BEGINNING:
+		return job->spared && !job->compiling ? later(job->deadline_us, patience_us) : job->deadline_us;
+	case JOB_ACTIVE:
+		// With a sample, and between two slices, job_is_late ends it.
+		return job->samples_done > 0 && jobs->stepping != job->id ? UINT64_MAX
+									  : later(job->deadline_us, patience_us);
+	case JOB_READING:
+		// Large pictures take the encoder long, and nothing is heard meanwhile.
+		return later(job->deadline_us, job->read_us + LATE_US + (uint64_t)(HANDOVER_MOST * handover_us(jobs, job)));
+	case JOB_FINISHED: // waits for its client, or for others'
+	case JOB_SENDING:
+		break;
+	}
+	return UINT64_MAX;
+}
+
+bool job_is_given_up(const struct jobs *jobs, const struct job *job, uint64_t now)
+{
+	return now >= give_up_us(jobs, job);
 }
 
 static void wake_loop(void *owner)
@@ -121,9 +146,10 @@ static void wake_loop(void *owner)
 void jobs_set_deadline_timer(struct jobs *jobs)
 {
 	uint64_t next = UINT64_MAX;
-	for (unsigned i = 0; i < jobs->count; i++)
-		if (jobs->job[i]->state == JOB_WAITING && !jobs->job[i]->spared && jobs->job[i]->deadline_us < next)
-			next = jobs->job[i]->deadline_us;
+	for (unsigned i = 0; i < jobs->count; i++) {
+		const uint64_t end_us = give_up_us(jobs, jobs->job[i]);
+		next = end_us < next ? end_us : next;
+	}
 	if (next < UINT64_MAX)
 		loop_timer_set(jobs->worker->loop, &jobs->deadline, next, wake_loop, jobs);
 	else

@@ -16,12 +16,14 @@ void job_set_deadline(struct job *job);
 // Set when sampling has to end for the deadline, as it is about to begin.
 void job_set_end(const struct jobs *jobs, struct job *job);
 
-// Has the deadline of a job come? Of one that waits, when the time has passed. Of one that is being traced, when sampling
-// has to end and its first sample is there; not while a slice of it is under way. `now` is clock_us().
+// Has the end of a job that is being traced come for its deadline? When sampling has to end and its first sample is there;
+// not while a slice of it is under way. `now` is clock_us().
 bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now);
 
-// End a job that waits with STATUS_DEADLINE. As jobs_fail, it may take others along.
-void job_fail_late(struct jobs *jobs, struct job *job);
+// Is the deadline of a job over, and nothing to be had of the worker for it? So it is of one that waits, or is still being
+// begun, as soon as the time has passed, and of one that has a picture to come if the worker has let an order wait for
+// LIMIT_LATE_MS: it compiles, or hangs.
+bool job_is_given_up(const struct jobs *jobs, const struct job *job, uint64_t now);
 
 // Microseconds of device time that the next slice of the job may take: at most jobs->slice_us, less when the end of this or
 // another job is near, whose image would have to wait for the slice.
@@ -30,7 +32,7 @@ uint32_t job_slice_us(const struct jobs *jobs, const struct job *job);
 // The last byte of the job's last image has just been sent: learn how long the next one will take from READ.
 void jobs_learn_handover(struct jobs *jobs, const struct job *job);
 
-// Wake the loop at the next deadline of a job that waits; stop the timer if there is none.
+// Wake the loop when the next job may have to be given up; stop the timer if there is none.
 void jobs_set_deadline_timer(struct jobs *jobs);
 
 #endif

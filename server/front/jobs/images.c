@@ -1,5 +1,6 @@
 #include "server/front/jobs/images.h"
 
+#include <stdio.h>
 #include <unistd.h>
 
 #include "server/base/clock.h"
@@ -10,10 +11,16 @@
 
 #define PREVIEW_US 1000000u
 
-static enum room_answer take_room(struct jobs *jobs, const struct job *job, struct image *image, bool own_only)
+// What is kept of the last preview makes room for what comes after it.
+static enum room_answer take_room(struct jobs *jobs, struct job *job, struct image *image, bool own_only)
 {
 	const struct room_owner owner = job_room(jobs, job);
-	return room_take(&owner, &image->place, image_estimate(&job->render), own_only);
+	const uint64_t bytes = image_estimate(&job->render);
+	const enum room_answer answer = room_take(&owner, &image->place, bytes, own_only);
+	if (answer == ROOM_TAKEN || !image_waits(&job->last))
+		return answer;
+	job_release_image(jobs, job, &job->last);
+	return room_take(&owner, &image->place, bytes, own_only);
 }
 
 // A preview is due when the samples have doubled or a second has passed since the last one, but not while that is on its
@@ -97,6 +104,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 		job->encoded_us = clock_us();
 		job->state = JOB_SENDING;
 		take_over(jobs, job, &job->final, fd, &frame);
+		job_release_image(jobs, job, &job->last);
 		// A preview that has not been announced is of no use any more.
 		if (image_waits(&job->preview) && !job->preview.announced)
 			job_release_image(jobs, job, &job->preview);
@@ -104,6 +112,59 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 		job->preview_due = false;
 		take_over(jobs, job, &job->preview, fd, &frame);
 	}
+}
+
+// The account of a job whose worker does not say what it did.
+static void account_without_worker(const struct jobs *jobs, struct job *job)
+{
+	candil_Done *done = &job->done;
+	const struct estimate *e =
+	    job->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN ? &job->predicted : &job->estimate;
+	*done = (candil_Done){.samples = job->final.frame.samples,
+			      .estimated_relmse = e->relmse,
+			      .relmse_low = e->low,
+			      .relmse_high = e->high,
+			      .error_kind = e->kind};
+	snprintf(done->device, sizeof done->device, "%s", jobs->worker->ready.device);
+	snprintf(done->notes[done->notes_count++], sizeof done->notes[0],
+		 "the worker did not give the picture in time: this is the last intermediate one");
+}
+
+bool job_send_last(struct jobs *jobs, struct job *job)
+{
+	struct image *last = image_waits(&job->preview) && !job->preview.announced ? &job->preview : &job->last;
+	if (!image_waits(last))
+		return false;
+	if (job_on_device(job)) {
+		worker_end(jobs->worker, job->id);
+		jobs_let_others_try(jobs);
+	}
+	// The place that a final image has already is another's: one that does not come any more.
+	job_release_image(jobs, job, &job->final);
+	job->final = *last;
+	job->final.frame.final = true;
+	image_init(last);
+	job->preview_due = false;
+	job->late = true;
+	job->read_us = 0;
+	job->encoded_us = clock_us();
+	account_without_worker(jobs, job);
+	job->state = JOB_SENDING;
+	return true;
+}
+
+// An intermediate image is sent. It is kept while a deadline may make it the last.
+static void preview_is_sent(struct jobs *jobs, struct job *job)
+{
+	if (job->deadline_us == UINT64_MAX || job->state == JOB_SENDING) {
+		job_release_image(jobs, job, &job->preview);
+		return;
+	}
+	job_release_image(jobs, job, &job->last);
+	job->last = job->preview;
+	job->last.announced = false;
+	job->last.sent = 0;
+	image_init(&job->preview);
 }
 
 static bool job_pump(struct jobs *jobs, struct job *job)
@@ -114,10 +175,12 @@ static bool job_pump(struct jobs *jobs, struct job *job)
 		return false;
 	// The session asks for more when it has sent all that was queued before, so the last byte is sent by now.
 	if (image_is_sent(image)) {
-		bool last = image == &job->final;
-		job_release_image(jobs, job, image);
-		if (last)
+		if (image == &job->preview) {
+			preview_is_sent(jobs, job);
+		} else {
+			job_release_image(jobs, job, image);
 			job_finish(jobs, job);
+		}
 		return true;
 	}
 	bool queued = image_pump(image, job->session, job->request, &broken);

@@ -20,6 +20,7 @@ void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms, unsi
 void jobs_finish(struct jobs *jobs)
 {
 	loop_timer_stop(jobs->worker->loop, &jobs->deadline);
+	loop_timer_stop(jobs->worker->loop, &jobs->tick);
 	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
 		compiler_stop(&jobs->compilers[i]);
 	jobs_clear(jobs);
@@ -56,24 +57,44 @@ enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t 
 	return STATUS_OK;
 }
 
-// End the jobs whose deadline has come: one that is being traced, with the picture that it has; one that waits, with an
-// error.
+static const char *why_given_up(const struct job *job)
+{
+	if (job->state == JOB_WAITING && !job->compiling)
+		return "the job could be begun: allow more time, or ask when less is under way";
+	if (job->samples_done == 0)
+		return "there was a picture: allow more time, or have its code compiled before (candild --warm)";
+	return "the worker gave the picture that it has: it is slow or hangs, ask when less is under way";
+}
+
+// End a job without the worker: with the last intermediate picture, if there is one, else with an error. What the worker
+// still answers about it is not heard.
+static void end_without_worker(struct jobs *jobs, struct job *job)
+{
+	struct error err;
+	if (job_send_last(jobs, job))
+		return;
+	error_set(&err, STATUS_DEADLINE, "the deadline of %u ms passed before %s", job->render.deadline_ms,
+		  why_given_up(job));
+	jobs_fail(jobs, job, &err);
+}
+
+// End the jobs whose deadline has come: one that is being traced, with the picture that it has; one of which the worker has
+// none, or does not answer, without it.
 static void end_late(struct jobs *jobs)
 {
 	const uint64_t now = clock_us();
 	// Backwards, and with an eye on the count: a job that fails takes the other jobs of its sweep along.
 	for (unsigned i = jobs->count; i-- > 0;) {
 		struct job *job = i < jobs->count ? jobs->job[i] : NULL;
-		if (!job || !job_is_late(jobs, job, now))
+		if (!job)
 			continue;
-		if (job->state == JOB_WAITING) {
-			job_fail_late(jobs, job);
-		} else {
+		if (job_is_given_up(jobs, job, now)) {
+			end_without_worker(jobs, job);
+		} else if (job_is_late(jobs, job, now)) {
 			job->late = true;
 			job_traced(jobs, job);
 		}
 	}
-	jobs_set_deadline_timer(jobs);
 }
 
 // A job that would have begun by now but for a quote or a pilot begins after it, whatever its deadline is.
@@ -86,21 +107,27 @@ static void spare_held(struct jobs *jobs)
 	}
 }
 
+static void give_orders(struct jobs *jobs)
+{
+	// A pilot has the device to itself, so that its times are its own, and a worker that it ends is no job's fault.
+	if (jobs->piloting)
+		for (unsigned i = 0; i < jobs->count; i++)
+			jobs->job[i]->crowded = true; // its wait is not its own
+	jobs_read_finished(jobs);
+	if (jobs->piloting)
+		return;
+	jobs_compile_next(jobs);
+	jobs_step_next(jobs);
+	jobs_begin_next(jobs);
+}
+
 void jobs_dispatch(struct jobs *jobs)
 {
 	spare_held(jobs);
 	end_late(jobs);
-	if (jobs->worker->state != WORKER_READY)
-		return;
-	// A pilot has the device to itself, so that its times are its own, and a worker that it ends is no job's fault.
-	if (jobs->piloting) {
-		for (unsigned i = 0; i < jobs->count; i++)
-			jobs->job[i]->crowded = true; // its wait is not its own
-		jobs_read_finished(jobs);
-		return;
-	}
-	jobs_compile_next(jobs);
-	jobs_read_finished(jobs);
-	jobs_step_next(jobs);
-	jobs_begin_next(jobs);
+	if (jobs->worker->state == WORKER_READY)
+		give_orders(jobs);
+	// Both look at what the worker owes by now.
+	jobs_tell_quiet(jobs);
+	jobs_set_deadline_timer(jobs);
 }

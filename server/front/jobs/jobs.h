@@ -55,7 +55,8 @@ struct jobs {
 	unsigned most_images; // that wait beside the first of each connection
 	bool short_of_room; // an image waits for common room
 	struct handover handovers[TECHNIQUE_COUNT][_candil_Format_ARRAYSIZE][HANDOVER_SIZES]; // kept by deadline.c
-	struct loop_timer deadline; // the next deadline of a job that waits
+	struct loop_timer deadline; // when the next job may have to be given up
+	struct loop_timer tick; // when a client is to be told again that the worker is still at it
 	uint64_t slices, done, failed, cancelled; // since the start
 	uint64_t device_us; // that slices have had, likewise
 	bool piloting; // a pilot waits for the device or has it: no STEP and no BEGIN is sent. Kept by the quotes

@@ -32,10 +32,13 @@ static uint32_t suspect(const struct jobs *jobs)
 
 // Blame one job for the loss: the one whose order was being carried out, else the one that had the device last, else the
 // oldest that the worker had. It may be the wrong one. But each loss with work under way blames one job, so no job can kill
-// workers for ever.
+// workers for ever. Nobody is blamed for an order of a job that has gone meanwhile, because of its deadline for instance:
+// that one kills no other.
 static void blame(struct jobs *jobs, const char *how)
 {
 	struct job *job = jobs_by_id(jobs, suspect(jobs));
+	if (!job && (jobs->stepping || jobs->beginning))
+		return;
 	if (!job || !was_with_worker(job))
 		for (unsigned i = 0; i < jobs->count && !(job && was_with_worker(job)); i++)
 			job = jobs->job[i];

@@ -11,6 +11,8 @@
 #include "server/front/reply.h"
 #include "server/front/session.h"
 
+#define QUIET_US 250000u // without a word of the worker, after which clients are told without it
+#define QUIET_BEGIN_US 1000000u // the same where ACCEPTED is still to come
 #define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
 
 static void add_up_sweep(const struct jobs *jobs, const struct sweep *sweep, candil_Progress *progress)
@@ -38,9 +40,11 @@ void job_tell_progress(const struct jobs *jobs, struct job *job)
 {
 	uint64_t now = clock_us();
 	uint64_t *told_us = job->sweep ? &job->sweep->progress_us : &job->progress_us;
-	if (now < *told_us + job->render.progress_ms * 1000ull || !session_has_room(job->session, LIMIT_CHUNK_BYTES))
+	if (now < *told_us + job->render.progress_ms * 1000ull)
 		return;
 	*told_us = now;
+	if (!session_has_room(job->session, LIMIT_CHUNK_BYTES))
+		return;
 	const struct estimate *e =
 	    job->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN ? &job->predicted : &job->estimate;
 	candil_Progress progress = {.samples_done = job->samples_done,
@@ -55,6 +59,44 @@ void job_tell_progress(const struct jobs *jobs, struct job *job)
 	if (job->sweep)
 		add_up_sweep(jobs, job->sweep, &progress);
 	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
+}
+
+// When the client of a job is to be told that the worker is still at it; UINT64_MAX: it is not.
+static uint64_t tick_us(const struct jobs *jobs, const struct job *job)
+{
+	const bool accepted = job->sweep ? job->sweep->accepted : job->accepted;
+	const uint64_t next_us =
+	    (job->sweep ? job->sweep->progress_us : job->progress_us) + job->render.progress_ms * 1000ull;
+	uint64_t from_us = worker_quiet_us(jobs->worker);
+	if (job->compiling) // beside the worker
+		from_us = job->again_us;
+	else if (job->state != JOB_BEGINNING && job->state != JOB_ACTIVE)
+		from_us = UINT64_MAX;
+	if (from_us == UINT64_MAX)
+		return UINT64_MAX;
+	from_us += accepted ? QUIET_US : QUIET_BEGIN_US;
+	return from_us > next_us ? from_us : next_us;
+}
+
+static void wake_loop(void *owner)
+{
+	(void)owner; // the loop comes by, and with it jobs_dispatch
+}
+
+void jobs_tell_quiet(struct jobs *jobs)
+{
+	const uint64_t now = clock_us();
+	uint64_t next_us = UINT64_MAX;
+	for (unsigned i = 0; i < jobs->count; i++) {
+		if (tick_us(jobs, jobs->job[i]) <= now)
+			job_tell_progress(jobs, jobs->job[i]);
+		const uint64_t tick = tick_us(jobs, jobs->job[i]);
+		next_us = tick < next_us ? tick : next_us;
+	}
+	if (next_us < UINT64_MAX)
+		loop_timer_set(jobs->worker->loop, &jobs->tick, next_us, wake_loop, jobs);
+	else
+		loop_timer_stop(jobs->worker->loop, &jobs->tick);
 }
 
 enum status jobs_add_frame(struct jobs *jobs, struct sweep *sweep, struct error *err)
@@ -161,7 +203,7 @@ static void tell_owner(const struct jobs *jobs, const struct job *job)
 				       .done = &job->done,
 				       .alone = !job->crowded && jobs->count == 1,
 				       .worker = job->worker};
-	if (jobs->rendered)
+	if (jobs->rendered && job->read_us > 0)
 		jobs->rendered(jobs->owner, &frame);
 }
 

@@ -15,6 +15,9 @@ enum status jobs_add_frame(struct jobs *jobs, struct sweep *sweep, struct error 
 // out.
 void job_tell_progress(const struct jobs *jobs, struct job *job);
 
+// Send PROGRESS to the clients whose job the worker is at without saying anything, and wake the loop when it is time again.
+void jobs_tell_quiet(struct jobs *jobs);
+
 // The job's last slice is done: it is FINISHED, and its sweep may begin its next image. Does not fail: a next image that
 // finds no place now comes when this one is done.
 void job_traced(struct jobs *jobs, struct job *job);

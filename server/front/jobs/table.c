@@ -97,6 +97,7 @@ enum status job_create(struct jobs *jobs, struct session *session, uint32_t requ
 	job->estimate = job->predicted = ESTIMATE_UNKNOWN;
 	image_init(&job->preview);
 	image_init(&job->final);
+	image_init(&job->last);
 	scene_hold(scene);
 	if (environment)
 		scene_hold(environment);
@@ -132,6 +133,7 @@ static void job_destroy(struct jobs *jobs, struct job *job)
 	job->session->peer->jobs--;
 	job_release_image(jobs, job, &job->preview);
 	job_release_image(jobs, job, &job->final);
+	job_release_image(jobs, job, &job->last);
 	if (!job->sweep) {
 		job->session->requests--;
 	} else if (--job->sweep->jobs == 0) {

@@ -69,6 +69,7 @@ struct job {
 	uint32_t preview_samples; // of the last preview that was asked for
 	uint64_t preview_us; // when that was
 	struct image preview, final;
+	struct image last; // the latest preview that is all sent, where a deadline may make it the final one
 	candil_Done done; // the worker's part
 };
 
