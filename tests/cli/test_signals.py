@@ -262,10 +262,13 @@ class Pipes(Case):
                     self.interrupt(process, number)
 
     def test_an_answer_that_nobody_reads(self):
+        reader, writer = os.pipe()
+        fcntl.fcntl(reader, fcntl.F_SETPIPE_SZ, 4096)
+        self.addCleanup(os.close, reader)
         process = self.start("sweep", "ok.gltf", "-o", "pipe.png-{index}", "--format", "png", "--orbit", "40", "--size", "8x8",
-                             "--spp", "1", "--json")
-        fcntl.fcntl(process.stdout.fileno(), fcntl.F_SETPIPE_SZ, 4096)
-        wait_for(lambda: self.is_full(process.stdout.fileno()), "the pipe is full")
+                             "--spp", "1", "--json", stdout=writer)
+        os.close(writer)
+        wait_for(lambda: self.is_full(reader), "the pipe is full")
         # Nothing waits with it, and it ends as any program does.
         wait_for(lambda: not family(process.pid), "its daemon has ended")
         process.terminate()
@@ -363,10 +366,15 @@ class Descriptors(Case):
         self.addCleanup(os.close, 9)
         os.close(fd)
         process = self.start(*COMMANDS["render"], pass_fds=[9], stdin=subprocess.PIPE)
-        members = self.all_of(process.pid, "candil-loader")
+        self.all_of(process.pid, "candil-loader")
+
+        def started():
+            """All of them; one that has not begun its own program yet has the name of who started it."""
+            found = family(process.pid)
+            return found if sorted(found.values()) == ["candil-loader", "candil-worker", "candild"] else None
+        members = wait_for(started, "all have begun")
         ours = descriptors(process.pid)
         self.assertEqual(ours[9], secret)
-        self.assertEqual(sorted(members.values()), ["candil-loader", "candil-worker", "candild"])
         for pid, program in members.items():
             with self.subTest(program=program):
                 theirs = descriptors(pid)
