@@ -125,12 +125,15 @@ struct ipc_pilot {
 	uint32_t budget_us; // of work of each technique, beside compiling
 	uint32_t limit_us; // of all of it: no picture is begun or gone on with past it
 	uint32_t techniques; // bits 1 << candil_Technique
+	uint32_t compile; // as of struct ipc_begin
 	candil_Render render; // already checked by the front; its technique does not count
 };
 
 struct ipc_piloted {
 	struct ipc_head head;
 	struct error error; // code != OK: nothing came of it
+	uint64_t cold; // as of struct ipc_begun; nothing came of it
+	uint32_t cold_technique; // the technique that needs it
 	uint32_t cut; // 1: its PILOT_END came in time to keep something from being seen
 	struct pilot_result results[TECHNIQUE_COUNT]; // by technique
 };

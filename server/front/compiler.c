@@ -53,7 +53,7 @@ void compiler_init(struct compiler *c, struct worker *worker, compiler_done *don
 
 // All of it fits a socket's buffer, so nothing waits for the process to start.
 static enum status give_orders(const struct compiler *c, const struct scene *scene, const struct scene *environment,
-			       const candil_Render *render, struct error *err)
+			       const candil_Render *render, uint32_t pilot_us, struct error *err)
 {
 	const struct scene *const both[] = {scene, environment};
 	enum status status = STATUS_OK;
@@ -63,17 +63,28 @@ static enum status give_orders(const struct compiler *c, const struct scene *sce
 		const struct ipc_scene message = {.head = {.op = IPC_SCENE}, .scene = both[i]->id};
 		status = ipc_send(c->child.socket, &message, sizeof message, both[i]->blob, err);
 	}
-	const struct ipc_begin message = {.head = {.op = IPC_BEGIN, .job = 1},
-					  .scene = scene->id,
-					  .environment = environment ? environment->id : 0,
-					  .render = *render,
-					  .end_us = UINT64_MAX,
-					  .compile = true};
-	return status == STATUS_OK ? ipc_send(c->child.socket, &message, sizeof message, -1, err) : status;
+	const struct ipc_begin begin = {.head = {.op = IPC_BEGIN, .job = 1},
+					.scene = scene->id,
+					.environment = environment ? environment->id : 0,
+					.render = *render,
+					.end_us = UINT64_MAX,
+					.compile = true};
+	const struct ipc_pilot pilot = {.head = {.op = IPC_PILOT, .job = 1},
+					.scene = begin.scene,
+					.environment = begin.environment,
+					.render = *render,
+					.techniques = 1u << render->technique,
+					.budget_us = pilot_us,
+					.limit_us = UINT32_MAX,
+					.compile = true};
+	if (status != STATUS_OK)
+		return status;
+	return pilot_us > 0 ? ipc_send(c->child.socket, &pilot, sizeof pilot, -1, err)
+			    : ipc_send(c->child.socket, &begin, sizeof begin, -1, err);
 }
 
 enum status compiler_start(struct compiler *c, uint64_t code, const struct scene *scene, const struct scene *environment,
-			   const candil_Render *render, struct error *err)
+			   const candil_Render *render, uint32_t pilot_us, struct error *err)
 {
 	struct worker_command command;
 	enum status status = worker_command(c->worker, true, &command, err);
@@ -84,7 +95,7 @@ enum status compiler_start(struct compiler *c, uint64_t code, const struct scene
 	if (status == STATUS_OK)
 		status = loop_watch(c->worker->loop, c->child.pidfd, EPOLLIN, compiler_ended, c, err);
 	if (status == STATUS_OK)
-		status = give_orders(c, scene, environment, render, err);
+		status = give_orders(c, scene, environment, render, pilot_us, err);
 	if (status != STATUS_OK) {
 		compiler_stop(c);
 		return status;

@@ -31,10 +31,12 @@ struct compiler {
 // `worker` and `owner` must outlive it.
 void compiler_init(struct compiler *compiler, struct worker *worker, compiler_done *done, void *owner);
 
-// Start it for a job: `code` is not 0, `scene` and `environment` (NULL: none) are loaded. It must be free. Failure, and it
-// is free: STATUS_INTERNAL, STATUS_IO.
+// Start it for a job, or for a pilot by the technique of `render` with so much work, `pilot_us`, which is then not 0: a
+// pilot's pictures are of other sizes. `code` is not 0, `scene` and `environment` (NULL: none) are loaded. It must be free.
+// Failure, and it is free: STATUS_INTERNAL, STATUS_IO.
 enum status compiler_start(struct compiler *compiler, uint64_t code, const struct scene *scene,
-			   const struct scene *environment, const candil_Render *render, struct error *err);
+			   const struct scene *environment, const candil_Render *render, uint32_t pilot_us,
+			   struct error *err);
 
 // Kill it; `done` is not called. Nothing if it is free.
 void compiler_stop(struct compiler *compiler);

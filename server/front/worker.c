@@ -145,7 +145,7 @@ void worker_end(struct worker *worker, uint32_t job)
 }
 
 void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
-		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us)
+		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us, bool compile)
 {
 	struct ipc_pilot message = {.head = {.op = IPC_PILOT, .job = pilot},
 				    .scene = scene,
@@ -153,6 +153,7 @@ void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_
 				    .budget_us = budget_us,
 				    .limit_us = limit_us,
 				    .techniques = techniques,
+				    .compile = compile,
 				    .render = *render};
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
@@ -318,7 +319,8 @@ static bool estimate_holds(const struct estimate *e)
 
 static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
 {
-	bool good = piloted->head.job == worker->pilot && worker->pilot != 0 && status_is_known(piloted->error.code);
+	bool good = piloted->head.job == worker->pilot && worker->pilot != 0 && status_is_known(piloted->error.code) &&
+		    piloted->cold_technique < TECHNIQUE_COUNT;
 	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++) {
 		struct pilot_result *r = &piloted->results[i];
 		for (unsigned b = 0; b < sizeof r->bias / sizeof *r->bias; b++)

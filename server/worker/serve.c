@@ -476,14 +476,14 @@ static bool pilot_is_ended(void *user)
 }
 
 static enum status look(struct server *s, const struct ipc_pilot *m, struct job *job, struct pilot_result *results,
-			struct error *err)
+			uint32_t *cold, struct error *err)
 {
 	if (!s->devices->vk) {
 		*err = s->no_device;
 		return err->code;
 	}
 	const uint64_t end_us = clock_us() + m->limit_us;
-	allow_compiling(s, true);
+	allow_compiling(s, m->compile);
 	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
@@ -500,7 +500,19 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 				    .make_room = make_room_for_pilot,
 				    .is_ended = pilot_is_ended,
 				    .user = s};
-	return pilot_run(&pilot, results, err);
+	return pilot_run(&pilot, results, cold, err);
+}
+
+// The same for a pilot: what it sees is nobody's concern.
+static void look_for(struct server *s, const struct ipc_pilot *m)
+{
+	struct pilot_result results[TECHNIQUE_COUNT];
+	struct error err;
+	uint32_t cold;
+	struct job *job = calloc(1, sizeof *job);
+	if (job)
+		look(s, m, job, results, &cold, &err);
+	job_destroy(s, job);
 }
 
 static enum status on_pilot(struct server *s, const struct ipc_pilot *m)
@@ -510,9 +522,10 @@ static enum status on_pilot(struct server *s, const struct ipc_pilot *m)
 	s->pilot_cut = false;
 	if (!job)
 		error_set(&answer.error, STATUS_MEMORY, "out of memory");
-	else if (look(s, m, job, answer.results, &answer.error) == STATUS_OK)
+	else if (look(s, m, job, answer.results, &answer.cold_technique, &answer.error) == STATUS_OK)
 		answer.error = (struct error){.code = STATUS_OK};
 	answer.cut = s->pilot_cut;
+	answer.cold = s->devices->code.refused;
 	job_destroy(s, job);
 	return answer_front(s, &answer, sizeof answer);
 }
@@ -664,6 +677,8 @@ enum status serve_compiling(int socket, struct devices *devices)
 			close(fd);
 		if (head->op == IPC_BEGIN && devices->vk)
 			compile_for(&s, (const struct ipc_begin *)inbox);
+		else if (head->op == IPC_PILOT && devices->vk)
+			look_for(&s, (const struct ipc_pilot *)inbox);
 		break;
 	}
 	finish(&s);

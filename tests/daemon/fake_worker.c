@@ -22,7 +22,7 @@
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
-//   FAKE_COLD=DIR      refuse renders of seed 7 for want of code until there is DIR/compiled, in BEGIN or, with
+//   FAKE_COLD=DIR      refuse renders and pilots of seed 7 for want of code until there is DIR/compiled, in BEGIN or, with
 //   FAKE_COLD_STEP, in
 //                      the second step. With --compile: add a byte to DIR/compilers, wait for DIR/go, make DIR/compiled and
 //                      exit
@@ -328,6 +328,8 @@ static void on_pilot(const struct ipc_pilot *message)
 		die();
 	if (!strcmp(wrong, "refuse"))
 		error_set(&piloted.error, STATUS_BAD_ARGUMENT, "no such option");
+	if (!message->compile && (piloted.cold = cold(&message->render)) != 0)
+		error_set(&piloted.error, STATUS_INTERNAL, "cold");
 	if (!strcmp(wrong, "code"))
 		piloted.error.code = (enum status)9999;
 	if (!strcmp(wrong, "other"))

@@ -103,6 +103,46 @@ class Compiled(ColdCase):
         self.begin_cold(self.with_box())  # and FakeCase.stop looks at its end
 
 
+class ForAPilot(ColdCase):
+    def quote(self, connection):
+        job = connection.send(wire.QUOTE, pb.Quote(render=render(seed=COLD), pilot_ms=10))
+        self.wait_for_compiler()
+        return job
+
+    def test_others_are_served_meanwhile(self):
+        connection, other = self.with_box(), self.connect()
+        quote = self.quote(connection)
+        self.assertEqual(other.follow(other.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.go()
+        reply = connection.receive_for(quote)
+        self.assertEqual((reply.kind, getattr(reply.body, "from")), (wire.QUOTE_REPLY, "pilot"))
+        self.assertEqual((self.compilers(), connection.stats().worker_starts), (1, 1))
+
+    def test_a_job_needs_the_same(self):
+        connection, other = self.with_box(), self.connect()
+        quote, job = self.quote(connection), self.begin_cold(other)
+        self.go()
+        self.done(other, job)
+        self.assertEqual(connection.receive_for(quote).kind, wire.QUOTE_REPLY)
+        self.assertEqual(self.compilers(), 1)
+
+    def test_who_asked_may_go(self):
+        connection, other = self.with_box(), self.connect()
+        self.quote(connection)
+        connection.close()
+        self.assertEqual(other.follow(other.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+
+
+class CompilerDiesForAPilot(ColdCase):
+    environment = {"FAKE_COMPILER": "die"}
+
+    def test_the_worker_compiles(self):
+        connection = self.with_box()
+        quote = connection.send(wire.QUOTE, pb.Quote(render=render(seed=COLD), pilot_ms=10))
+        self.assertEqual(connection.receive_for(quote).kind, wire.QUOTE_REPLY)
+        self.assertEqual(self.compilers(), 1)
+
+
 class CompiledInAStep(ColdCase):
     environment = {"FAKE_COLD_STEP": "1"}
 

@@ -12,15 +12,7 @@ void job_compile_first(struct jobs *jobs, struct job *job, uint64_t code)
 	job->state = JOB_WAITING;
 }
 
-static struct compiler *free_compiler(struct jobs *jobs)
-{
-	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
-		if (!jobs->compilers[i].code)
-			return &jobs->compilers[i];
-	return NULL;
-}
-
-static bool is_compiled(const struct jobs *jobs, uint64_t code)
+bool jobs_compiling(const struct jobs *jobs, uint64_t code)
 {
 	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
 		if (jobs->compilers[i].code == code)
@@ -28,18 +20,31 @@ static bool is_compiled(const struct jobs *jobs, uint64_t code)
 	return false;
 }
 
+bool jobs_compile(struct jobs *jobs, uint64_t code, const struct scene *scene, const struct scene *environment,
+		  const candil_Render *render, uint32_t pilot_us)
+{
+	struct compiler *compiler = NULL;
+	struct error err;
+	if (jobs_compiling(jobs, code))
+		return true;
+	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
+		if (!jobs->compilers[i].code)
+			compiler = &jobs->compilers[i];
+	if (!compiler)
+		return false;
+	if (compiler_start(compiler, code, scene, environment, render, pilot_us, &err) != STATUS_OK) {
+		log_line(LOG_ERROR, "no compiler: %s", err.text);
+		jobs_compiled(jobs, code);
+	}
+	return true;
+}
+
 void jobs_compile_next(struct jobs *jobs)
 {
-	struct compiler *compiler;
-	for (unsigned i = 0; i < jobs->count && (compiler = free_compiler(jobs)); i++) {
-		struct job *job = jobs->job[i];
-		struct error err;
-		if (!job->compiling || is_compiled(jobs, job->code))
-			continue;
-		if (compiler_start(compiler, job->code, job->scene, job->environment, &job->render, &err) == STATUS_OK)
-			continue;
-		log_line(LOG_ERROR, "no compiler: %s", err.text);
-		jobs_compiled(jobs, job->code);
+	for (unsigned i = 0; i < jobs->count; i++) {
+		const struct job *job = jobs->job[i];
+		if (job->compiling && !jobs_compile(jobs, job->code, job->scene, job->environment, &job->render, 0))
+			return;
 	}
 }
 

@@ -98,8 +98,8 @@ bool pilot_plan(const struct quotes *quotes, struct quote *quote)
 static struct quote *next_pilot(const struct quotes *quotes)
 {
 	for (struct quote *q = quotes->first; q; q = q->next)
-		if (q->started && !q->piloted && q->session && quote_is_loaded(q) && clock_us() <= q->send_by_us &&
-		    jobs_first_end_us(quotes->jobs, q->job) > clock_us() + q->limit_us)
+		if (q->started && !q->piloted && !q->compiling && q->session && quote_is_loaded(q) &&
+		    clock_us() <= q->send_by_us && jobs_first_end_us(quotes->jobs, q->job) > clock_us() + q->limit_us)
 			return q;
 	return NULL;
 }
@@ -110,7 +110,31 @@ static void send_pilot(struct quotes *quotes, struct quote *quote)
 	quotes->out_since_us = clock_us();
 	quotes->jobs->pilot_out = true;
 	worker_pilot(quotes->worker, quote->id, quote->scene->id, quote->environment ? quote->environment->id : 0,
-		     &quote->render, quote->techniques, quote->budget_us, quote->limit_us);
+		     &quote->render, quote->techniques, quote->budget_us, quote->limit_us,
+		     quote->compiled || quotes->worker->options->private_fd >= 0);
+}
+
+void pilot_compile_first(struct quote *quote, const struct ipc_piloted *piloted)
+{
+	quote->compiled = quote->code == piloted->cold;
+	quote->compiling = !quote->compiled;
+	quote->code = piloted->cold;
+	quote->code_technique = (candil_Technique)piloted->cold_technique;
+}
+
+// Code that pilots wait for is compiled by a process of its own, as that of jobs.
+static void compile_for_pilots(struct quotes *quotes)
+{
+	for (struct quote *q = quotes->first; q; q = q->next) {
+		candil_Render render = q->render;
+		render.technique = q->code_technique;
+		if (!q->compiling)
+			continue;
+		if (q->compiled && !jobs_compiling(quotes->jobs, q->code))
+			q->compiling = q->compiled = false;
+		else if (!q->compiled)
+			q->compiled = jobs_compile(quotes->jobs, q->code, q->scene, q->environment, &render, q->budget_us);
+	}
 }
 
 void pilots_end(struct quotes *quotes)
@@ -129,6 +153,7 @@ static void make_way(struct quotes *quotes)
 void pilots_dispatch(struct quotes *quotes)
 {
 	struct jobs *jobs = quotes->jobs;
+	compile_for_pilots(quotes);
 	if (quotes->out) {
 		make_way(quotes);
 		return;

@@ -8,6 +8,8 @@
 // - After one the jobs have the device for at least as long as it took, if they can use it.
 // - A job with a deadline gets none of techniques whose programs are still to be compiled, none that takes more than a share
 //   of what is left of its time, and none that would not be back when the choice is due.
+// - One that needs shader code which has to be compiled first waits for that (jobs_compile), and others are served
+// meanwhile.
 // - What was out when the worker was lost is not tried again.
 //
 // For quotes.c alone, and for the front's one thread. Nothing here fails.
@@ -21,6 +23,10 @@
 // Decide by which techniques the quote's scene is to be looked at, and for how long: its `techniques`, `budget_us`,
 // `limit_us` and `barred`. False: no pilot is needed.
 bool pilot_plan(const struct quotes *quotes, struct quote *quote);
+
+// The worker has refused the quote's pilot for want of code: it waits for that, or has the worker compile it if that was
+// tried.
+void pilot_compile_first(struct quote *quote, const struct ipc_piloted *piloted);
 
 // Send the next one if it may have the device, or make way for it.
 void pilots_dispatch(struct quotes *quotes);

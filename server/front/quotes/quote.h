@@ -20,6 +20,9 @@ struct quote {
 	uint32_t techniques; // of the pilot
 	bool started; // the scene is there, and what is to be done is known
 	bool piloted; // the pilot is back, or none will be
+	uint64_t code; // that the worker refused its pilot for; 0: none
+	candil_Technique code_technique; // which needs that
+	bool compiling, compiled; // it waits for that code; a process has tried to compile it
 	bool barred; // no pilot, because one like it was lost with the worker
 	uint64_t asked_us;
 	uint64_t loaded_us; // since when its scene is known to be there; 0: not yet

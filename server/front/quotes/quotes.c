@@ -228,6 +228,10 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 	pilots_back(quotes);
 	if (!quote)
 		return;
+	if (piloted->cold && quote->session) {
+		pilot_compile_first(quote, piloted);
+		return;
+	}
 	quote->piloted = !cut;
 	const struct rendered f = quote_frame(quote);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++)

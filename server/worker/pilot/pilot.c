@@ -427,7 +427,8 @@ static enum status look_over(const struct pilot *pilot, struct error *err)
 	return plan_of(pilot, &render, &plan, err);
 }
 
-enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], struct error *err)
+enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], uint32_t *cold,
+		      struct error *err)
 {
 	struct drawing reference[2] = {{0}};
 	memset(results, 0, TECHNIQUE_COUNT * sizeof *results);
@@ -440,11 +441,15 @@ enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TEC
 		if (!wanted(pilot, t, i < technique_count()))
 			continue;
 		s = look(pilot, t, reference, &results[t->number], err);
+		if (s != STATUS_OK && pilot->devices->code.refused) {
+			*cold = t->number;
+			break;
+		}
 		// Time and memory may be there the next time, and are no word on the request.
 		if (s != STATUS_OK && s != STATUS_LIMIT && s != STATUS_MEMORY && results[t->number].pixels == 0)
 			results[t->number].refused = 1;
 	}
 	frame_destroy(reference[0].frame);
 	frame_destroy(reference[1].frame);
-	return s == STATUS_DEVICE ? s : STATUS_OK;
+	return s == STATUS_DEVICE || pilot->devices->code.refused ? s : STATUS_OK;
 }

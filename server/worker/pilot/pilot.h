@@ -53,8 +53,10 @@ struct estimate pilot_mean(const struct estimate *a, const struct estimate *b);
 // Look by each technique. One that cannot render the request has `refused` alone; zeroed is one whose first, tiny picture is
 // given up, or has no memory, of which another time there may be more. If only the second is, the result is that of the
 // first. The bias of techniques without noise is known only if one with noise is looked at, too. Fails as plan_make does if
-// the request is wrong, and with STATUS_DEVICE.
-enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], struct error *err);
+// the request is wrong, and with STATUS_DEVICE; with STATUS_INTERNAL where devices->code refuses to compile what *cold, a
+// technique, needs.
+enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TECHNIQUE_COUNT], uint32_t *cold,
+		      struct error *err);
 
 // Two independent pictures by a technique with noise, of as many samples each.
 struct pilot_reference {
