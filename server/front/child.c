@@ -118,6 +118,13 @@ void child_kill(const struct child *child)
 		kill(child->pid, SIGKILL);
 }
 
+bool child_is_stopped(const struct child *child)
+{
+	siginfo_t info = {0};
+	return child->pid > 0 && waitid(P_PIDFD, (id_t)child->pidfd, &info, WSTOPPED | WNOHANG | WNOWAIT) == 0 &&
+	       info.si_pid == child->pid;
+}
+
 static void child_drop_fd(struct loop *loop, int *fd)
 {
 	if (*fd < 0)

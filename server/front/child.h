@@ -43,6 +43,9 @@ enum status child_start(struct child *child, enum program program, char *const a
 // Send it SIGKILL; its end shows at pidfd. Nothing if there is none.
 void child_kill(const struct child *child);
 
+// Has someone stopped it (SIGSTOP), and not let it go on?
+bool child_is_stopped(const struct child *child);
+
 // After pidfd became readable: collect it and close both descriptors (forgotten in `loop` first). `how` gets its end in
 // words, "killed by signal 9" or "exited with status 1". Returns the signal, 0 if it was none.
 int child_reap(struct child *child, struct loop *loop, char *how, size_t capacity);

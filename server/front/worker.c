@@ -37,7 +37,7 @@ static void kill_for(struct worker *worker, const char *why)
 
 static void kill_hanging(struct worker *worker, const char *why)
 {
-	worker->fault = FAULT_WORK;
+	worker->fault = child_is_stopped(&worker->child) ? FAULT_NONE : FAULT_WORK;
 	kill_for(worker, why);
 }
 

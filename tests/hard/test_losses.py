@@ -1,6 +1,7 @@
 """Who is answered what, and when, if a process dies, stops, or has no device, memory or room for a file: a table of cases with the real
 worker and loader, in one daemon. After each case the next request has the right picture; after all of them nothing has leaked. The page
 LOSSES.md has the table; with CANDIL_TABLE=write it is written."""
+import contextlib
 import glob
 import json
 import os
@@ -85,7 +86,7 @@ CASES = [
     *again("step", DEADLY + ["divides by zero (SIGFPE)", "meets a wrong instruction (SIGILL)", "is asked to end (SIGTERM)", "loses its device"]),
     Case("step", "is killed", "`worker-lost`", AT_ONCE, 2),
     Case("step", "crashes (SIGSEGV)", "`worker-lost`; all others on that scene, now and later: `scene-quarantined`", AT_ONCE, 2),
-    Case("step", "is stopped", "`worker-lost`; all others on that scene, now and later: `scene-quarantined`", "after `--hang` seconds", 2),
+    Case("step", "is stopped", "`worker-lost`", "after `--hang` seconds", 2),
     Case("step", "loses its device", "`worker-lost`", AT_ONCE, 2),
     *again("read", DEADLY, "the picture, begun again unless it was through"),
     *[Case("pilot", fault, "the quote, by what is known", AT_ONCE) for fault in DEADLY[:-1] + ["loses its device"]],
@@ -117,7 +118,7 @@ def page():
 If a process dies, stops, or lacks what it needs. Each row is a case of `test_losses.py`: the fault is a signal to the real worker or loader while it
 is in that state, or what the row says. After each the next request on another scene has the right picture, bit for bit; after all of them the
 daemon has no descriptor, job, scene, image, file or process more than before. Clients whose jobs the worker had besides have them begun again,
-however often: only the job that was worked on is blamed. A new worker starts 50 ms after a loss, and after twice as long with each further one before a
+however often: only the job that was worked on is blamed, and its scene only for what the worker did itself. A new worker starts 50 ms after a loss, and after twice as long with each further one before a
 slice is done, up to 12.8 s. `tests/daemon/test_losses.py` and `test_hang.py` show the rest with a stand-in worker: eight
 clients beside one with a deadly scene, each answered once; what hangs in each of its states; and who is blamed.
 
@@ -143,7 +144,8 @@ def strike(pid, fault):
     for number in SIGNALS[fault]:
         os.kill(pid, number)
     if SIGNALS[fault]:
-        os.kill(pid, signal.SIGCONT)
+        with contextlib.suppress(ProcessLookupError):  # it has ended already
+            os.kill(pid, signal.SIGCONT)
 
 
 def request(scene, **fields):
@@ -380,7 +382,8 @@ class Table(Losses):
     def limited(self, what, limit, **fields):
         """The reply to a request under a limit of the worker's, which goes again."""
         pid = self.worker()
-        before = resource.prlimit(pid, what, (limit, resource.RLIM_INFINITY))
+        before = resource.prlimit(pid, what)
+        resource.prlimit(pid, what, (limit, before[1]))
         reply = self.client.follow(self.client.send(wire.RENDER, request("box", **fields)))[-1]
         resource.prlimit(pid, what, before)
         return reply
