@@ -100,7 +100,8 @@
 #define LIMIT_LOAD_CLOCK_SECONDS 1200u // of the clock, whether or not it gets a processor
 #define LIMIT_LOADER_BYTES (6ull << 30) // address space of one loader: parsing, building and the blob
 #define LIMIT_LOADER_FILES 1024u // descriptors of one loader, and of its user on their way when it hands over
-#define LIMIT_LOADERS 2u // at once; further loads wait
+#define LIMIT_LOADERS 2u // at once, and one more that takes long; further loads wait
+#define LIMIT_LOAD_TURN_SECONDS 5u // after which a load makes room for one that has not run yet
 #define LIMIT_CHILDREN_LEFT 8u // loaders that were killed and have not ended yet; while there are more, loads wait
 
 // ---- the worker ----

@@ -13,7 +13,7 @@ enum {
 	OWN = 4, // epoll, signals, the listener, the scene root
 	WORKER = 2, // its socket and its pidfd
 	COMPILER = 2, // likewise
-	LOADERS = 3 * LIMIT_LOADERS, // likewise, and the blob that one has sent while its folder is still open
+	LOADERS = 3 * (LIMIT_LOADERS + 1), // likewise, and the blob that one has sent while its folder is still open
 	COMPILERS = 2 * LIMIT_COMPILERS,
 	STARTING = 3, // a child: its end of the socket pair, copies of that and of its folder
 	RECEIVING = CHANNEL_FDS,

@@ -32,6 +32,7 @@ static void scene_destroy(struct scene *scene)
 
 void scenes_finish(struct scenes *scenes)
 {
+	loop_timer_stop(scenes->children->loop, &scenes->turn);
 	while (scenes->first) {
 		struct scene *s = scenes->first;
 		scenes->first = s->next;
@@ -231,38 +232,132 @@ enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct s
 	return STATUS_OK;
 }
 
-// Has the peer that waits for this load a loader at work already?
-static bool is_loading_for(const struct scenes *scenes, const struct scene *load)
+static const struct peer *peer_of(const struct scene *scene)
 {
-	const struct peer *peer = load->session ? load->session->peer : NULL;
-	for (const struct scene *s = scenes->first; s; s = s->next)
-		if (s->state == SCENE_LOADING && peer == (s->session ? s->session->peer : NULL))
-			return true;
-	return false;
+	return scene->session ? scene->session->peer : NULL;
 }
 
-// The oldest load; one of a peer that has a loader comes after those of others.
-static struct scene *next_waiting(struct scenes *scenes)
+// Loads under way of the peer that asked for this one, as a number that counts those of its connection in second place.
+static unsigned loads_beside(const struct scenes *scenes, const struct scene *scene)
 {
-	unsigned running = 0;
-	struct scene *waiting = NULL;
+	unsigned count = 0;
+	for (const struct scene *s = scenes->first; s; s = s->next)
+		if (s->state == SCENE_LOADING || (s->state == SCENE_WAITING && s->had_turn))
+			count += (peer_of(s) == peer_of(scene) ? LIMIT_SCENES * 2 : 0) + (s->session == scene->session);
+	return count;
+}
+
+// The load whose turn is next among those that had none yet: of the peer that has the fewest under way, of its
+// connection that has, the oldest.
+static struct scene *next_fresh(struct scenes *scenes)
+{
+	struct scene *next = NULL;
+	unsigned least = 0;
 	for (struct scene *s = scenes->first; s; s = s->next) {
-		running += s->state == SCENE_LOADING;
-		if (s->state == SCENE_WAITING &&
-		    (!waiting || (is_loading_for(scenes, waiting) && !is_loading_for(scenes, s))))
-			waiting = s;
+		const bool waits = s->state == SCENE_WAITING && !s->had_turn;
+		const unsigned beside = waits ? loads_beside(scenes, s) : 0;
+		if (!waits || (next && beside >= least))
+			continue;
+		next = s;
+		least = beside;
+	}
+	return next;
+}
+
+static struct scene *next_long(struct scenes *scenes)
+{
+	struct scene *s = scenes->first;
+	while (s && !(s->state == SCENE_WAITING && s->had_turn))
+		s = s->next;
+	return s;
+}
+
+static uint64_t turn_end(const struct scene *scene)
+{
+	return scene->had_turn ? 0 : scene->started_us + LIMIT_LOAD_TURN_SECONDS * 1000000ull;
+}
+
+// The load whose turn ends first of those that are not in the place for long ones.
+static struct scene *next_to_yield(struct scenes *scenes)
+{
+	struct scene *first = NULL;
+	for (struct scene *s = scenes->first; s; s = s->next)
+		if (s->state == SCENE_LOADING && !s->in_long_place && (!first || turn_end(s) < turn_end(first)))
+			first = s;
+	return first;
+}
+
+// How many loads run, and whether one more may be started.
+struct places {
+	unsigned running;
+	bool long_is_taken, may_start;
+};
+
+static struct places places_of(const struct scenes *scenes)
+{
+	struct places p = {0};
+	for (const struct scene *s = scenes->first; s; s = s->next) {
+		p.running += s->state == SCENE_LOADING;
+		p.long_is_taken |= s->state == SCENE_LOADING && s->in_long_place;
 	}
 	// A load may leave two behind: a loader that wants images is started a second time.
-	const bool may_leave = scenes->children->count + 2 * (running + 1) <= LIMIT_CHILDREN_LEFT;
-	return running < LIMIT_LOADERS && may_leave ? waiting : NULL;
+	p.may_start = p.running <= LIMIT_LOADERS && scenes->children->count + 2 * (p.running + 1) <= LIMIT_CHILDREN_LEFT;
+	return p;
+}
+
+static void begin(struct scenes *scenes, struct scene *scene, bool in_long_place)
+{
+	scenes->loader_starts += !scene->had_turn;
+	scene->started_us = clock_us();
+	scene->in_long_place = in_long_place;
+	start_loader(scene);
+}
+
+static void look_again(void *owner)
+{
+	(void)owner; // the service dispatches after this
+}
+
+// Have a load make room for one that had no turn yet. False, with the timer set, if it still has its turn.
+static bool yield_place(struct scenes *scenes, struct scene *scene, const struct places *places)
+{
+	if (clock_us() < turn_end(scene)) {
+		loop_timer_set(scenes->children->loop, &scenes->turn, turn_end(scene), look_again, scenes);
+		return false;
+	}
+	scene->had_turn = true;
+	if (!places->long_is_taken) {
+		scene->in_long_place = true;
+		return true;
+	}
+	log_line(LOG_INFO, "scene \"%s\": begun again later, others wait", scene->info.name);
+	loader_stop(&scene->loader);
+	scene->state = SCENE_WAITING;
+	return true;
+}
+
+// Start one load, or make room for one. False if there is nothing to do.
+static bool dispatch_one(struct scenes *scenes)
+{
+	const struct places places = places_of(scenes);
+	struct scene *fresh = next_fresh(scenes), *old = fresh ? NULL : next_long(scenes);
+	if (old && places.may_start) {
+		begin(scenes, old, !places.long_is_taken);
+		return true;
+	}
+	if (!fresh)
+		return false;
+	if (places.running - places.long_is_taken >= LIMIT_LOADERS)
+		return yield_place(scenes, next_to_yield(scenes), &places);
+	if (places.may_start)
+		begin(scenes, fresh, false);
+	return places.may_start;
 }
 
 void scenes_dispatch(struct scenes *scenes)
 {
-	for (struct scene *s = next_waiting(scenes); s; s = next_waiting(scenes)) {
-		scenes->loader_starts++;
-		start_loader(s);
-	}
+	while (dispatch_one(scenes))
+		;
 }
 
 uint32_t scenes_count(const struct scenes *scenes, uint64_t *bytes)

@@ -43,6 +43,9 @@ struct scene {
 	double metres_per_unit;
 	bool has_images; // so the loader said
 	uint64_t asked_us;
+	uint64_t started_us;
+	bool had_turn; // it ran for LIMIT_LOAD_TURN_SECONDS while others waited
+	bool in_long_place;
 	struct loader loader;
 	struct scenes *table;
 	struct scene *next; // in the order of asking
@@ -70,6 +73,7 @@ struct scenes {
 	void *owner;
 	struct scene *first; // in the order of asking
 	uint64_t next_id;
+	struct loop_timer turn; // the end of a load's turn that others wait for
 	struct quarantine quarantine; // kept by the service, who blames scenes
 	uint32_t loader_starts;
 	uint64_t loader_failures;
@@ -90,8 +94,13 @@ void scenes_finish(struct scenes *scenes);
 enum status scenes_load(struct scenes *scenes, const candil_Load *load, struct source *source, struct session *session,
 			uint32_t request, struct error *err);
 
-// Start the loads that wait, oldest first, while loaders are free: no peer has two of them while another waits. The service
-// calls it once after each batch of events.
+// Start the loads that wait while loaders are free. The service calls it once after each batch of events.
+//
+// A load that takes long never keeps one out that does not. LIMIT_LOADERS run at once. Where another waits that has not run
+// yet, each has its place for LIMIT_LOAD_TURN_SECONDS; then it goes on in one more place, for long loads, and if that is
+// taken, it is ended and begun again when no such other waits. Those that have not run yet come in the order of how many
+// loads their peers have under way, then their connections, then of asking; those that are begun again in the order of
+// asking.
 void scenes_dispatch(struct scenes *scenes);
 
 // The scene of a name: the ready one, else the one that is being loaded, else NULL. Good until the next call that may free

@@ -83,17 +83,6 @@ class Loads(FakeCase):
         connection.load("box", self.scenes, "box.gltf")
         self.assertEqual(connection.stats().scene_bytes, (12 << 30) + 4096)
 
-    def test_at_most_two_loaders(self):
-        connection = self.connect()
-        self.write("slow.gltf", "hang")
-        loads = [connection.send_load(f"s{i}", self.scenes, "slow.gltf") for i in range(5)]
-        wire.wait_for(lambda: connection.stats().loader_starts == 2, "two loaders run")
-        self.assertEqual(connection.stats().loader_starts, 2)
-        self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=loads[0])).kind, wire.OK)
-        self.assert_error(connection.receive_for(loads[0]), "cancelled")
-        wire.wait_for(lambda: connection.stats().loader_starts == 3, "the next one runs")
-        self.assertEqual(len(connection.ask(wire.LIST_SCENES).body.scenes), 4)
-
     def test_client_goes_while_loading(self):
         other = self.connect()
         self.write("slow.gltf", "hang")
@@ -135,6 +124,60 @@ class Loads(FakeCase):
         self.assert_error(connection.receive_for(load), "cancelled")
         self.assertEqual(len(connection.ask(wire.LIST_SCENES).body.scenes), 0)
         self.assertEqual(connection.stats().loader_failures, 0)  # it was told to stop
+
+
+class Turns(FakeCase):
+    """Loads that never end, and others beside them."""
+    arguments = ["--hang", "3600"]  # by then they would be found to hang
+
+    def prepare(self):
+        self.write("slow.gltf", "hang")
+
+    def loaders(self):
+        with open(f"/proc/{self.daemon.process.pid}/task/{self.daemon.process.pid}/children") as file:
+            names = []
+            for pid in file.read().split():
+                try:
+                    with open(f"/proc/{pid}/comm") as name:
+                        names.append(name.read().strip())
+                except OSError:
+                    pass
+        return names.count("candil-loader")
+
+    def test_at_most_two_loaders_and_one(self):
+        connection = self.connect()
+        loads = [connection.send_load(f"s{i}", self.scenes, "slow.gltf") for i in range(5)]
+        wire.wait_for(lambda: connection.stats().loader_starts == 5, "all were begun, in turn")
+        wire.wait_for(lambda: self.loaders() == 3, "those that made room are stopped")
+        self.assertEqual(len(connection.ask(wire.LIST_SCENES).body.scenes), 5)
+        for i, load in enumerate(loads):
+            self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=load)).kind, wire.OK)
+            self.assert_error(connection.receive_for(load), "cancelled")
+        wire.wait_for(lambda: self.loaders() == 0, "all are stopped")
+
+    def test_hostile_loads_keep_no_other_out(self):
+        hostile, other = [self.connect() for _ in range(3)], self.connect()
+        for i in range(24):
+            hostile[i % 3].send_load(f"s{i}", self.scenes, "slow.gltf")
+        wire.wait_for(lambda: other.stats().loader_starts >= 2, "all places are taken")
+        other.load("box", self.scenes, "box.gltf")
+        scenes = other.ask(wire.LIST_SCENES).body.scenes
+        self.assertEqual(sorted(s.name for s in scenes if s.loading), sorted(f"s{i}" for i in range(24)))
+
+    def test_a_load_that_made_room_is_begun_again(self):
+        os.mkfifo(os.path.join(self.scenes, "late.gltf"))
+        first, other = self.connect(), self.connect()
+        first.send_load("endless", self.scenes, "slow.gltf")
+        late = first.send_load("late", self.scenes, "late.gltf")
+        first.send_load("more", self.scenes, "slow.gltf")
+        other.load("a", self.scenes, "box.gltf")
+        wire.wait_for(lambda: other.stats().loader_starts == 4, "the third of the first client's was begun")
+        other.load("b", self.scenes, "box.gltf")
+        self.assertIn('"late": begun again later', self.daemon.log_text())
+        with open(os.path.join(self.scenes, "late.gltf"), "w") as file:
+            file.write("ok")
+        self.assertEqual(first.receive_for(late).kind, wire.SCENE_INFO)
+        self.assertEqual((other.stats().loader_starts, other.stats().loader_failures), (5, 0))
 
 
 class Distrust(FakeCase):
