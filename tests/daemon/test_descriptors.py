@@ -117,15 +117,14 @@ class Full(FakeCase):
     def level(self, observer):
         observer.follow(observer.send(wire.RENDER, render()))
         stats = observer.stats()
-        # A loader is collected a little after its scene is there.
-        wire.wait_for(lambda: self.daemon.descriptors() == self.idle, "descriptors are given back")
+        wire.wait_for(lambda: self.daemon.descriptors_at_rest() == self.idle, "descriptors are given back")
         self.assertEqual((stats.jobs, stats.image_bytes, stats.buffered_bytes, stats.scenes, stats.worker_starts), (0, 0, 0, 1, 1))
         return self.daemon.rss_kib()
 
     def test_everything_is_full_and_then_level(self):
         observer = self.with_box()
         observer.follow(observer.send(wire.RENDER, render()))
-        self.stats, self.idle = observer.stats(), self.daemon.descriptors()
+        self.stats, self.idle = observer.stats(), self.daemon.descriptors_at_rest()
         served = self.round(observer)
         memory = self.level(observer)
         self.assertGreaterEqual(served, min(60, (self.stats.max_connections - 1) * self.jobs_each))

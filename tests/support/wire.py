@@ -256,6 +256,21 @@ class Daemon:
     def descriptors(self):
         return descriptors(self.process.pid)
 
+    def descriptors_at_rest(self):
+        """Once no child but the worker is left to be collected."""
+        folder = f"/proc/{self.process.pid}/fd"
+
+        def children():
+            count = 0
+            for number in os.listdir(folder):
+                try:
+                    count += "pidfd" in os.readlink(os.path.join(folder, number))
+                except FileNotFoundError:  # closed meanwhile
+                    pass
+            return count
+        wait_for(lambda: children() == 1, "the loaders have been collected")
+        return self.descriptors()
+
     def end(self, how=signal.SIGTERM):
         """End it and give its exit status; its folder stays. Twice is allowed."""
         if self.process and self.process.poll() is None:
