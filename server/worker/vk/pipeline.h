@@ -52,9 +52,10 @@ struct pipeline {
 	bool warm; // it has run once: some drivers compile at the first dispatch
 };
 
-// The most pipelines that are kept, because requests can ask for very many. Beyond it the one unused for longest is
-// destroyed, but never one that has a binding set.
-#define PIPELINES_MAX 192u
+// The most pipelines that are kept, because requests can ask for very many, and one takes 3 MiB of a software driver.
+// Beyond it the one unused for longest is destroyed, but never one that has a binding set. Made again it costs a fifth of a
+// second: the driver has its code on disk.
+#define PIPELINES_MAX 48u
 
 // The pipeline of `shader` with these constants (NULL: none), compiled if it is not kept, which may take seconds. It is the
 // device's: the next call may destroy it unless a binding set has been made for it. STATUS_INTERNAL if the shader has more
