@@ -2,6 +2,7 @@
 #include "clients/cli/cli.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -73,6 +74,7 @@ int main(int argc, char **argv)
 	int option;
 	if (!fill_standard_descriptors())
 		return EXIT_OTHER; // and no place to say it
+	signal(SIGXFSZ, SIG_IGN); // a file that may not become so large has an error of its own
 	if (argc > 0)
 		argv[0] = program; // getopt_long puts it before its sentences
 	while ((option = getopt_long(argc, argv, "+hV", options, NULL)) != -1) {

@@ -1,6 +1,7 @@
 // candil-compare A B: the difference between picture A and the reference B. `candil compare` runs it.
 #include <getopt.h>
 #include <math.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -142,6 +143,7 @@ out:
 int main(int argc, char **argv)
 {
 	struct arguments args;
+	signal(SIGXFSZ, SIG_IGN); // a file that may not become so large has an error of its own
 	int ended = parse(argc, argv, &args);
 	if (ended)
 		return ended - 1;

@@ -357,6 +357,7 @@ static enum status watch_signals(struct service *service, struct error *err)
 	sigaddset(&set, SIGINT);
 	sigaddset(&set, SIGHUP); // of a terminal that closes, which is no reason to end
 	signal(SIGPIPE, SIG_IGN);
+	signal(SIGXFSZ, SIG_IGN); // what is learned may not fit, which the log tells
 	// A parent may have left SIGCHLD ignored. Then the kernel would collect our children itself and give their numbers
 	// away.
 	signal(SIGCHLD, SIG_DFL);

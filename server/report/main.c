@@ -1,6 +1,7 @@
 // candil-report FOLDER: what a study measured, as results.json, results.csv, report.html and PNGs in its folder. `candil
 // study` runs it when its runs are done; by itself it makes the report again. It renders nothing.
 #include <getopt.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -152,6 +153,7 @@ int main(int argc, char **argv)
 	struct arguments args = {.chart = CANDIL_CHART_JS};
 	struct error err;
 	int option;
+	signal(SIGXFSZ, SIG_IGN); // a file that may not become so large has an error of its own
 	while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
 		if (option == 't')
 			args.tables = optarg;

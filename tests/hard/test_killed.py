@@ -1,5 +1,6 @@
 """The real worker killed in the middle of a frame, the real loader in the middle of a load: the service goes on, and says so."""
 import os
+import resource
 import signal
 import subprocess
 import unittest
@@ -65,6 +66,25 @@ class Killed(unittest.TestCase):
             wait_for(lambda: is_gone(child), "the child is gone")
         _, error = job.communicate(timeout=120)
         self.assertNotEqual(job.returncode, 0, error)
+
+    def test_a_file_that_may_not_grow(self):
+        """The kernel's signal for that kills nobody, and no part of the file is left."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (512, 512))
+        with Daemon() as daemon:
+            daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
+            pictures = [os.path.join(daemon.folder, name + ".exr") for name in "ab"]
+            for path in pictures:
+                daemon.candil("render", "box", "-o", path, "--size", "64x64", "--spp", "1")
+            before = sorted(os.listdir(daemon.folder))
+            out = os.path.join(daemon.folder, "out.")
+            for command in (["render", "box", "-o", out + "exr", "--size", "64x64", "--spp", "1"],
+                            ["compare", *pictures, "--html", out + "html"]):
+                done = subprocess.run([CANDIL, "--connect", daemon.socket, *command], stdin=subprocess.DEVNULL,
+                                      capture_output=True, text=True, preexec_fn=limit)
+                self.assertGreater(done.returncode, 0, done)
+                self.assertIn("File too large", done.stderr)
+                self.assertEqual(sorted(os.listdir(daemon.folder)), before)
 
 
 def is_gone(pid):
