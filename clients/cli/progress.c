@@ -48,7 +48,12 @@ void progress_draw(struct progress *progress, const struct candil_progress *at)
 		snprintf(error, sizeof(error), "  error %.1e (to %.1e)", at->estimated_relmse, at->relmse_high);
 	else if (at->estimated_relmse > 0)
 		snprintf(error, sizeof(error), "  error %.1e or more", at->estimated_relmse);
-	double seconds = (double)at->elapsed_us * 1e-6;
+	const double seconds = (double)at->elapsed_us * 1e-6;
+	if (at->samples_done == 0 && strcmp(at->stage, "render") != 0 && at->stage[0]) {
+		snprintf(line, sizeof(line), "[%s] %s  %.1f s", bar, at->stage, seconds);
+		progress_say(progress, line);
+		return;
+	}
 	snprintf(line, sizeof(line), "[%s] %3.0f %%  %" PRIu32 "/%" PRIu32 " sample%s%s  %.1f s", bar, at->fraction * 100.0,
 		 at->samples_done, at->samples, cli_s(at->samples), error, seconds);
 	progress_say(progress, line);

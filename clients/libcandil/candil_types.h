@@ -379,6 +379,7 @@ struct candil_progress {
 	    relmse_high; // nine times of ten the true one lies between; negative: unknown. relmse_high is also
 			 // where there is no upper end, because light may be there that no sample has found
 	enum candil_error_kind error_kind; // of these three
+	char stage[24]; // what is done now: "compile", "begin", "render"; more may come; "": not told
 };
 
 // A part of a job and the time that it took. PROTOCOL.md lists the names; more may come.

@@ -412,6 +412,7 @@ static void read_progress(const candil_Progress *from, struct candil_progress *t
 	to->fraction = read_share(from->fraction);
 	to->device_us = from->device_us;
 	to->elapsed_us = from->elapsed_us;
+	TEXT(to->stage, from->stage);
 	const bool told = is_told(from->error_kind, from->estimated_relmse);
 	to->error_kind = told ? (enum candil_error_kind)from->error_kind : CANDIL_ERROR_KIND_UNKNOWN;
 	to->estimated_relmse = told ? from->estimated_relmse : -1;

@@ -245,7 +245,7 @@ static void test_blocking_render(void **state)
 {
 	(void)state;
 	struct fake f = start();
-	candil_Progress progress = {.samples_done = 2, .samples = 4, .fraction = 0.5};
+	candil_Progress progress = {.samples_done = 2, .samples = 4, .fraction = 0.5, .stage = "render"};
 	put_message(f.peer, MESSAGE_PROGRESS, 2, candil_Progress_fields, &progress);
 	put_image(f.peer, 2, 512, 5, true);
 	put_raw(f.peer, MESSAGE_FRAME_CHUNK, 2, "image", 5);

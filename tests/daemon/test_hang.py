@@ -134,6 +134,7 @@ class InStep(AnswerCase):
             reply = connection.receive_for(job)
             if reply.kind == wire.PROGRESS:
                 told.append(reply.body.elapsed_us)
+                self.assertEqual(reply.body.stage, "render")
         self.assertEqual(told, sorted(set(told)))
 
     def test_a_sweep(self):
@@ -171,7 +172,9 @@ class InBegin(AnswerCase):
 
     def test_progress_is_told(self):
         connection, job = self.send()
-        self.assertEqual([connection.receive_for(job).kind for _ in range(2)], [wire.PROGRESS] * 2)
+        told = [connection.receive_for(job) for _ in range(2)]
+        self.assertEqual([reply.kind for reply in told], [wire.PROGRESS] * 2)
+        self.assertEqual(told[0].body.stage, "begin")
 
 
 class InRead(AnswerCase):

@@ -36,6 +36,11 @@ static double fraction_of(const struct job *job, uint64_t now)
 	return time > job->fraction ? fmin(time, 1) : job->fraction;
 }
 
+static const char *stage_of(const struct job *job)
+{
+	return job->compiling ? "compile" : job->state == JOB_BEGINNING ? "begin" : "render";
+}
+
 void job_tell_progress(const struct jobs *jobs, struct job *job)
 {
 	uint64_t now = clock_us();
@@ -56,6 +61,7 @@ void job_tell_progress(const struct jobs *jobs, struct job *job)
 				    .relmse_low = e->low,
 				    .relmse_high = e->high,
 				    .error_kind = e->kind};
+	snprintf(progress.stage, sizeof progress.stage, "%s", stage_of(job));
 	if (job->sweep)
 		add_up_sweep(jobs, job->sweep, &progress);
 	reply_message(job->session, MESSAGE_PROGRESS, job->request, candil_Progress_fields, &progress);
