@@ -107,6 +107,7 @@ class AnswerCase(FakeCase):
 
     def send(self, **fields):
         connection = self.with_box()
+        wire.wait_for(lambda: connection.stats().device, "the worker is ready")
         return connection, connection.send(wire.RENDER, endless(**fields))
 
 
@@ -228,12 +229,13 @@ class Later(AnswerCase):
 
 class Innocent(FakeCase):
     """Who was answered by his deadline is blamed for the hang, and not who waits behind him."""
-    arguments = ("--hang", "1")
+    arguments = ("--hang", "3")
     environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "step", "FAKE_DIE_TIMES": "2"}
 
     def test_a_job_behind_one_that_has_gone(self):
         connection = self.with_box()
-        gone = connection.send(wire.RENDER, endless(deadline_ms=700))
+        wire.wait_for(lambda: connection.stats().device, "the worker is ready")
+        gone = connection.send(wire.RENDER, endless(deadline_ms=1200))
         self.assertEqual(connection.receive_for(gone).kind, wire.ACCEPTED)
         behind = connection.send(wire.RENDER, render())
         self.assert_error(connection.follow(gone)[-1], "deadline")
