@@ -127,11 +127,19 @@ static json_t *findings_json(const struct findings *f)
 							  cli_json_text(p->path), "needed", (int)!p->user, "works",
 							  (int)p->works, "why", cli_json_text(p->why)));
 	}
+	json_t *processes = json_array();
+	for (int i = 0; i < DAEMON_PROCESSES; i++) {
+		const struct process_check *p = &f->daemon.processes[i];
+		if (p->seen)
+			json_array_append_new(processes, json_pack("{s:s,s:b,s:b,s:b}", "name", p->name, "no_new_privileges",
+								   (int)p->no_new_privileges, "no_capabilities",
+								   (int)p->no_capabilities, "seccomp", (int)p->seccomp));
+	}
 	json_t *daemon =
-	    json_pack("{s:b,s:o,s:o,s:b,s:o,s:o,s:I,s:I}", "reachable", (int)f->daemon.reachable, "address",
+	    json_pack("{s:b,s:o,s:o,s:b,s:o,s:o,s:I,s:I,s:o}", "reachable", (int)f->daemon.reachable, "address",
 		      cli_json_text(f->daemon.address), "what", cli_json_text(f->daemon.what), "ready", (int)f->daemon.ready,
 		      "device", cli_json_text(f->daemon.device), "note", cli_json_text(f->daemon.note), "max_connections",
-		      (json_int_t)f->daemon.connections, "max_scenes", (json_int_t)f->daemon.scenes);
+		      (json_int_t)f->daemon.connections, "max_scenes", (json_int_t)f->daemon.scenes, "processes", processes);
 	json_t *kernel =
 	    json_pack("{s:b,s:b,s:b,s:i}", "memfd_sealing", (int)f->kernel.memfd_sealing, "openat2", (int)f->kernel.openat2,
 		      "seccomp", (int)f->kernel.seccomp, "landlock_abi", f->kernel.landlock_abi);
@@ -194,6 +202,13 @@ static void print_findings(const struct findings *f)
 	       f->daemon.reachable ? f->daemon.what : "not running; candil render FILE starts its own");
 	if (f->daemon.reachable)
 		printf("           %s%s\n", f->daemon.ready ? "renders on " : "cannot render: ", f->daemon.device);
+	for (int i = 0; i < DAEMON_PROCESSES; i++) {
+		const struct process_check *p = &f->daemon.processes[i];
+		if (p->seen)
+			printf("           %s: new privileges %s, capabilities %s, seccomp %s\n", p->name,
+			       p->no_new_privileges ? "no" : "POSSIBLE", p->no_capabilities ? "none" : "SOME",
+			       p->seccomp ? "yes" : "NO");
+	}
 	if (f->daemon.connections > 0)
 		printf("           has descriptors for %" PRIu32 " connections and %" PRIu32 " scenes%s\n",
 		       f->daemon.connections, f->daemon.scenes,
@@ -267,7 +282,8 @@ const struct command doctor_command = {
 	"Exit code 0 if a render could work here, 5 if not. A daemon need not be running; one that runs must have a\n"
 	"device that it may use.\n\n"
 	"--json: {\"ok\", \"daemon\": {\"reachable\", \"address\", \"what\", \"ready\", \"device\" (or why it has none),\n"
-	"\"note\", \"max_connections\", \"max_scenes\" (what its descriptors are enough for)},\n"
+	"\"note\", \"max_connections\", \"max_scenes\" (what its descriptors are enough for),\n"
+	"\"processes\": [{\"name\", \"no_new_privileges\", \"no_capabilities\", \"seccomp\"}]},\n"
 	"\"programs\": [{\"name\", \"path\", \"needed\", \"works\", \"why\"}],\n"
 	"\"kernel\": {\"memfd_sealing\", \"openat2\", \"seccomp\", \"landlock_abi\"},\n"
 	"\"sandbox\": {\"threads\", \"layers\": [{\"name\", \"holds\", \"detail\"}]},\n"

@@ -81,6 +81,31 @@ void doctor_check_program(struct program_check *check, char *argument)
 	}
 }
 
+// Look at a process and find its parent. Its name is compared, for the number may be of another namespace's.
+static void check_process(pid_t pid, struct process_check *check, pid_t *parent)
+{
+	char path[64], line[256], name[32] = "";
+	unsigned long long number;
+	bool bare = true;
+	snprintf(path, sizeof(path), "/proc/%d/status", (int)pid);
+	FILE *file = pid > 0 ? fopen(path, "re") : NULL;
+	while (file && fgets(line, sizeof(line), file)) {
+		if (sscanf(line, "Name: %31s", name) == 1)
+			check->seen = strcmp(name, check->name) == 0;
+		else if (sscanf(line, "PPid: %llu", &number) == 1)
+			*parent = (pid_t)number;
+		else if (sscanf(line, "CapPrm: %llx", &number) == 1 || sscanf(line, "CapEff: %llx", &number) == 1)
+			bare = bare && number == 0;
+		else if (sscanf(line, "NoNewPrivs: %llu", &number) == 1)
+			check->no_new_privileges = number == 1;
+		else if (sscanf(line, "Seccomp: %llu", &number) == 1)
+			check->seccomp = number == 2;
+	}
+	check->no_capabilities = check->seen && bare;
+	if (file)
+		fclose(file);
+}
+
 // A worker that is starting has neither a device nor a reason for having none, so the check waits for it, as long as it
 // works.
 static void check_worker_of(candil_client *client, struct daemon_check *check)
@@ -104,6 +129,9 @@ static void check_worker_of(candil_client *client, struct daemon_check *check)
 			pulse_look(&pulse);
 		nanosleep(&pause, NULL);
 	}
+	pid_t front = 0;
+	check_process((pid_t)stats.worker_pid, &check->processes[1], &front);
+	check_process(front, &check->processes[0], &front);
 	check->ready = stats.device[0] && !stats.device_error[0];
 	check->connections = stats.max_connections;
 	check->scenes = stats.max_scenes;
@@ -118,8 +146,7 @@ void doctor_check_daemon(struct daemon_check *check, const char *address)
 {
 	struct candil_error error;
 	candil_client *client;
-	check->ready = false;
-	check->device[0] = check->note[0] = '\0';
+	*check = (struct daemon_check){.processes = {{.name = "candild"}, {.name = "candil-worker"}}};
 	if (address)
 		snprintf(check->address, sizeof(check->address), "%s", address);
 	else if (!candil_default_address(check->address, sizeof(check->address)))

@@ -22,12 +22,22 @@ struct program_check {
 // Start the program with `argument`, with which it ends at once. Any exit status of its own counts as working.
 void doctor_check_program(struct program_check *check, char *argument);
 
+// What the kernel says of a process that serves.
+struct process_check {
+	const char *name;
+	bool seen; // it runs where we can see it; what follows is of it
+	bool no_new_privileges, no_capabilities, seccomp;
+};
+
+enum { DAEMON_PROCESSES = 2 }; // the front and its worker
+
 struct daemon_check {
 	bool reachable;
 	bool ready; // its worker has a device
 	char address[256];
 	char what[256]; // its name, or why it is not reachable
 	char device[256]; // the worker's device; if it is not ready, why it has none
+	struct process_check processes[DAEMON_PROCESSES];
 	uint32_t connections, scenes; // that its descriptors are enough for
 	char note[256]; // a device was lost too often
 };

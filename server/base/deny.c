@@ -150,16 +150,16 @@ static int deny_some_to_one(scmp_filter_ctx f)
 {
 	const scmp_datum_t self = (scmp_datum_t)getpid();
 	const struct scmp_arg_cmp another = SCMP_A0_32(SCMP_CMP_NE, self, 0);
+	const struct scmp_arg_cmp not_zero = SCMP_A0_32(SCMP_CMP_NE, 0, 0);
 	int failed = 0;
+	DENY_IF(prlimit64, not_zero);
 	DENY_IF(rt_sigqueueinfo, another);
 	DENY_IF(rt_tgsigqueueinfo, another);
 #ifndef __SANITIZE_ADDRESS__
-	const struct scmp_arg_cmp not_zero = SCMP_A0_32(SCMP_CMP_NE, 0, 0);
 	const struct scmp_arg_cmp process = SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0);
 	DENY_IF(clone, process);
 	DENY_IF(kill, another);
 	DENY_IF(tgkill, another);
-	DENY_IF(prlimit64, not_zero);
 #endif
 	return failed;
 }

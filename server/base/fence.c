@@ -14,6 +14,12 @@
 
 #include "server/base/log.h"
 
+#ifdef __SANITIZE_ADDRESS__
+enum { SANITIZED = 1 };
+#else
+enum { SANITIZED = 0 };
+#endif
+
 const char *fence_layer_name(enum fence_layer layer)
 {
 	static const char *const names[FENCE_LAYERS] = {
@@ -46,6 +52,15 @@ void fence_state_landlock(struct fence_state *state, int failed, int abi, int th
 		fence_state_set(state, false, "landlock: %s", strerror(failed));
 	else
 		fence_state_set(state, true, "ABI %d", abi);
+}
+
+void fence_state_deny(struct fence_state *state, int failed)
+{
+	if (failed)
+		fence_state_set(state, false, "the kernel does not take the filter: %s", strerror(failed));
+	else
+		fence_state_set(state, true, "a list of what is refused%s",
+				SANITIZED ? ", shorter under AddressSanitizer" : "");
 }
 
 int fence_threads(void)

@@ -34,6 +34,9 @@ void fence_state_set(struct fence_state *state, bool holds, const char *format, 
 // this thread and those that it makes later, so not as a whole if there are others.
 void fence_state_landlock(struct fence_state *state, int failed, int abi, int threads);
 
+// Write what became of seccomp: `failed` is what deny.h returned.
+void fence_state_deny(struct fence_state *state, int failed);
+
 // Number of threads of this process; -1 if unknown.
 int fence_threads(void);
 

@@ -14,6 +14,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/front/dispatch.h"
+#include "server/front/fence.h"
 #include "server/front/reply.h"
 #include "server/front/share.h"
 #include "server/front/state.h"
@@ -277,6 +278,13 @@ static enum status open_door(struct service *service, struct error *err)
 	return status;
 }
 
+// The door is open: no other will be.
+static void stop_sockets(struct service *service)
+{
+	front_fence_stop_sockets(&service->fence);
+	fence_log(&service->fence);
+}
+
 static void close_door(struct service *service)
 {
 	if (service->listener)
@@ -320,8 +328,9 @@ static void service_settle(void *owner)
 		quotes_dispatch(&service->quotes);
 		jobs_dispatch(&service->jobs);
 	}
-	if (!service->leaving && service->own_failure.code == STATUS_OK && warm_is_done(service))
-		open_door(service, &service->own_failure);
+	if (!service->leaving && service->own_failure.code == STATUS_OK && warm_is_done(service) &&
+	    open_door(service, &service->own_failure) == STATUS_OK)
+		stop_sockets(service);
 	if (service->own_failure.code != STATUS_OK && !service->leaving)
 		service_leave(service);
 	// Now that some was sent, more may be sent or read: the loop is to settle again without waiting for an event.
@@ -459,6 +468,11 @@ enum status service_run(const struct options *options, struct error *err)
 	service->scene_root = -1;
 	service->started_us = clock_us();
 	enum status status = set_up(service, err);
+	if (status == STATUS_OK) {
+		front_fence_enter(options, &service->fence);
+		if (service->listener || options->private_fd >= 0)
+			stop_sockets(service);
+	}
 	if (status == STATUS_OK)
 		status = loop_run(service->loop, service_settle, service, &service->stop, err);
 	if (status == STATUS_OK && service->own_failure.code != STATUS_OK) {

@@ -2,6 +2,7 @@
 #ifndef CANDIL_FRONT_STATE_H
 #define CANDIL_FRONT_STATE_H
 
+#include "server/base/fence.h"
 #include "server/front/capacity.h"
 #include "server/front/channel.h"
 #include "server/front/jobs/jobs.h"
@@ -13,6 +14,7 @@
 struct service {
 	const struct options *options;
 	struct capacity capacity;
+	struct fence_report fence; // what of it has been put up
 	struct loop *loop;
 	struct listener *listener; // NULL: none
 	int signal_fd;

@@ -111,10 +111,11 @@ static void enter_seccomp(bool landlock, struct fence_state *s)
 // If memory runs out because of a scene, the kernel should end this process, not the front.
 static void offer_to_oom_killer(void)
 {
+	// May fail: there may be no /proc, and root's daemon forbids it (server/front/fence.c).
 	int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
 	if (fd < 0)
 		return;
-	ssize_t ignored = write(fd, "1000", 4); // may fail: there may be no /proc
+	ssize_t ignored = write(fd, "1000", 4);
 	(void)ignored;
 	close(fd);
 }

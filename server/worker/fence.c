@@ -1,6 +1,5 @@
 #include "server/worker/fence.h"
 
-#include <glob.h>
 #include <jansson.h>
 #include <link.h>
 #include <stdio.h>
@@ -9,14 +8,8 @@
 #include <unistd.h>
 
 #include "server/base/deny.h"
-#include "server/base/folders.h"
+#include "server/base/drivers.h"
 #include "server/base/landlock.h"
-
-#ifdef __SANITIZE_ADDRESS__
-enum { SANITIZED = 1 };
-#else
-enum { SANITIZED = 0 };
-#endif
 
 // Programs and libraries, drivers' settings, and what the kernel tells. /proc has other processes' secrets: landlock keeps
 // them from a process that may not trace the other, so from this one.
@@ -48,16 +41,6 @@ static const char *const readable[] = {
 // Beneath the home folder: a user's own drivers, layers and settings.
 static const char *const readable_at_home[] = {".drirc", ".config/vulkan", ".local/share/vulkan", ".nv"};
 
-static const char *const devices[] = {
-    "/dev/null",    "/dev/zero",     "/dev/full", "/dev/random", "/dev/urandom",
-    "/dev/dri", // Mesa's, AMD's and Intel's
-    "/dev/kfd", // AMD's
-    "/dev/dxg", // Windows's
-    "/dev/udmabuf", "/dev/dma_heap",
-};
-
-static const char *const devices_by_pattern[] = {"/dev/nvidia*", "/dev/mali*", "/dev/accel*"};
-
 // Variables that hold paths to read, separated by colons, and the key under which a file of theirs names a library.
 static const struct {
 	const char *name;
@@ -70,27 +53,6 @@ static const struct {
     {"VK_ADD_LAYER_PATH", NULL},         {"__EGL_VENDOR_LIBRARY_FILENAMES", "ICD"},
     {"__EGL_VENDOR_LIBRARY_DIRS", NULL},
 };
-
-// ---- the folder of compiled shaders ----------------------------------------------------------------------------------
-
-static void prepare_cache(struct worker_fence *fence)
-{
-	const char *mesa = getenv("MESA_SHADER_CACHE_DIR"), *xdg = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-	int length = 0;
-	if (mesa && *mesa == '/')
-		length = snprintf(fence->cache, sizeof fence->cache, "%s", mesa);
-	else if (xdg && *xdg == '/')
-		length = snprintf(fence->cache, sizeof fence->cache, "%s/candil", xdg);
-	else if (home && *home == '/')
-		length = snprintf(fence->cache, sizeof fence->cache, "%s/.cache/candil", home);
-	if (length <= 0 || (size_t)length >= sizeof fence->cache)
-		fence->cache[0] = 0;
-	if (!fence->cache[0])
-		return;
-	fence->cache_writable = make_folders(fence->cache) && access(fence->cache, W_OK | X_OK) == 0;
-	setenv("XDG_CACHE_HOME", fence->cache, 1);
-	setenv("__GL_SHADER_DISK_CACHE_PATH", fence->cache, 1); // NVIDIA's
-}
 
 // ---- files -----------------------------------------------------------------------------------------------------------
 
@@ -144,25 +106,11 @@ static void allow_variable(struct landlock *l, const char *name, const char *obj
 	free(copy);
 }
 
-static void allow_devices(struct landlock *l)
-{
-	for (size_t i = 0; i < sizeof devices / sizeof devices[0]; i++)
-		landlock_allow(l, devices[i], USE_DEVICE);
-	for (size_t i = 0; i < sizeof devices_by_pattern / sizeof devices_by_pattern[0]; i++) {
-		glob_t found;
-		if (glob(devices_by_pattern[i], GLOB_NOSORT, NULL, &found) == 0) {
-			for (size_t k = 0; k < found.gl_pathc; k++)
-				landlock_allow(l, found.gl_pathv[k], USE_DEVICE);
-			globfree(&found);
-		}
-	}
-}
-
 static void allow_files(struct landlock *l, const struct worker_fence *fence)
 {
 	char self[PATH_MAX], path[PATH_MAX];
 	const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-	const char *home = getenv("HOME"), *settings = getenv("VK_LAYER_SETTINGS_PATH");
+	const char *home = getenv("HOME");
 	if (length > 0) {
 		self[length] = 0;
 		allow_folder_of(l, self);
@@ -177,11 +125,7 @@ static void allow_files(struct landlock *l, const struct worker_fence *fence)
 	}
 	for (size_t i = 0; i < sizeof path_variables / sizeof path_variables[0]; i++)
 		allow_variable(l, path_variables[i].name, path_variables[i].object);
-	if (settings)
-		landlock_allow(l, settings, USE_KEEP); // of validation layers, which may leave a log there
-	if (fence->cache_writable)
-		landlock_allow(l, fence->cache, USE_KEEP);
-	allow_devices(l);
+	drivers_allow(l, fence->cache_writable ? fence->cache : "");
 }
 
 // ---- the whole -------------------------------------------------------------------------------------------------------
@@ -191,16 +135,15 @@ void worker_fence_enter(struct worker_fence *fence)
 	struct landlock l;
 	struct fence_state *states = fence->report.layers;
 	*fence = (struct worker_fence){.report.threads = fence_threads()};
-	prepare_cache(fence);
+	fence->cache_writable = drivers_cache(fence->cache);
+	if (fence->cache[0]) {
+		setenv("XDG_CACHE_HOME", fence->cache, 1);
+		setenv("__GL_SHADER_DISK_CACHE_PATH", fence->cache, 1); // NVIDIA's
+	}
 	fence_privileges(&states[FENCE_PRIVILEGES]);
 	landlock_begin(&l, SCOPE_ALL);
 	allow_files(&l, fence);
 	const int abi = l.abi;
 	fence_state_landlock(&states[FENCE_LANDLOCK], landlock_enter(&l), abi, fence->report.threads);
-	const int failed = deny_programs();
-	if (failed)
-		fence_state_set(&states[FENCE_SECCOMP], false, "the kernel does not take the filter: %s", strerror(failed));
-	else
-		fence_state_set(&states[FENCE_SECCOMP], true, "a list of what is refused%s",
-				SANITIZED ? ", shorter under AddressSanitizer" : "");
+	fence_state_deny(&states[FENCE_SECCOMP], deny_programs());
 }

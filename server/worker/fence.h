@@ -5,9 +5,6 @@
 // Design note. A driver starts threads, which landlock leaves alone if they are older. So the fence is put up first, and
 // names by path what drivers open later. What a driver of a kind that nobody has tried needs besides, it does without: the
 // loaders of Vulkan and EGL pass over what they cannot open.
-//
-// A driver's cache holds machine code that later processes run. Other programs of the user keep theirs in folders that all
-// share; the worker, which might be taken over, is given one beneath them.
 #ifndef CANDIL_WORKER_FENCE_H
 #define CANDIL_WORKER_FENCE_H
 
@@ -22,8 +19,8 @@ struct worker_fence {
 	bool cache_writable;
 };
 
-// Make the folder of compiled shaders ($MESA_SHADER_CACHE_DIR, or candil beneath $XDG_CACHE_HOME or $HOME/.cache, which then
-// becomes $XDG_CACHE_HOME) and confine this process for good. Call once, while there is one thread and before a device is
+// Make the folder of compiled shaders (server/base/drivers.h), which becomes $XDG_CACHE_HOME, and confine this process for
+// good. Call once, while there is one thread and before a device is
 // opened. Cannot fail as a whole. Sets environment variables.
 void worker_fence_enter(struct worker_fence *fence);
 

@@ -72,7 +72,8 @@ class Case(unittest.TestCase):
         # What the daemon has learned is kept elsewhere.
         state = tempfile.mkdtemp(prefix="candil-test-")
         self.addCleanup(shutil.rmtree, state)
-        self.environment.update(XDG_STATE_HOME=state, FAKE_TRACE=self.path("trace"), FAKE_STATE=self.folder)
+        self.environment.update(XDG_STATE_HOME=state, FAKE_TRACE=self.path("trace"), FAKE_STATE=self.folder,
+                                MESA_SHADER_CACHE_DIR=self.folder)  # beneath which stand-ins may write
         self.candil = self.path("bin/candil")
         # One that nohup or a shell's background ignores is inherited, and left alone.
         for number in (signal.SIGHUP, signal.SIGINT):

@@ -1,5 +1,6 @@
 // What the stand-ins for candil-worker and candil-loader share: they speak ipc.h, need no device and do as they are told, so
-// that the front's behaviour can be tested to the message.
+// that the front's behaviour can be tested to the message. The front's fence holds for them, too: they write nowhere but
+// beneath the daemon's folder, which wire.py names as that of compiled shaders.
 #ifndef CANDIL_TESTS_FAKE_H
 #define CANDIL_TESTS_FAKE_H
 

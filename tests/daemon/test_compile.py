@@ -14,7 +14,7 @@ COLD = 7  # the seed of what needs code
 
 class ColdCase(FakeCase):
     def prepare(self):
-        self.folder = tempfile.TemporaryDirectory()
+        self.folder = tempfile.TemporaryDirectory(dir=self.daemon.folder)
         self.addCleanup(self.folder.cleanup)
         self.daemon.environment["FAKE_COLD"] = self.folder.name
 

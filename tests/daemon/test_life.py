@@ -176,10 +176,9 @@ class Warm(unittest.TestCase):
         folder = self.enterContext(tempfile.TemporaryDirectory())
         with open(os.path.join(folder, "box.gltf"), "w") as file:
             file.write(orders)
-        self.trace = os.path.join(folder, "trace")
         path = os.path.join(folder, "box.gltf")
-        daemon = wire.Daemon("--warm", f"box={path}", "--scene", f"other={path}", libexec=LIBEXEC,
-                             environment={"FAKE_TRACE": self.trace, **environment})
+        daemon = wire.Daemon("--warm", f"box={path}", "--scene", f"other={path}", libexec=LIBEXEC, environment=environment)
+        self.trace = daemon.environment["FAKE_TRACE"] = os.path.join(daemon.folder, "trace")
         self.addCleanup(daemon.stop)
         return daemon
 
@@ -333,7 +332,7 @@ class Program(unittest.TestCase):
         needed = subprocess.run(["readelf", "-d", CANDILD], capture_output=True, text=True, check=True).stdout
         libraries = [line.split("[")[1].split("]")[0] for line in needed.splitlines() if "(NEEDED)" in line]
         self.assertTrue(libraries)
-        allowed = ("libc.so", "libm.so", "libprotobuf-nanopb.so", "libasan.so", "libubsan.so")
+        allowed = ("libc.so", "libm.so", "libprotobuf-nanopb.so", "libseccomp.so", "libasan.so", "libubsan.so")
         for library in libraries:
             self.assertTrue(library.startswith(allowed), f"{library} is linked into the front")
 

@@ -498,10 +498,19 @@ class Kept(QuoteCase):
             self.assertEqual(other.end(), 0)
         self.assertGreaterEqual(self.records(), 3)
 
-    def test_a_folder_that_cannot_be_made(self):
-        with open(os.path.join(self.daemon.folder, "state"), "w"):
+
+class NotKept(QuoteCase):
+    def prepare(self):
+        super().prepare()
+        state = os.path.join(self.daemon.folder, "state")
+        with open(state, "w"):
             pass
-        self.learn()
+        self.daemon.arguments = [a for a in self.daemon.arguments if a != "--no-state"] + ["--state", os.path.join(state, "deep")]
+
+    def test_a_folder_that_cannot_be_made(self):
+        connection = self.with_box()
+        connection.follow(connection.send(wire.RENDER, render()))
+        self.assertEqual(self.daemon.end(), 0)
         self.assertIn("cannot be kept", self.daemon.log_text())
 
 

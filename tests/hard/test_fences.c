@@ -9,6 +9,7 @@
 #include <sched.h>
 #include <setjmp.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -30,6 +31,8 @@
 
 #include "protocol/limits.h"
 #include "server/base/memfd.h"
+#include "server/base/replace.h"
+#include "server/front/fence.h"
 #include "server/loader/sandbox.h"
 #include "server/worker/fence.h"
 
@@ -43,6 +46,7 @@ static char folder[] = "/tmp/candil-fences-XXXXXX";
 static char cache[sizeof folder + 8]; // the worker's, in it
 static struct fence_report here; // what a child's sandbox said of this kernel
 static struct fence_report worker_here;
+static struct fence_report front_here;
 
 static int openat2_as(int dir, const char *path, int flags)
 {
@@ -205,6 +209,22 @@ static void enter_worker(int dir)
 	static struct worker_fence fence;
 	(void)dir;
 	worker_fence_enter(&fence);
+}
+
+static void front_report(struct fence_report *report)
+{
+	static struct options options;
+	snprintf(options.state, sizeof options.state, "%s/state/candil", folder);
+	snprintf(options.socket, sizeof options.socket, "%s/run/candil.sock", folder);
+	front_fence_enter(&options, report);
+	front_fence_stop_sockets(report);
+}
+
+static void enter_front(int dir)
+{
+	struct fence_report report;
+	(void)dir;
+	front_report(&report);
 }
 
 static void enter_nothing(int dir)
@@ -455,10 +475,85 @@ static void the_worker_can_do_its_work(void **state)
 			fail_msg("work %zu came to %d", i, run_in(enter_worker, works[i]));
 }
 
+// ---- the front -------------------------------------------------------------------------------------------------------
+
+static int do_start_program(int dir)
+{
+	int status;
+	char program[] = "/bin/true";
+	char *const arguments[] = {program, NULL}, *const environment[] = {NULL};
+	pid_t pid;
+	(void)dir;
+	const int failed = posix_spawn(&pid, program, NULL, NULL, arguments, environment);
+	if (failed)
+		return failed;
+	return waitpid(pid, &status, 0) == pid ? status : 1;
+}
+
+static int do_keep_quotes(int dir)
+{
+	char path[sizeof folder + 32];
+	struct error err;
+	(void)dir;
+	snprintf(path, sizeof path, "%s/state/candil/quotes", folder);
+	return replace_file(path, 0600, "x", 1, &err) == STATUS_OK ? 0 : 1;
+}
+
+static int do_remove_socket(int dir)
+{
+	const int fd = openat(dir, "run/candil.sock", O_PATH);
+	const int failed = fd < 0 ? errno : outcome(unlinkat(dir, "run/candil.sock", 0));
+	return failed;
+}
+
+static int try_create_beside_socket(int dir)
+{
+	return outcome(openat(dir, "run/new", O_WRONLY | O_CREAT, 0600));
+}
+
+static void front_calls_are_refused(void **state)
+{
+	// The last is what the leak check of AddressSanitizer needs.
+	static int (*const tries[])(int) = {try_socket, try_socket_here, try_netlink,   try_chmod,
+					    try_type,   try_truncate,    try_namespace, try_ptrace};
+	(void)state;
+	if (!holds(&front_here, FENCE_SECCOMP))
+		return;
+	for (size_t i = 0; i < sizeof tries / sizeof tries[0] - (SANITIZED ? 1 : 0); i++)
+		if (run_in(enter_front, tries[i]) != EPERM)
+			fail_msg("try %zu came to %d", i, run_in(enter_front, tries[i]));
+	assert_int_equal(run_in(enter_front, try_clone3), ENOSYS);
+}
+
+static void front_changes_are_refused(void **state)
+{
+	static int (*const tries[])(int) = {try_write_scene, try_create, try_create_openat2, try_remove,
+					    try_create_beside_socket};
+	(void)state;
+	if (!holds(&front_here, FENCE_LANDLOCK))
+		return;
+	for (size_t i = 0; i < sizeof tries / sizeof tries[0]; i++)
+		if (run_in(enter_front, tries[i]) != EACCES)
+			fail_msg("try %zu came to %d", i, run_in(enter_front, tries[i]));
+}
+
+static void the_front_can_do_its_work(void **state)
+{
+	static int (*const works[])(int) = {do_start_program, do_keep_quotes, do_keep_shader,  do_remove_socket,
+					    do_pair,          do_memory_file, try_read_passwd, try_read_scene};
+	(void)state;
+	for (size_t i = 0; i < sizeof works / sizeof works[0]; i++)
+		if (run_in(enter_front, works[i]) != 0)
+			fail_msg("work %zu came to %d", i, run_in(enter_front, works[i]));
+}
+
+// ---- all ---------------------------------------------------------------------------------------------------------------
+
 static void nobody_has_privileges(void **state)
 {
 	(void)state;
 	assert_int_equal(run_in(enter_worker, do_have_no_privileges), 0);
+	assert_int_equal(run_in(enter_front, do_have_no_privileges), 0);
 }
 
 static void all_of_it_works_outside(void **state)
@@ -481,6 +576,7 @@ static void all_of_it_works_outside(void **state)
 					    try_read_scene,
 					    try_parents_environment,
 					    try_create,
+					    try_create_beside_socket,
 					    try_remove};
 	(void)state;
 	for (size_t i = 0; i < sizeof tries / sizeof tries[0]; i++)
@@ -489,25 +585,35 @@ static void all_of_it_works_outside(void **state)
 }
 
 // Through a pipe, because only a child may enter.
-static void learn(bool worker, struct fence_report *report)
+static void learn(void (*enter)(struct fence_report *report), struct fence_report *report)
 {
 	int pipe_ends[2];
 	assert_int_equal(pipe(pipe_ends), 0);
 	fflush(NULL);
 	const pid_t pid = fork();
 	if (pid == 0) {
-		static struct worker_fence fence;
-		if (worker)
-			worker_fence_enter(&fence);
-		else
-			sandbox_enter(-1, &fence.report);
-		fence_try(&fence.report);
-		_exit(write(pipe_ends[1], &fence.report, sizeof fence.report) == sizeof fence.report ? 0 : 1);
+		static struct fence_report found;
+		enter(&found);
+		_exit(write(pipe_ends[1], &found, sizeof found) == sizeof found ? 0 : 1);
 	}
 	close(pipe_ends[1]);
 	assert_int_equal(read(pipe_ends[0], report, sizeof *report), sizeof *report);
 	close(pipe_ends[0]);
 	assert_int_equal(waitpid(pid, NULL, 0), pid);
+}
+
+static void loader_report(struct fence_report *report)
+{
+	sandbox_enter(-1, report);
+	fence_try(report);
+}
+
+static void worker_report(struct fence_report *report)
+{
+	static struct worker_fence fence;
+	worker_fence_enter(&fence);
+	fence_try(&fence.report);
+	*report = fence.report;
 }
 
 static int make_folder(void **state)
@@ -520,11 +626,14 @@ static int make_folder(void **state)
 	const bool good = fd >= 0 && write(fd, "x", 1) == 1;
 	close(fd);
 	close(openat(dir, "spare.bin", O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+	mkdirat(dir, "run", 0700);
+	close(openat(dir, "run/candil.sock", O_WRONLY | O_CREAT | O_CLOEXEC, 0600)); // for landlock any file is as a socket
 	close(dir);
 	snprintf(cache, sizeof cache, "%s/cache", folder);
 	setenv("MESA_SHADER_CACHE_DIR", cache, 1);
-	learn(false, &here);
-	learn(true, &worker_here);
+	learn(loader_report, &here);
+	learn(worker_report, &worker_here);
+	learn(front_report, &front_here);
 	return good ? 0 : 1;
 }
 
@@ -538,6 +647,12 @@ static int remove_folder(void **state)
 	unlinkat(dir, "cache/shader", 0);
 	unlinkat(dir, "cache/below", AT_REMOVEDIR);
 	unlinkat(dir, "cache", AT_REMOVEDIR);
+	unlinkat(dir, "state/candil/quotes", 0);
+	unlinkat(dir, "state/candil", AT_REMOVEDIR);
+	unlinkat(dir, "state", AT_REMOVEDIR);
+	unlinkat(dir, "run/candil.sock", 0);
+	unlinkat(dir, "run/new", 0);
+	unlinkat(dir, "run", AT_REMOVEDIR);
 	close(dir);
 	return rmdir(folder);
 }
@@ -552,6 +667,9 @@ int main(void)
 	    cmocka_unit_test(worker_calls_are_refused),
 	    cmocka_unit_test(worker_files_are_refused),
 	    cmocka_unit_test(the_worker_can_do_its_work),
+	    cmocka_unit_test(front_calls_are_refused),
+	    cmocka_unit_test(front_changes_are_refused),
+	    cmocka_unit_test(the_front_can_do_its_work),
 	    cmocka_unit_test(nobody_has_privileges),
 	    cmocka_unit_test(all_of_it_works_outside),
 	};

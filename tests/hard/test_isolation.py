@@ -242,27 +242,37 @@ class Service(Loader):
                 self.assertIn(code, done.stderr)
             self.assertEqual(daemon.render("box", spp=4).radiance.tobytes(), before)
 
-    def test_loader_is_confined_in_service(self):
-        # Not what it reports but what the kernel says of the very process that reads a scene.
+    def status(self, pid):
+        """What the kernel says of a process; {}: it has ended."""
+        try:
+            with open(f"/proc/{pid}/status", encoding="ascii") as file:
+                return dict(line.rstrip("\n").split(":\t", 1) for line in file if ":\t" in line)
+        except OSError:
+            return {}
+
+    def test_all_are_confined_in_service(self):
+        # Not what they report but what the kernel says of the very processes that serve.
         path = make.slow_to_load(self.folder)
-        seen = []
+        seen = {}
         with Daemon() as daemon:
             job = subprocess.Popen([CANDIL, "--connect", daemon.socket, "load", path, "--name", "big"],
                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
             while job.poll() is None:
-                pid = daemon.stats()["loader_pid"]
-                try:
-                    with open("/proc/%d/status" % pid, encoding="ascii") as file:
-                        seen.append(dict(line.rstrip("\n").split(":\t", 1) for line in file if ":\t" in line))
-                except OSError:
-                    pass
+                stats = daemon.stats()
+                for name, pid in (("front", daemon.process.pid), ("worker", stats["worker_pid"]), ("loader", stats["loader_pid"])):
+                    seen[name] = pid and self.status(pid) or seen.get(name)
             self.assertEqual(job.wait(), 0, job.stderr.read())
             job.stderr.close()
-        self.assertTrue(seen)
-        self.assertEqual(seen[-1]["NoNewPrivs"], "1")
+            told = json.loads(daemon.candil("doctor", "--json")[1])["daemon"]["processes"]
         layers = {layer["name"]: layer for layer in report()["layers"]}
-        if layers["seccomp"]["holds"]:
-            self.assertEqual(seen[-1]["Seccomp"], "2")
+        for name in ("front", "worker", "loader"):
+            with self.subTest(process=name):
+                self.assertEqual(seen[name]["NoNewPrivs"], "1")
+                self.assertEqual([int(seen[name][which], 16) for which in ("CapEff", "CapPrm", "CapInh", "CapAmb")], [0, 0, 0, 0])
+                if layers["seccomp"]["holds"]:
+                    self.assertEqual(seen[name]["Seccomp"], "2")
+        self.assertEqual(told, [{"name": name, "no_new_privileges": True, "no_capabilities": True, "seccomp": layers["seccomp"]["holds"]}
+                                for name in ("candild", "candil-worker")])
 
 
 def report():

@@ -214,6 +214,8 @@ class Daemon:
         if libexec:
             self.arguments += ["--libexec", libexec]
         self.environment = dict(os.environ, FAKE_STATE=self.folder, CANDIL_LOG="debug", **(environment or {}))
+        if libexec:  # stand-ins write, and children of the daemon do so in the drivers' folder alone
+            self.environment["MESA_SHADER_CACHE_DIR"] = self.folder
         self.process = None
 
     def start(self):

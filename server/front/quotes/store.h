@@ -27,8 +27,8 @@ struct quote_store {
 	bool failed; // it could not be written: said once
 };
 
-// Read the file of `folder` into the empty `model`. The folder is made when something is written. Nothing fails: without a
-// file that can be read the model stays empty.
+// Read the file of `folder` into the empty `model`. A folder that is missing is made when something is written. Nothing
+// fails: without a file that can be read the model stays empty.
 void quote_store_open(struct quote_store *store, const char *folder, struct loop *loop, struct quote_model *model);
 
 // The model has something new: write it some seconds from now.
