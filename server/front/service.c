@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -208,38 +209,41 @@ static void on_worker_piloted(void *owner, uint32_t pilot, const struct ipc_pilo
 // Whose fault is it? What a driver tells is the device's. A crash or a hang may be the device's or that of the scene that
 // was worked on: it counts for the scene, and for the device unless the scene has ended a worker before. A scene under which
 // a device was given up has had its share in that.
-static void blame(struct service *service, struct scene *scene, enum worker_fault fault)
+static void blame(struct service *service, const char *hash, enum worker_fault fault)
 {
 	struct quarantine *quarantine = &service->scenes.quarantine;
 	struct error err;
 	bool by_scene = fault == FAULT_WORK;
 	if (fault == FAULT_NONE)
 		return;
-	if (fault == FAULT_DEVICE || !scene || quarantine_losses(quarantine, scene->info.hash) == 0)
+	if (fault == FAULT_DEVICE || quarantine_losses(quarantine, hash) == 0)
 		by_scene |= worker_blame_device(&service->worker);
-	if (!scene || !by_scene)
+	if (!by_scene)
 		return;
-	quarantine_blame(quarantine, scene->info.hash);
-	if (quarantine_check(quarantine, scene->info.hash, &err) == STATUS_OK)
+	quarantine_blame(quarantine, hash);
+	if (quarantine_check(quarantine, hash, &err) == STATUS_OK)
 		return;
-	log_line(LOG_ERROR, "scene \"%s\": %s", scene->info.name, err.text);
-	jobs_fail_scene(&service->jobs, scene, &err);
-	quotes_fail_scene(&service->quotes, scene, &err);
+	log_line(LOG_ERROR, "scene of hash %s: %s", hash, err.text);
+	for (struct scene *s = service->scenes.first, *next; s; s = next) {
+		scene_hold(s); // it may go with its last job
+		if (!strcmp(s->info.hash, hash)) {
+			jobs_fail_scene(&service->jobs, s, &err);
+			quotes_fail_scene(&service->quotes, s, &err);
+		}
+		next = s->next;
+		scene_release(s);
+	}
 }
 
 static void on_worker_lost(void *owner, const struct worker_loss *loss)
 {
 	struct service *service = owner;
-	struct scene *scene = quotes_worked_on(&service->quotes);
-	if (!scene)
-		scene = jobs_worked_on(&service->jobs);
-	if (scene)
-		scene_hold(scene);
+	const struct scene *looked_at = quotes_worked_on(&service->quotes);
+	char hash[sizeof looked_at->info.hash];
+	snprintf(hash, sizeof hash, "%s", looked_at ? looked_at->info.hash : jobs_worked_on(&service->jobs));
 	jobs_worker_lost(&service->jobs, loss);
 	quotes_worker_lost(&service->quotes, loss->hopeless);
-	blame(service, scene, loss->fault);
-	if (scene)
-		scene_release(scene);
+	blame(service, hash, loss->fault);
 }
 
 static const struct worker_events worker_events = {.ready = on_worker_ready,

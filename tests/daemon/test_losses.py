@@ -111,6 +111,23 @@ class Hanging(LossCase):
         self.assertEqual(self.outcome(connection), "done")
 
 
+class HangingUnseen(Hanging):
+    def test_a_hang_counts(self):
+        """Its jobs were cancelled before anyone knew."""
+        connection = self.with_both()
+        for number in (2, 3):
+            job = connection.send(wire.RENDER, render("deadly"))
+            self.assertEqual(connection.receive_for(job).kind, wire.ACCEPTED)
+            for _ in range(2):  # until the order that it hangs in is given
+                connection.ask(wire.PING, pb.Ping())
+            self.assertEqual(connection.ask(wire.CANCEL, pb.Cancel(request=job)).kind, wire.OK)
+            self.assert_error(connection.follow(job)[-1], "cancelled")
+            wire.wait_for(lambda: connection.stats().worker_starts == number, "another is started")
+        self.assertEqual(self.outcome(connection, "deadly"), "scene-quarantined")
+        self.assertEqual(connection.stats().device_losses, 1)
+        self.assertEqual(self.outcome(connection), "done")
+
+
 class Device(LossCase):
     environment = {"FAKE_DIE_SEED": str(DEADLY), "FAKE_DIE_AS": "device", "FAKE_DEVICES": "2"}
 

@@ -488,7 +488,9 @@ class Next(Device):
     def test_device(self):
         self.abort()
         self.assert_told("was lost 3 times within 10 minutes: .* is used until candild starts anew")
-        self.assertEqual(self.devices(), [0, 0, 0, 1])
+        opened = self.devices()  # by workers, and by those that compile for them
+        self.assertEqual(opened, sorted(opened))
+        self.assertEqual(set(opened), {0, 1})
 
 
 class Page(unittest.TestCase):

@@ -49,6 +49,8 @@ struct jobs {
 	uint32_t stepping; // id of the job whose STEP is outstanding; the job may be gone by now; 0: none
 	uint64_t step_sent_us;
 	uint32_t beginning; // the same for BEGIN
+	char step_scene[sizeof((candil_SceneInfo *)0)->hash]; // the hash of the scene of that STEP; and of that BEGIN
+	char begin_scene[sizeof((candil_SceneInfo *)0)->hash];
 	bool begin_behind_step; // both are outstanding, and the STEP was sent first
 	uint32_t held; // id of the job that had the device last; 0: none
 	struct room room; // taken by all images together
@@ -155,7 +157,8 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 // STATUS_WORKER_LOST if it was blamed more than LIMIT_JOB_RETRIES times. If the loss is hopeless, all jobs that wait fail.
 void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss);
 
-// The scene whose order the worker carries out, a BEGIN, STEP or READ; NULL: none, as far as is known.
-struct scene *jobs_worked_on(const struct jobs *jobs);
+// The hash of the scene whose order the worker carries out, a STEP, BEGIN or READ, even if its job has ended since; "":
+// none, as far as is known. Good until the next call that changes jobs.
+const char *jobs_worked_on(const struct jobs *jobs);
 
 #endif

@@ -50,12 +50,16 @@ static void blame(struct jobs *jobs, const char *how)
 	jobs_fail(jobs, job, &err);
 }
 
-struct scene *jobs_worked_on(const struct jobs *jobs)
+const char *jobs_worked_on(const struct jobs *jobs)
 {
-	const struct job *job = jobs->stepping || jobs->beginning ? jobs_by_id(jobs, suspect(jobs)) : NULL;
-	for (unsigned i = 0; i < jobs->count && !(job && was_with_worker(job)); i++)
-		job = jobs->job[i]->state == JOB_READING ? jobs->job[i] : NULL;
-	return job ? job->scene : NULL;
+	if (jobs->stepping && (!jobs->beginning || jobs->begin_behind_step))
+		return jobs->step_scene;
+	if (jobs->beginning)
+		return jobs->begin_scene;
+	for (unsigned i = 0; i < jobs->count; i++)
+		if (jobs->job[i]->state == JOB_READING)
+			return jobs->job[i]->scene->info.hash;
+	return "";
 }
 
 void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss)
