@@ -5,7 +5,7 @@ import unittest
 import wire
 from wire import pb
 
-LIBEXEC = os.path.join(wire.BUILD, "tests", "fake")
+LIBEXEC = wire.STAND_INS
 
 
 def pattern(count, seed):

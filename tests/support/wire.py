@@ -28,6 +28,7 @@ BODIES = {HELLO_REPLY: pb.HelloReply, PONG: pb.Ping, SCENE_INFO: pb.SceneInfo, O
           STATS_REPLY: pb.StatsReply, QUOTE_REPLY: pb.QuoteReply, ERROR: pb.Error}
 
 BUILD = os.environ.get("CANDIL_BUILD", ".")
+STAND_INS = os.path.join(BUILD, "tests", "fake")
 
 
 def header(kind, length, request, flags=0, version=VERSION, magic=MAGIC):
@@ -214,7 +215,7 @@ class Daemon:
         if libexec:
             self.arguments += ["--libexec", libexec]
         self.environment = dict(os.environ, FAKE_STATE=self.folder, CANDIL_LOG="debug", **(environment or {}))
-        if libexec:  # stand-ins write, and children of the daemon do so in the drivers' folder alone
+        if libexec == STAND_INS:  # they write, and children of the daemon do so in the drivers' folder alone
             self.environment["MESA_SHADER_CACHE_DIR"] = self.folder
         self.process = None
 
