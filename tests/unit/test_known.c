@@ -11,8 +11,10 @@
 #include <string.h>
 
 #include "server/front/jobs/table.h"
+#include "server/front/peer.h"
 #include "server/front/quotes/key.h"
 #include "server/front/quotes/known.h"
+#include "server/front/session.h"
 
 #define PT candil_Technique_TECHNIQUE_PT
 #define VCT candil_Technique_TECHNIQUE_VCT
@@ -297,7 +299,9 @@ static void a_technique_that_could_not_is_remembered_until_it_can(void **state)
 
 static void a_job_that_waits_for_a_pilot_is_not_alone(void **state)
 {
-	struct job job = {.state = JOB_ACTIVE, .deadline_us = UINT64_MAX, .end_us = UINT64_MAX};
+	struct peer peer = {0};
+	struct session session = {.peer = &peer};
+	struct job job = {.state = JOB_ACTIVE, .deadline_us = UINT64_MAX, .end_us = UINT64_MAX, .session = &session};
 	(void)state;
 	jobs = (struct jobs){.worker = &worker, .job = {&job}, .count = 1, .piloting = true, .stepping = 1};
 	worker.state = WORKER_READY;
