@@ -234,10 +234,12 @@ class Innocent(FakeCase):
 
     def test_a_job_behind_one_that_has_gone(self):
         connection = self.with_box()
+        self.write("other.gltf", "ok 4096")  # a scene of its own: two workers over one scene would quarantine that
+        connection.load("other", self.scenes, "other.gltf")
         wire.wait_for(lambda: connection.stats().device, "the worker is ready")
         gone = connection.send(wire.RENDER, endless(deadline_ms=1200))
         self.assertEqual(connection.receive_for(gone).kind, wire.ACCEPTED)
-        behind = connection.send(wire.RENDER, render())
+        behind = connection.send(wire.RENDER, render("other"))
         self.assert_error(connection.follow(gone)[-1], "deadline")
         done = connection.follow(behind)[-1]
         self.assertEqual(done.kind, wire.DONE, done)
