@@ -259,7 +259,16 @@ static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 	worker->events->stepped(worker->owner, stepped->head.job, stepped);
 }
 
-// Are the counts of an answer within bounds and its numbers finite? Its strings, which go to clients, are cleaned.
+// A worker that was taken over may have written any byte where a truth is, and C has rules for 0 and 1 alone.
+static void truth_clean(bool *truth)
+{
+	unsigned char byte;
+	memcpy(&byte, truth, sizeof byte);
+	*truth = byte != 0;
+}
+
+// Are the counts of an answer within bounds and its numbers finite? Its strings, which go to clients, are cleaned, and so
+// are its truths.
 static bool accepted_holds(candil_Accepted *accepted)
 {
 	if (accepted->plan_count > sizeof accepted->plan / sizeof *accepted->plan ||
@@ -270,8 +279,12 @@ static bool accepted_holds(candil_Accepted *accepted)
 	text_clean(accepted->device, sizeof accepted->device);
 	for (size_t i = 0; i < accepted->plan_count; i++)
 		text_clean(accepted->plan[i].why, sizeof accepted->plan[i].why);
-	for (size_t i = 0; i < accepted->plan_count; i++)
+	for (size_t i = 0; i < accepted->plan_count; i++) {
+		truth_clean(&accepted->plan[i].has_share);
+		truth_clean(&accepted->plan[i].has_cost_us);
 		accepted->plan[i].has_share = accepted->plan[i].has_share && isfinite(accepted->plan[i].share);
+	}
+	truth_clean(&accepted->default_light);
 	return true;
 }
 
@@ -289,6 +302,7 @@ static bool done_holds(candil_Done *done)
 		if (!isfinite(done->figures[i].value))
 			return false;
 	}
+	truth_clean(&done->has_verdict);
 	text_clean(done->device, sizeof done->device);
 	text_clean(done->reason, sizeof done->reason);
 	for (size_t i = 0; i < done->stages_count; i++)
@@ -352,6 +366,7 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 		return;
 	}
 	worker_answered(worker, &worker->images_due, &worker->image_work_us);
+	truth_clean(&image->frame.final);
 	text_clean(image->error.text, sizeof image->error.text);
 	if (fd == IPC_LOST_FD)
 		error_set(&image->error, STATUS_MEMORY,

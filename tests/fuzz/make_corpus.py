@@ -144,11 +144,14 @@ def children():
     yield "all", start + 6 * (child(ASK) + 4 * work)
     yield "times", start + 30 * (child(GOOD) + child(PASSES))
     # The answer that is due, but for some bytes: `place` says which of fuzz_children.c's.
-    for place in range(52):
-        whose = LOADER if place >= 38 else 0
+    for place in range(59):
+        whose = LOADER if place >= 45 else 0
         change = child(CHOSEN, whose) + bytes([255, 1, place, 4]) + b"\xff\xff\xff\x7f"
         before = child(GOOD) + 2 * child(ASK) if whose else start
         yield f"place{place}", before + change + 3 * (child(GOOD) + change) + child(ASK) + child(GOOD) + change + 2 * work
+    # The image in the end, likewise.
+    for place in range(30):
+        yield f"image{place}", start + 4 * child(GOOD) + child(CHOSEN) + bytes([255, 1, place, 2]) + b"\xff\x01" + work
     yield "unasked", start + b"".join(child(ALTERED) + bytes([op, 0]) for op in range(8)) + work
     yield "raw", start + child(RAW) + bytes([8]) + struct.pack("<II", 9, 1) + work
     for kind in (4, 8, 12):
@@ -215,6 +218,9 @@ def files(folder):
 
 
 def gltf_and_obj(out, folder):
+    put(out, "obj", "maps", b"mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nusemtl a\n"
+        b"f 1/1/1 2/2/1 3/3/1\n\0newmtl a\nKd 1 1 1\nKs .5 .5 .5\nKe 1 1 1\nNs 20\nPr .5\nPm 1\nmap_Kd -s 2 2 map.png\nmap_Ke map.png\n"
+        b"map_bump -bm 2 map.png\nnorm map.png\nmap_Pr map.png\nmap_Pm map.png\nmap_d map.png\nmap_Ks MAP.PNG\nillum 7\n")
     for path in files(folder):
         with open(path, "rb") as f:
             data = f.read()
