@@ -6,6 +6,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-	import_file(gltf_import, data, size, true);
+	import_file(gltf_import, data, size);
 	return 0;
 }

@@ -19,6 +19,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		import_file_write("scene.mtl", end + 1, size - obj - 1);
 	else
 		import_file_write("scene.mtl", data, 0);
-	import_file(read_obj, data, obj, false);
+	import_file(read_obj, data, obj);
 	return 0;
 }

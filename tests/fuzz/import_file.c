@@ -14,12 +14,56 @@
 #define BUILT_TRIANGLES 512u
 #define BUILT_TEXELS 65536u
 
+// Stands in for the library of images: any bytes are an image, of a few pixels, now and then of 16 bits a channel. Theirs is
+// fuzz_image.c.
+struct image_reader {
+	uint32_t side;
+	bool deep;
+};
+
+static struct image_reader plain_reader;
+
+static enum status plain_open(const uint8_t *bytes, size_t size, const char *name, bool any_format,
+			      struct image_reader **reader, uint32_t *width, uint32_t *height, struct error *err)
+{
+	(void)name, (void)any_format;
+	*reader = NULL;
+	if (size < 4)
+		return error_set(err, STATUS_SCENE_INVALID, "the image has no pixels");
+	plain_reader = (struct image_reader){.side = 1 + bytes[size - 1] % 4u, .deep = bytes[size - 2] % 4u == 0};
+	*reader = &plain_reader;
+	*width = *height = plain_reader.side;
+	return STATUS_OK;
+}
+
+static uint32_t plain_words(const struct image_reader *reader)
+{
+	return reader->deep ? 2 : 1;
+}
+
+static enum status plain_pixels(struct image_reader *reader, uint32_t words, uint32_t *texels, bool *deep, struct error *err)
+{
+	(void)err;
+	for (uint32_t i = 0; i < reader->side * reader->side * words; i++)
+		texels[i] = 0x80FF4020u * (i + 1);
+	*deep = reader->deep;
+	return STATUS_OK;
+}
+
+static void plain_close(struct image_reader *reader)
+{
+	(void)reader;
+}
+
+static const struct image_decoder plain_decoder = {
+    .open = plain_open, .words = plain_words, .pixels = plain_pixels, .close = plain_close};
+
 static char folder[64];
 static int folder_fd = -1;
 
 static void remove_folder(void)
 {
-	static const char *const names[] = {"scene.mtl", "map.png", "scene.bin"};
+	static const char *const names[] = {"scene.mtl", "map.png"};
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
 		unlinkat(folder_fd, names[i], 0);
 	rmdir(folder);
@@ -34,6 +78,7 @@ static void open_folder(void)
 	if (!mkdtemp(folder) || (folder_fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0)
 		abort();
 	atexit(remove_folder);
+	import_file_write("map.png", (const uint8_t *)"image", 5);
 }
 
 void import_file_write(const char *name, const uint8_t *data, size_t size)
@@ -62,7 +107,7 @@ static void build(struct import *import)
 	close(fd);
 }
 
-void import_file(importer *read, const uint8_t *data, size_t size, bool images)
+void import_file(importer *read, const uint8_t *data, size_t size)
 {
 	static candil_SceneInfo info;
 	struct import import;
@@ -81,7 +126,7 @@ void import_file(importer *read, const uint8_t *data, size_t size, bool images)
 	bytes.data[size] = 0; // as files_read has it
 	import_init(&import, &files, &info);
 	import.unit = 1;
-	import.decoder = images ? &image_decoder : NULL;
+	import.decoder = &plain_decoder;
 	if (read(&import, &bytes, &err) == STATUS_OK && import.triangle_count <= BUILT_TRIANGLES &&
 	    import.texel_count <= BUILT_TEXELS)
 		build(&import);

@@ -12,8 +12,8 @@ typedef enum status importer(struct import *import, const struct file_bytes *byt
 // Put a file into the folder, in place of one of that name.
 void import_file_write(const char *name, const uint8_t *data, size_t size);
 
-// Import `data` and, where the scene is small, make its blob and check that the worker would take it. With images decoded
-// if `images`.
-void import_file(importer *read, const uint8_t *data, size_t size, bool images);
+// Import `data` and, where the scene is small, make its blob and check that the worker would take it. The folder has an
+// image, map.png.
+void import_file(importer *read, const uint8_t *data, size_t size);
 
 #endif

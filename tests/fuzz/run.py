@@ -8,6 +8,7 @@ build-fuzz/found/TARGET, and the figures of all runs so far in build-fuzz/found/
 the inputs reach of the front and of the scene. 1: a target crashed, hung or ran out of memory; its input lies in
 build-fuzz/found.
 """
+import fcntl
 import json
 import os
 import re
@@ -51,6 +52,19 @@ def fuzz(target, seconds):
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, int(runs[-1]) if runs else 0, code == 0
 
 
+def add_to_totals(target, processor, runs):
+    """Another run.py may do so meanwhile."""
+    with open(os.path.join(FOUND, "totals.json"), "a+") as f:
+        fcntl.flock(f, fcntl.LOCK_EX)
+        f.seek(0)
+        totals = json.loads(f.read() or "{}")
+        old = totals.get(target, [0, 0])
+        totals[target] = [old[0] + processor, old[1] + runs]
+        f.truncate(0)
+        json.dump(totals, f)
+    return totals
+
+
 def coverage(target):
     """The edges of each function of ours: {(file, name): (reached, all)}."""
     done = subprocess.run(target_command(target, "-runs=0", "-print_coverage=1"), capture_output=True, check=False)
@@ -81,19 +95,11 @@ def main():
     os.nice(19)
     os.environ["UBSAN_OPTIONS"] = "print_stacktrace=1"
     build()
-    path = os.path.join(FOUND, "totals.json")
-    totals = {}
-    if os.path.exists(path):
-        with open(path) as f:
-            totals = json.load(f)
     good = True
     for target in wanted:
         processor, runs, well = fuzz(target, seconds)
-        old = totals.get(target, [0, 0])
-        totals[target] = [old[0] + processor, old[1] + runs]
+        totals = add_to_totals(target, processor, runs)
         good &= well
-        with open(path, "w") as f:
-            json.dump(totals, f)
     print("| target | processor min | runs | inputs kept |\n| --- | --- | --- | --- |")
     for target, (processor, runs) in totals.items():
         print(f"| `fuzz_{target}` | {processor / 60:.1f} | {runs} | {len(os.listdir(os.path.join(FOUND, target)))} |")
