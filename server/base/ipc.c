@@ -99,8 +99,11 @@ enum status ipc_receive(int socket, void *buffer, size_t capacity, size_t *bytes
 	do
 		got = recvmsg(socket, &m, MSG_CMSG_CLOEXEC);
 	while (got < 0 && errno == EINTR);
-	if (got < 0 && errno == ECONNRESET)
-		got = 0;
+	if (got < 0 && errno == ECONNRESET) {
+		// It has closed before it read all that was sent. No message was received, so `control` holds nothing.
+		*bytes = 0;
+		return STATUS_OK;
+	}
 	if (got < 0)
 		return error_errno(err, STATUS_IO, "cannot receive from the other process");
 	bool too_many = take_descriptors(&m, fd);

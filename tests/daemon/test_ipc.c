@@ -94,6 +94,28 @@ static void one_that_there_is_no_place_for_is_lost_and_not_its_message(void **st
 	close(pair[1]);
 }
 
+// A peer that goes before it has read everything leaves no message: nothing is taken for one, least of all a descriptor of
+// the message before, of which the stack may still tell.
+static void a_peer_that_goes_with_unread_messages_has_closed(void **state)
+{
+	int pair[2], fd;
+	char buffer[16] = {0};
+	size_t bytes;
+	const int null = 0;
+	(void)state;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), 0);
+	send_with(pair[1], &null, 1);
+	assert_int_equal(ipc_send(pair[1], buffer, 1, -1, NULL), STATUS_OK);
+	send_with(pair[0], &null, 1);
+	assert_int_equal(ipc_receive(pair[1], buffer, sizeof buffer, &bytes, &fd, NULL), STATUS_OK);
+	close(fd);
+	close(pair[0]);
+	assert_int_equal(ipc_receive(pair[1], buffer, sizeof buffer, &bytes, &fd, NULL), STATUS_OK);
+	assert_int_equal(bytes, 0);
+	assert_int_equal(fd, -1);
+	close(pair[1]);
+}
+
 static void a_build_tells_the_size_of_every_message_it_may_get_wrong(void **state)
 {
 	const size_t sizes[] = {sizeof(struct ipc_begin), sizeof(struct ipc_read), sizeof(struct ipc_step),
@@ -114,6 +136,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(more_than_one_descriptor_is_refused_and_none_is_kept),
 	    cmocka_unit_test(one_that_there_is_no_place_for_is_lost_and_not_its_message),
+	    cmocka_unit_test(a_peer_that_goes_with_unread_messages_has_closed),
 	    cmocka_unit_test(a_build_tells_the_size_of_every_message_it_may_get_wrong),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
