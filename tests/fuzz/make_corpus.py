@@ -160,6 +160,16 @@ def children():
         yield f"end{signal}", start + child(GOOD) + child(ENDS, signal) + 4 * child(PASSES) + work
 
 
+def quotes():
+    """Records as server/front/quotes/model.h has them: two frames and a pilot."""
+    def record(look, pilot, *parts):
+        return struct.pack("<5Q5I9f", 1, 2, look, 4, 5 + look, 1, pilot, 4096, 16, 127, *parts, 0.5, 0.25)
+    frame = record(3, 0, 1, 2, 3, 4, 5, 6, -2)
+    yield "frames", bytes([2]) + frame + record(4, 0, 1, 1, 1, 1, 1, 1, -1)
+    yield "pilot", bytes([1]) + record(3, 1, 1, 2, 3, 4, 5, 6, -2)
+    yield "habits", bytes([1]) + frame + struct.pack("<Q17d", 1, *17 * [1.0])
+
+
 def front():
     hello = message(1, pb.Hello(version_min=1, version_max=1, client="seed").SerializeToString())
     yield "hello", hello
@@ -267,8 +277,8 @@ def blobs(folder):
     """Small scenes that between them have every section: textures, lights, emitters, masks, colours, second coordinates."""
     os.makedirs(folder, exist_ok=True)
     with tempfile.TemporaryDirectory() as scenes:
-        for name in ("cornell", "textured_quad", "spot", "normal_mapped_quad", "alpha_mask", "vertex_colours", "second_uvs", "stage"):
-            path = make.SCENES[name](scenes)
+        for name in ("cornell", "textured_quad", "spot", "normal_mapped_quad", "alpha_mask", "vertex_colours", "second_uvs", "stage", "alpha_blend", "polished"):
+            path = make.ggx_furnace(scenes, 0.05, subdivisions=0) if name == "polished" else make.SCENES[name](scenes)
             subprocess.run([sys.argv[2], "--describe", "--dir", scenes, "--file", os.path.basename(path), "--images",
                             "--blob", os.path.join(folder, name)], check=True, stdout=subprocess.DEVNULL)
 
@@ -276,7 +286,7 @@ def blobs(folder):
 def main():
     out = sys.argv[1]
     blobs(os.path.join(out, "blob"))
-    for target, seeds in (("front", front), ("request", request), ("session", session), ("children", children),
+    for target, seeds in (("front", front), ("request", request), ("session", session), ("children", children), ("quotes", quotes),
                           ("client", client), ("study", study)):
         for name, data in seeds():
             put(out, target, name, data)

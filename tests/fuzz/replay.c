@@ -1,5 +1,6 @@
 // Runs a fuzz target over files and folders, for builds without libFuzzer: every input once, and then each truncated and
-// each with single bytes flipped, so that a replay looks a little further than the corpus itself.
+// each with single bytes flipped, so that a replay looks a little further than the corpus itself. With -runs=0 each once, as
+// libFuzzer has it.
 #include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -15,6 +16,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 #endif
 
 static unsigned inputs;
+static unsigned variations = VARIATIONS;
 
 // A copy of just the right size, so that a sanitizer sees the first byte past it.
 static void run(const uint8_t *data, size_t size)
@@ -31,7 +33,9 @@ static void run(const uint8_t *data, size_t size)
 static void run_around(uint8_t *data, size_t size)
 {
 	run(data, size);
-	size_t stride = size / VARIATIONS + 1;
+	if (variations == 0)
+		return;
+	size_t stride = size / variations + 1;
 	for (size_t i = 0; i < size; i += stride) {
 		run(data, i);
 		const uint8_t kept = data[i];
@@ -85,7 +89,10 @@ int main(int argc, char **argv)
 {
 	int bad = 0;
 	for (int i = 1; i < argc; i++)
-		bad |= run_path(argv[i]);
+		if (strcmp(argv[i], "-runs=0") == 0)
+			variations = 0;
+		else
+			bad |= run_path(argv[i]);
 	printf("%u inputs\n", inputs);
 	return bad || inputs == 0;
 }

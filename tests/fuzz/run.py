@@ -18,10 +18,10 @@ import sys
 
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = os.path.join(SOURCE, "build-fuzz")
+COVERAGE = os.path.join(SOURCE, "build-coverage")
 FOUND = os.path.join(BUILD, "found")
-TARGETS = ("front", "request", "session", "children", "client", "blob", "gltf", "obj", "image", "study")
+TARGETS = ("front", "request", "session", "children", "quotes", "client", "blob", "gltf", "obj", "image", "study")
 PARTS = ("server/front", "server/scene", "server/loader")
-FUNCTION = re.compile(r"COVERED_FUNC: hits: \d+ edges: (\d+)/(\d+) (\S+) (\S+?):\d+")
 
 
 def build():
@@ -31,9 +31,9 @@ def build():
         subprocess.run(command, cwd=SOURCE, check=True, stdout=subprocess.DEVNULL)
 
 
-def target_command(target, *options):
-    """Its own inputs come first: new ones go there."""
-    return [os.path.join(BUILD, "tests", "fuzz_" + target), *options, os.path.join(FOUND, target), os.path.join(BUILD, "tests", "corpus", target)]
+def target_command(build_folder, target, *options):
+    """What was found comes first: new inputs go there."""
+    return [os.path.join(build_folder, "tests", "fuzz_" + target), *options, os.path.join(FOUND, target), os.path.join(BUILD, "tests", "corpus", target)]
 
 
 def fuzz(target, seconds):
@@ -42,7 +42,7 @@ def fuzz(target, seconds):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     log = os.path.join(FOUND, target + ".log")
     with open(log, "wb") as out:
-        code = subprocess.run(target_command(target, f"-max_total_time={seconds}", "-timeout=60", "-rss_limit_mb=6144", "-print_final_stats=1",
+        code = subprocess.run(target_command(BUILD, target, f"-max_total_time={seconds}", "-timeout=60", "-rss_limit_mb=6144", "-print_final_stats=1",
                                              f"-artifact_prefix={FOUND}/{target}-"), stdout=out, stderr=out, check=False).returncode
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     with open(log, errors="replace") as f:
@@ -65,26 +65,29 @@ def add_to_totals(target, processor, runs):
     return totals
 
 
-def coverage(target):
-    """The edges of each function of ours: {(file, name): (reached, all)}."""
-    done = subprocess.run(target_command(target, "-runs=0", "-print_coverage=1"), capture_output=True, check=False)
-    functions = {}
-    for reached, edges, name, path in FUNCTION.findall((done.stdout + done.stderr).decode(errors="replace")):
-        functions[os.path.relpath(os.path.realpath(path), SOURCE), name] = (int(reached), int(edges))
-    return functions
-
-
 def tell_coverage():
-    """Of a function that several targets reach, the one that reaches most counts: together they reach no less."""
-    best = {}
+    """Of the lines that were compiled into the targets, those that seeds and found inputs reach, without sanitizers."""
+    flags = "-O1 -fprofile-instr-generate -fcoverage-mapping"
+    subprocess.run(["cmake", "-S", SOURCE, "-B", COVERAGE, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_C_COMPILER=clang",
+                    "-DCMAKE_CXX_COMPILER=clang++", "-DCMAKE_C_FLAGS=" + flags, "-DCMAKE_CXX_FLAGS=" + flags], check=True, stdout=subprocess.DEVNULL)
+    programs = ["fuzz_" + target for target in TARGETS]
+    subprocess.run(["cmake", "--build", COVERAGE, "--target", *programs], check=True, stdout=subprocess.DEVNULL)
+    profiles = []
     for target in TARGETS:
-        for function, (reached, edges) in coverage(target).items():
-            best[function] = max(best.get(function, (0, edges)), (reached, edges))
-    print("\n| part | functions reached | edges reached |\n| --- | --- | --- |")
+        profiles.append(os.path.join(COVERAGE, target + ".profraw"))
+        subprocess.run(target_command(COVERAGE, target, "-runs=0"), env={**os.environ, "LLVM_PROFILE_FILE": profiles[-1]}, check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    merged = os.path.join(COVERAGE, "all.profdata")
+    subprocess.run(["llvm-profdata", "merge", "-o", merged, *profiles], check=True)
+    objects = [os.path.join(COVERAGE, "tests", program) for program in programs]
+    told = subprocess.run(["llvm-cov", "export", "-summary-only", "-instr-profile=" + merged, *["-object=" + o for o in objects[1:]], objects[0]],
+                          check=True, capture_output=True).stdout
+    files = {os.path.relpath(f["filename"], SOURCE): f["summary"] for f in json.loads(told)["data"][0]["files"]}
+    print("\n| part | functions reached | lines reached |\n| --- | --- | --- |")
     for part in PARTS:
-        ours = [counts for (path, _), counts in best.items() if path.startswith(part + "/")]
-        called, reached, edges = sum(r > 0 for r, _ in ours), sum(r for r, _ in ours), sum(e for _, e in ours)
-        print(f"| `{part}` | {called} of {len(ours)} | {reached} of {edges}, {100 * reached / max(edges, 1):.0f} % |")
+        ours = [summary for path, summary in files.items() if path.startswith(part + "/")]
+        sums = {kind: [sum(s[kind][key] for s in ours) for key in ("covered", "count")] for kind in ("functions", "lines")}
+        print(f"| `{part}` | " + " | ".join(f"{reached} of {count}, {100 * reached / max(count, 1):.0f} %" for reached, count in sums.values()) + " |")
 
 
 def main():
