@@ -111,7 +111,7 @@
 #define LIMIT_ANSWER_SECONDS 300u // of work on one order (first compilation included) past which the worker hangs
 #define LIMIT_LATE_MS 1000u // an order that is out for so long when a deadline comes is not waited for
 #define LIMIT_PROBE_SECONDS 60u // of the clock, that pilots and measurements of effects may take
-#define LIMIT_COMPILERS 2u // processes at once that compile shader code for jobs; further jobs wait for one
+#define LIMIT_COMPILERS 3u // processes at once that compile shader code for jobs; further jobs wait for one
 #define LIMIT_JOB_RETRIES 1u // times the job that a dying worker held is begun again
 #define LIMIT_SCENE_LOSSES 2u // workers that crashed or hung over a scene, past which it is quarantined
 #define LIMIT_DEVICE_LOSSES 3u // of a device within the seconds below, past which the next device is taken

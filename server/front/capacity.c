@@ -12,14 +12,13 @@
 enum {
 	OWN = 4, // epoll, signals, the listener, the scene root
 	WORKER = 2, // its socket and its pidfd
-	COMPILER = 2, // likewise
 	LOADERS = 3 * (LIMIT_LOADERS + 1), // likewise, and the blob that one has sent while its folder is still open
 	COMPILERS = 2 * LIMIT_COMPILERS,
 	STARTING = 3, // a child: its end of the socket pair, copies of that and of its folder
 	RECEIVING = CHANNEL_FDS,
 	FILES = 3, // opened for a moment: of what is learned, beneath the scene root, beside the socket
-	DAEMONS_OWN = OWN + WORKER + COMPILER + LOADERS + COMPILERS + STARTING + RECEIVING + FILES + LIMIT_CHILDREN_LEFT +
-		      LIMIT_TURNED_AWAY,
+	DAEMONS_OWN =
+	    OWN + WORKER + LOADERS + COMPILERS + STARTING + RECEIVING + FILES + LIMIT_CHILDREN_LEFT + LIMIT_TURNED_AWAY,
 };
 
 #define A_CONNECTION 3u // socket, folder of a LOAD, an image

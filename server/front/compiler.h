@@ -24,6 +24,7 @@ struct compiler {
 	struct pulse pulse;
 	uint64_t work_us; // since its start
 	uint64_t code; // what it compiles: a number that the worker gave (ipc.h); 0: nothing, it is free
+	uint64_t peer; // for whom (peer.h); for its owner to set and to read
 	compiler_done *done;
 	void *owner;
 };

@@ -22,8 +22,8 @@
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
-//   FAKE_COLD=DIR      refuse renders and pilots of seed 7 for want of code until there is DIR/compiled, in BEGIN or, with
-//   FAKE_COLD_STEP, in
+//   FAKE_COLD=DIR      refuse renders and pilots of seed 7, or from 1000 on, for want of code until there is DIR/compiled,
+//   in BEGIN or, with FAKE_COLD_STEP, in
 //                      the second step. With --compile: add a byte to DIR/compilers, wait for DIR/go, make DIR/compiled and
 //                      exit
 //   FAKE_COMPILER      "die", "stop" itself or make "nothing" instead of waiting
@@ -43,7 +43,7 @@
 
 #define MAX 512
 #define COLD_SEED 7
-#define COLD_CODE 42
+#define COLD_SEEDS 1000 // each from here on needs code of its own
 
 struct job {
 	uint32_t id; // 0: free
@@ -130,7 +130,8 @@ static bool cold_path(char path[4096], const char *name)
 static uint64_t cold(const candil_Render *render)
 {
 	char path[4096];
-	return cold_path(path, "compiled") && render->seed == COLD_SEED && access(path, F_OK) != 0 ? COLD_CODE : 0;
+	const bool needs = render->seed == COLD_SEED || render->seed >= COLD_SEEDS;
+	return cold_path(path, "compiled") && needs && access(path, F_OK) != 0 ? render->seed : 0;
 }
 
 static int compile(void)

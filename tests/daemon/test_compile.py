@@ -71,6 +71,17 @@ class Compiled(ColdCase):
             self.done(connection, job)
         self.assertEqual(self.compilers(), 1)
 
+    def test_one_client_leaves_a_compiler_to_others(self):
+        connection = self.with_box()
+        jobs = [connection.send(wire.RENDER, render(seed=1000 + i)) for i in range(5)]
+        self.wait_for_compiler(2)
+        for seed in range(3):
+            connection.follow(connection.send(wire.RENDER, render(seed=seed)))
+        self.assertEqual(self.compilers(), 2)
+        self.go()
+        for job in jobs:
+            self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
+
     def test_a_deadline_is_kept(self):
         connection = self.with_box()
         replies = connection.follow(self.begin_cold(connection, deadline_ms=300))

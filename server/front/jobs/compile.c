@@ -1,6 +1,9 @@
 #include "server/front/jobs/compile.h"
 
 #include "server/base/log.h"
+#include "server/front/peer.h"
+#include "server/front/session.h"
+#include "server/front/share.h"
 
 void job_compile_first(struct jobs *jobs, struct job *job, uint64_t code)
 {
@@ -20,18 +23,33 @@ bool jobs_compiling(const struct jobs *jobs, uint64_t code)
 	return false;
 }
 
-bool jobs_compile(struct jobs *jobs, uint64_t code, const struct scene *scene, const struct scene *environment,
-		  const candil_Render *render, uint32_t pilot_us)
+// A free compiler that the peer may have. NULL: there is none.
+static struct compiler *find_free(struct jobs *jobs, uint64_t peer)
 {
 	struct compiler *compiler = NULL;
+	unsigned has = 0, left = 0;
+	for (unsigned i = 0; i < LIMIT_COMPILERS; i++) {
+		struct compiler *c = &jobs->compilers[i];
+		if (!c->code) {
+			compiler = c;
+			left++;
+		} else if (c->peer == peer) {
+			has++;
+		}
+	}
+	return share_allows(has, 1, left) ? compiler : NULL;
+}
+
+bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct scene *scene,
+		  const struct scene *environment, const candil_Render *render, uint32_t pilot_us)
+{
 	struct error err;
 	if (jobs_compiling(jobs, code))
 		return true;
-	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
-		if (!jobs->compilers[i].code)
-			compiler = &jobs->compilers[i];
+	struct compiler *compiler = find_free(jobs, peer);
 	if (!compiler)
 		return false;
+	compiler->peer = peer;
 	if (compiler_start(compiler, code, scene, environment, render, pilot_us, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "no compiler: %s", err.text);
 		jobs_compiled(jobs, code);
@@ -43,8 +61,8 @@ void jobs_compile_next(struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count; i++) {
 		const struct job *job = jobs->job[i];
-		if (job->compiling && !jobs_compile(jobs, job->code, job->scene, job->environment, &job->render, 0))
-			return;
+		if (job->compiling)
+			jobs_compile(jobs, job->session->peer->id, job->code, job->scene, job->environment, &job->render, 0);
 	}
 }
 

@@ -117,10 +117,11 @@ enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t 
 // good until the next call that may end jobs.
 struct job *jobs_find(struct jobs *jobs, const struct session *session, uint32_t request);
 
-// Have shader code, a number that the worker gave, compiled by a process of its own (compile.h): `pilot_us` as of
-// compiler_start. False: no place is free, ask again later. And is it under way?
-bool jobs_compile(struct jobs *jobs, uint64_t code, const struct scene *scene, const struct scene *environment,
-		  const candil_Render *render, uint32_t pilot_us);
+// Have shader code, a number that the worker gave, compiled for a peer (peer.h) by a process of its own (compile.h):
+// `pilot_us` as of compiler_start. False: no place is free, or none that this peer may have: ask again later. And is it
+// under way?
+bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct scene *scene,
+		  const struct scene *environment, const candil_Render *render, uint32_t pilot_us);
 bool jobs_compiling(const struct jobs *jobs, uint64_t code);
 
 // End a job with an error to its client. A job of a sweep takes the whole sweep along, so several jobs may go and others

@@ -2,7 +2,9 @@
 
 #include "protocol/names.h"
 #include "server/base/clock.h"
+#include "server/front/peer.h"
 #include "server/front/quotes/choose.h"
+#include "server/front/session.h"
 
 #define PILOT_US 150000u // of work of each technique, if nobody asks for a pilot
 #define PILOT_LEAST_US 20000u // of a deadline's share: less tells nothing
@@ -132,8 +134,9 @@ static void compile_for_pilots(struct quotes *quotes)
 			continue;
 		if (q->compiled && !jobs_compiling(quotes->jobs, q->code))
 			q->compiling = q->compiled = false;
-		else if (!q->compiled)
-			q->compiled = jobs_compile(quotes->jobs, q->code, q->scene, q->environment, &render, q->budget_us);
+		else if (!q->compiled && q->session)
+			q->compiled = jobs_compile(quotes->jobs, q->session->peer->id, q->code, q->scene, q->environment,
+						   &render, q->budget_us);
 	}
 }
 
