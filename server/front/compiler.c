@@ -14,11 +14,16 @@ static void compiler_look_again(struct compiler *c)
 		       compiler_look, c);
 }
 
+static bool works_without_end(const struct compiler *c)
+{
+	return c->work_us > c->worker->options->answer_s * 1000000ull;
+}
+
 static void compiler_look(void *owner)
 {
 	struct compiler *c = owner;
 	c->work_us += pulse_look(&c->pulse);
-	if (c->pulse.still >= PULSE_LOOKS || c->work_us > c->worker->options->answer_s * 1000000ull)
+	if (c->pulse.still >= PULSE_LOOKS || works_without_end(c))
 		child_kill(&c->child);
 	else
 		compiler_look_again(c);
@@ -30,11 +35,12 @@ static void compiler_ended(void *owner, uint32_t events)
 	char how[64];
 	const uint64_t code = c->code;
 	(void)events;
-	child_reap(&c->child, c->worker->loop, how, sizeof how);
+	const int signal_number = child_reap(&c->child, c->worker->loop, how, sizeof how);
+	const char *failure = worker_is_own_fault(signal_number) ? how : works_without_end(c) ? "without an end" : NULL;
 	loop_timer_stop(c->worker->loop, &c->look);
 	log_line(LOG_INFO, "compiler of %016llx: %s", (unsigned long long)code, how);
 	c->code = 0;
-	c->done(c->owner, code);
+	c->done(c->owner, code, failure);
 }
 
 // It says nothing, so this is its end, which its pidfd tells, too.

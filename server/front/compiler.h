@@ -1,7 +1,7 @@
 // A process that compiles the shader code of one job, so that the worker can go on with others: code that no driver has seen
 // before takes seconds, on a busy machine minutes. It is candil-worker once more, run with --compile: it gets the scene and
 // the job, begins it, and exits when all code is compiled. What comes of it is the driver's cache, where the worker then
-// finds the code. One that crashes or hangs has compiled nothing, and the worker compiles for itself.
+// finds the code. One that was ended from outside has compiled nothing, and the worker compiles for itself.
 //
 // For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_COMPILER_H
@@ -14,8 +14,10 @@
 #include "server/front/scenes.h"
 #include "server/front/worker.h"
 
-// It has ended, well or not. `code` is the number that it was started with. Not called from within the functions below.
-typedef void compiler_done(void *owner, uint64_t code);
+// It has ended. `code` is the number that it was started with. `failure` NULL: it may have compiled that; else the driver
+// crashes over it or works on it without an end, and would do so in the worker: the words say which. Not called from within
+// the functions below.
+typedef void compiler_done(void *owner, uint64_t code, const char *failure);
 
 struct compiler {
 	struct worker *worker; // whose device it compiles for

@@ -129,7 +129,9 @@ static void on_session_ended(void *owner, struct session *session)
 		scenes_stop_load(s, &err);
 		next = service->scenes.first; // the list has changed: from the beginning once more
 	}
-	if (service->options->private_fd >= 0)
+	if (session == service->warming)
+		service->warming = NULL;
+	else if (service->options->private_fd >= 0)
 		service->stop = true;
 }
 

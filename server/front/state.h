@@ -27,7 +27,8 @@ struct service {
 	struct quotes quotes;
 	struct loop_timer accept_pause, again, departure;
 	uint64_t started_us;
-	struct session *warming; // of warm.c; NULL: nothing is made ready, or all of it is
+	bool warms; // scenes are being made ready (warm.c)
+	struct session *warming; // for that; NULL: none, or it has ended
 	unsigned warm_next; // the next of the scenes of the options that it looks at
 	bool leaving; // a signal came
 	bool stop;

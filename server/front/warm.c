@@ -95,17 +95,19 @@ enum status warm_begin(struct service *service, struct error *err)
 {
 	struct channel channel = {.kind = &nobody, .loop = service->loop, .fd = -1};
 	enum status status = session_create(&service->sessions, &channel, &service->warming, err);
-	if (status == STATUS_OK)
+	service->warms = status == STATUS_OK;
+	if (service->warms)
 		session_open(service->warming);
 	return status;
 }
 
 bool warm_is_done(struct service *service)
 {
-	if (!service->warming || service->warming->requests > 0 || ask_next(service))
+	if (!service->warms || (service->warming && (service->warming->requests > 0 || ask_next(service))))
 		return false;
-	session_close(service->warming);
-	service->warming = NULL;
+	service->warms = false;
+	if (service->warming) // it may have died for want of memory
+		session_close(service->warming);
 	log_line(LOG_INFO, "warm after %llu ms: %llu pictures, %llu failed",
 		 (unsigned long long)(clock_us() - service->started_us) / 1000, (unsigned long long)service->jobs.done,
 		 (unsigned long long)service->jobs.failed);

@@ -477,7 +477,7 @@ static void worker_lose(struct worker *worker, const char *how, enum worker_faul
 
 // Signals by which a process ends for what it did itself. SIGKILL is sent by others: by people, or by the kernel for want of
 // memory, and then what is killed need not be what took it.
-static bool is_own_fault(int signal_number)
+bool worker_is_own_fault(int signal_number)
 {
 	static const int own[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP};
 	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
@@ -499,7 +499,7 @@ static void worker_ended(void *owner, uint32_t events)
 	const char *killed_for = lost ? worker->device_lost.text : worker->killed_for;
 	enum worker_fault fault = lost ? FAULT_DEVICE : worker->fault;
 	const int signal_number = child_reap(&worker->child, worker->loop, how, sizeof how);
-	if (!killed_for && (is_own_fault(signal_number) || (signal_number == 0 && worker->state == WORKER_READY)))
+	if (!killed_for && (worker_is_own_fault(signal_number) || (signal_number == 0 && worker->state == WORKER_READY)))
 		fault = FAULT_WORK;
 	error_set(&why, STATUS_WORKER_LOST, "%s", killed_for ? killed_for : how);
 	worker_lose(worker, why.text, fault);

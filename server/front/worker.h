@@ -150,6 +150,9 @@ struct worker_command {
 // long.
 enum status worker_command(struct worker *worker, bool compile, struct worker_command *command, struct error *err);
 
+// Is this signal one that a process brings upon itself, by a crash?
+bool worker_is_own_fault(int signal_number);
+
 // Seconds that it, or a process that compiles for it, may be still before it counts as hung.
 unsigned worker_patience_s(const struct worker *worker);
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -16,8 +17,12 @@
 // Mesa's own switch: without its cache what has been compiled is lost with the process.
 static bool cache_is_off(void)
 {
+	static const char *const words[] = {"1", "y", "yes", "t", "true"};
 	const char *off = getenv("MESA_SHADER_CACHE_DISABLE");
-	return off && (!strcmp(off, "1") || !strcmp(off, "true"));
+	for (size_t i = 0; off && i < sizeof words / sizeof *words; i++)
+		if (!strcasecmp(off, words[i]))
+			return true;
+	return false;
 }
 
 // Read what others have added. The file only grows, or begins anew.
@@ -26,6 +31,13 @@ static void catch_up(struct code_list *list)
 	struct stat info;
 	if (fstat(list->file, &info) != 0)
 		return;
+	// What a full disk or a kill has left of a number would shift all that is written behind it: the list begins anew.
+	if (info.st_size % (off_t)sizeof *list->pieces != 0) {
+		list->count = 0;
+		if (ftruncate(list->file, 0) != 0)
+			return;
+		info.st_size = 0;
+	}
 	if (info.st_size < (off_t)(list->count * sizeof *list->pieces))
 		list->count = 0;
 	const size_t room = (CODE_LIST_MOST - list->count) * sizeof *list->pieces;
@@ -103,8 +115,6 @@ void code_list_add(struct code_list *list, uint64_t piece)
 		return;
 	if (list->count == CODE_LIST_MOST && ftruncate(list->file, 0) == 0)
 		list->count = 0;
-	// A number that is written by half, on a full disk, is as good as none: those behind it are misread, and asked for
-	// again.
-	if (write(list->file, &number, sizeof number) == (ssize_t)sizeof number)
+	if (write(list->file, &number, sizeof number) > 0)
 		catch_up(list);
 }

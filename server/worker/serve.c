@@ -185,6 +185,7 @@ static void allow_compiling(struct server *s, bool at_will)
 
 static enum status begin(struct server *s, const struct ipc_begin *m, struct job *job, struct error *err)
 {
+	allow_compiling(s, m->compile);
 	if (!s->devices->vk) {
 		*err = s->no_device;
 		return err->code;
@@ -209,7 +210,6 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	if (bytes > budget)
 		return refuse_size(s, job, bytes, budget, err);
 	const uint64_t open_us = s->devices->open_us;
-	allow_compiling(s, m->compile);
 	do {
 		s->devices->vk->wanted = 0;
 		r = job->technique->begin(s->devices, job->scene, &job->plan, &job->work, err);
@@ -433,7 +433,7 @@ static void end(struct server *s, uint32_t id)
 
 static enum status on_read(struct server *s, const struct ipc_read *m)
 {
-	struct ipc_image failure = {.head = {.op = IPC_IMAGE, .job = m->head.job}};
+	struct ipc_image failure = {.head = {.op = IPC_IMAGE, .job = m->head.job}, .frame.final = m->final != 0};
 	struct job *job = *find_job(s, m->head.job);
 	struct frame *frame;
 	const uint64_t start = clock_us();
@@ -478,12 +478,12 @@ static bool pilot_is_ended(void *user)
 static enum status look(struct server *s, const struct ipc_pilot *m, struct job *job, struct pilot_result *results,
 			uint32_t *cold, struct error *err)
 {
+	allow_compiling(s, m->compile);
 	if (!s->devices->vk) {
 		*err = s->no_device;
 		return err->code;
 	}
 	const uint64_t end_us = clock_us() + m->limit_us;
-	allow_compiling(s, m->compile);
 	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
@@ -555,6 +555,8 @@ static size_t expected_bytes(uint32_t op)
 static enum status handle(struct server *s, const void *message, int fd)
 {
 	const struct ipc_head *head = message;
+	if (head->op == IPC_SCENE && fd < 0)
+		return STATUS_INTERNAL; // it was lost on the way: the next worker is given all scenes anew
 	if (head->op == IPC_SCENE) {
 		on_scene(s, message, fd);
 		return STATUS_OK;

@@ -26,7 +26,7 @@
 //   in BEGIN or, with FAKE_COLD_STEP, in
 //                      the second step. With --compile: add a byte to DIR/compilers, wait for DIR/go, make DIR/compiled and
 //                      exit
-//   FAKE_COMPILER      "die", "stop" itself or make "nothing" instead of waiting
+//   FAKE_COMPILER      "die", "crash", "stop" itself or make "nothing" instead of waiting
 #include <fcntl.h>
 #include <math.h>
 #include <signal.h>
@@ -143,6 +143,8 @@ static int compile(void)
 		return 4;
 	if (!strcmp(wrong, "die"))
 		raise(SIGKILL);
+	if (!strcmp(wrong, "crash"))
+		raise(SIGILL);
 	if (!strcmp(wrong, "stop"))
 		raise(SIGSTOP);
 	if (!strcmp(wrong, "nothing"))

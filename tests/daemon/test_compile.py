@@ -174,6 +174,18 @@ class CompilerDies(ColdCase):
         self.assertEqual(self.compilers(), 1)
 
 
+class CompilerCrashes(ColdCase):
+    environment = {"FAKE_COMPILER": "crash"}
+
+    def test_it_is_not_tried_again_in_the_worker(self):
+        connection = self.with_box()
+        reply = connection.follow(self.begin_cold(connection))[-1]
+        self.assert_error(reply, "worker-lost")
+        self.assertIn("compiler", reply.body.message)
+        self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.assertEqual((connection.stats().worker_starts, self.compilers()), (1, 1))
+
+
 class CompilerMakesNothing(ColdCase):
     environment = {"FAKE_COMPILER": "nothing"}
 

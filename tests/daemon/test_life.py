@@ -265,6 +265,18 @@ class Private(unittest.TestCase):
         self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
         self.assertIsNone(self.process.poll())
 
+    def test_it_may_be_warmed(self):
+        folder = self.enterContext(tempfile.TemporaryDirectory())
+        with open(os.path.join(folder, "box.gltf"), "w") as file:
+            file.write("ok")
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+        process = subprocess.Popen([CANDILD, "--private-fd", str(theirs.fileno()), "--libexec", LIBEXEC, "--no-state", "--warm",
+                                    f"box={file.name}"], pass_fds=[theirs.fileno()], stderr=subprocess.DEVNULL)
+        theirs.close()
+        with wire.Connection(sock=ours) as connection:
+            self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
+        self.assertEqual(process.wait(wire.PATIENCE), 0)
+
     def test_ends_after_a_broken_stream(self):
         connection = wire.Connection(sock=self.ours)
         connection.sock.sendall(b"x" * 16)

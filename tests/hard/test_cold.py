@@ -1,6 +1,5 @@
 """Shader code that no driver has compiled yet: one client waits for it, others do not, and a second daemon finds it."""
 import os
-import subprocess
 import tempfile
 import unittest
 
@@ -8,6 +7,18 @@ import make
 import wire
 from render import Daemon
 from wire import pb
+
+
+def compiles(daemon):
+    """Does a process compile for this daemon?"""
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{pid}/status") as status, open(f"/proc/{pid}/cmdline", "rb") as line:
+                if f"PPid:\t{daemon}\n" in status.read() and b"--compile" in line.read():
+                    return True
+        except OSError:
+            pass  # it has gone
+    return False
 
 
 class Cold(unittest.TestCase):
@@ -50,6 +61,16 @@ class Cold(unittest.TestCase):
                 for technique in (pb.TECHNIQUE_PT, pb.TECHNIQUE_DIRECT):
                     self.assertEqual(one.follow(self.ask(one, technique))[-1].kind, wire.DONE)
             self.assertNotIn("compiler of", daemon.read_log())
+
+    def test_a_refusal_for_code_is_not_the_next_ones(self):
+        """Code that a job had to wait for is forgotten with it: what is wrong with another request is told at once."""
+        with self.daemon("--scene", f"room={self.scene}") as daemon, wire.Connection(daemon.socket) as one:
+            job = self.ask(one, pb.TECHNIQUE_PT)
+            wire.wait_for(lambda: compiles(daemon.process.pid), "a compiler runs")
+            self.assertEqual(one.ask(wire.CANCEL, pb.Cancel(request=job)).kind, wire.OK)
+            wrong = pb.Render(scene="room", width=16, height=16, samples=1, technique=pb.TECHNIQUE_PT, camera=pb.Camera(name="none such"))
+            reply = one.follow(one.send(wire.RENDER, wrong))[-1]
+            self.assertEqual((reply.kind, reply.body.name), (wire.ERROR, "bad-argument"), reply)
 
     def test_the_first_client_finds_it_warm(self):
         with self.daemon("--warm", f"room={self.scene}") as daemon, wire.Connection(daemon.socket) as one:

@@ -52,7 +52,7 @@ bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct 
 	compiler->peer = peer;
 	if (compiler_start(compiler, code, scene, environment, render, pilot_us, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "no compiler: %s", err.text);
-		jobs_compiled(jobs, code);
+		jobs_compiled(jobs, code, NULL);
 	}
 	return true;
 }
@@ -66,10 +66,23 @@ void jobs_compile_next(struct jobs *jobs)
 	}
 }
 
-void jobs_compiled(void *owner, uint64_t code)
+void jobs_compiled(void *owner, uint64_t code, const char *failure)
 {
 	struct jobs *jobs = owner;
-	for (unsigned i = 0; i < jobs->count; i++)
-		if (jobs->job[i]->code == code)
-			jobs->job[i]->compiling = false;
+	struct error err;
+	jobs_let_others_try(jobs); // it had memory of the device, too
+	if (failure)
+		error_set(&err, STATUS_WORKER_LOST,
+			  "the driver's compiler was lost over this job's shader code (%s): leave out effects, or update "
+			  "the driver",
+			  failure);
+	// Backwards, and with an eye on the count: a job that fails takes the other jobs of its sweep along.
+	for (unsigned i = jobs->count; i-- > 0;) {
+		struct job *job = i < jobs->count ? jobs->job[i] : NULL;
+		if (!job || job->code != code || !job->compiling)
+			continue;
+		job->compiling = false;
+		if (failure)
+			jobs_fail(jobs, job, &err);
+	}
 }

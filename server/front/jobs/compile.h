@@ -15,7 +15,7 @@ void job_compile_first(struct jobs *jobs, struct job *job, uint64_t code);
 // Start compilers for jobs that wait for one, as far as there are any free.
 void jobs_compile_next(struct jobs *jobs);
 
-// A compiler of this code has ended: the jobs that waited for it go on.
-void jobs_compiled(void *jobs, uint64_t code);
+// A compiler of this code has ended: the jobs that waited for it go on, or fail with it (compiler.h).
+void jobs_compiled(void *jobs, uint64_t code, const char *failure);
 
 #endif

@@ -60,6 +60,12 @@ bool jobs_want_device(const struct jobs *jobs)
 	return next_to_begin(jobs) != NULL;
 }
 
+// Has the worker been told to compile what the job needs? In a daemon of one client nobody else waits for that.
+static bool may_compile(const struct jobs *jobs, const struct job *job)
+{
+	return job->compile || jobs->worker->options->private_fd >= 0;
+}
+
 void jobs_begin_next(struct jobs *jobs)
 {
 	struct job *job = jobs->beginning ? NULL : next_to_begin(jobs);
@@ -81,7 +87,7 @@ void jobs_begin_next(struct jobs *jobs)
 	memcpy(jobs->begin_scene, job->scene->info.hash, sizeof jobs->begin_scene);
 	jobs->begin_behind_step = jobs->stepping != 0;
 	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render,
-		     job->end_us, job->compile || jobs->worker->options->private_fd >= 0);
+		     job->end_us, may_compile(jobs, job));
 }
 
 void jobs_step_next(struct jobs *jobs)
@@ -144,7 +150,7 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 	}
 	// No END is sent: the worker has no job whose BEGIN failed.
 	job->state = JOB_WAITING;
-	if (begun->cold) {
+	if (begun->cold && !may_compile(jobs, job)) {
 		job_compile_first(jobs, job, begun->cold);
 		return;
 	}
@@ -195,7 +201,7 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		wait_for_memory(jobs, job);
 		return;
 	}
-	if (stepped->cold) {
+	if (stepped->cold && !may_compile(jobs, job)) {
 		worker_end(jobs->worker, job->id);
 		jobs_let_others_try(jobs);
 		job_begin_again(jobs, job);

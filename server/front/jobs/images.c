@@ -149,6 +149,7 @@ bool job_send_last(struct jobs *jobs, struct job *job)
 	job->read_us = 0;
 	job->encoded_us = clock_us();
 	account_without_worker(jobs, job);
+	job->compiling = false;
 	job->state = JOB_SENDING;
 	return true;
 }

@@ -102,7 +102,8 @@ static void spare_held(struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count && jobs->worker->state == WORKER_READY; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state == JOB_WAITING && job_is_loaded(job) && (jobs->piloting || job->undecided))
+		if (job->state == JOB_WAITING && job_is_loaded(job) && !job->compiling && !job->short_of_memory &&
+		    (jobs->piloting || job->undecided))
 			job->spared = true;
 	}
 }

@@ -14,7 +14,7 @@ void job_begin_again(struct jobs *jobs, struct job *job)
 	job->fraction = 0;
 	job->estimate = ESTIMATE_UNKNOWN;
 	job->late = job->reached = false;
-	job->short_of_memory = false;
+	job->short_of_memory = job->spared = false;
 	job->state = JOB_WAITING;
 }
 

@@ -225,7 +225,6 @@ static enum status make_programs(struct shadow_maps *m, const struct plan *plan,
 		if (s != STATUS_OK)
 			return s;
 		all_warm &= warm;
-		gl_program_has_run(m->device, program);
 	}
 	if (all_warm || scene_count(m->scene, BLOB_TRIANGLES) == 0)
 		return STATUS_OK;
@@ -238,6 +237,10 @@ static enum status make_programs(struct shadow_maps *m, const struct plan *plan,
 	}
 	if (s == STATUS_OK)
 		s = gl_wait(m->device, "shadow-maps", err);
+	for (unsigned i = 0; s == STATUS_OK && i < 2 && m->programs[i]; i++) {
+		gl_program_use(m->device, m->programs[i]);
+		gl_program_has_run(m->device, m->programs[i]);
+	}
 	*compile_us += clock_us() - start;
 	return s;
 }
