@@ -220,6 +220,15 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	return r;
 }
 
+// The code for want of which the job was refused; 0: that is not why it failed. It is begun again, and then tells what its
+// edits took.
+static uint64_t refused_for(const struct server *s, const struct job *job)
+{
+	if (s->devices->code.refused && job->edit_us > 0)
+		job->scene->edit_told = false;
+	return s->devices->code.refused;
+}
+
 static enum status on_begin(struct server *s, const struct ipc_begin *m)
 {
 	struct ipc_begun answer = {.head = {.op = IPC_BEGUN, .job = m->head.job}};
@@ -239,7 +248,7 @@ static enum status on_begin(struct server *s, const struct ipc_begin *m)
 			job->work_us = clock_us() - start;
 			s->jobs = job;
 		} else {
-			answer.cold = s->devices->code.refused;
+			answer.cold = refused_for(s, job);
 			job_destroy(s, job);
 		}
 	}
@@ -269,7 +278,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	else if (step(s, job, m->budget_us, &result, &answer.error) == STATUS_OK)
 		answer.error = (struct error){.code = STATUS_OK};
 	else
-		answer.cold = s->devices->code.refused;
+		answer.cold = refused_for(s, job);
 	answer.samples_done = result.samples_done;
 	answer.finished = result.finished;
 	answer.reached = result.reached;
