@@ -8,6 +8,7 @@ import unittest
 import make
 import wire
 from render import CANDIL, Daemon
+from wire import pb
 
 ROUNDS = 20 * int(os.environ.get("CANDIL_SOAK", "1"))
 SANITIZE = os.environ.get("CANDIL_SANITIZE") == "1"
@@ -42,7 +43,11 @@ class Soak(unittest.TestCase):
         stats = alone()
         pids = {"daemon": daemon.process.pid, "worker": stats.worker_pid}
 
+        # The worker carries out one order after the other: once it has drawn this it has let go of what was given up before.
+        connection.follow(connection.send(wire.RENDER, pb.Render(scene="kept", width=8, height=8, samples=1, technique=pb.TECHNIQUE_PT)))
+
         def held():
+            stats = connection.stats()
             return {**{f"{n} descriptors": wire.descriptors(p) for n, p in pids.items()}, "device bytes": stats.device_bytes,
                     "scenes": stats.scenes, "buffered": stats.buffered_bytes}
         # Nor does the worker close an image in the moment in which it has sent it.

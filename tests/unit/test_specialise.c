@@ -47,7 +47,7 @@ static size_t specialised(const uint32_t *code, size_t bytes, uint32_t on)
 	assert_non_null(out);
 	assert_true(spec_constants(code, bytes / sizeof *code) > 0);
 	assert_int_equal(spec_constants(out, out_bytes / sizeof *out), 0);
-	const spv_context context = spvContextCreate(SPV_ENV_VULKAN_1_2);
+	struct spv_context_t *context = spvContextCreate(SPV_ENV_VULKAN_1_2);
 	struct spv_const_binary_t binary = {out, out_bytes / sizeof *out};
 	assert_int_equal(spvValidate(context, &binary, NULL), SPV_SUCCESS);
 	spvContextDestroy(context);
