@@ -5,9 +5,8 @@
 #include "server/front/session.h"
 #include "server/front/share.h"
 
-void job_compile_first(struct jobs *jobs, struct job *job, uint64_t code)
+void job_compile_first(struct job *job, uint64_t code)
 {
-	(void)jobs;
 	job->compile = job->code == code;
 	job->compiling = !job->compile;
 	job->code = code;

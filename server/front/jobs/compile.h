@@ -10,7 +10,7 @@
 #include "server/front/jobs/table.h"
 
 // The worker refuses a job for want of this code: it waits, or will have it compiled by the worker.
-void job_compile_first(struct jobs *jobs, struct job *job, uint64_t code);
+void job_compile_first(struct job *job, uint64_t code);
 
 // Start compilers for jobs that wait for one, as far as there are any free.
 void jobs_compile_next(struct jobs *jobs);

@@ -151,7 +151,7 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 	// No END is sent: the worker has no job whose BEGIN failed.
 	job->state = JOB_WAITING;
 	if (begun->cold && !may_compile(jobs, job)) {
-		job_compile_first(jobs, job, begun->cold);
+		job_compile_first(job, begun->cold);
 		return;
 	}
 	if (begun->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
@@ -162,16 +162,14 @@ void jobs_begun(struct jobs *jobs, uint32_t id, const struct ipc_begun *begun)
 	jobs_fail(jobs, job, &begun->error);
 }
 
-// An active job lacks memory that other jobs have now. It gives back what it has and begins again after one of them has
-// ended. It does so under another number, because a preview of its first attempt may still come.
-static void wait_for_memory(struct jobs *jobs, struct job *job)
+// An active job cannot go on now. It gives back what it has of the device and will begin again, under another number,
+// because a preview of its first attempt may still come.
+static void give_back(struct jobs *jobs, struct job *job)
 {
 	worker_end(jobs->worker, job->id);
 	jobs_let_others_try(jobs);
 	job_begin_again(jobs, job);
 	job->id = jobs_new_id(jobs);
-	job->short_of_memory = true;
-	job->refusals++;
 }
 
 void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *stepped)
@@ -198,15 +196,15 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		job->sweep->device_us += device_us;
 	}
 	if (stepped->error.code == STATUS_MEMORY && device_busy(jobs, job)) {
-		wait_for_memory(jobs, job);
+		// Other jobs have it now: it begins again after one of them has ended.
+		give_back(jobs, job);
+		job->short_of_memory = true;
+		job->refusals++;
 		return;
 	}
 	if (stepped->cold && !may_compile(jobs, job)) {
-		worker_end(jobs->worker, job->id);
-		jobs_let_others_try(jobs);
-		job_begin_again(jobs, job);
-		job->id = jobs_new_id(jobs);
-		job_compile_first(jobs, job, stepped->cold);
+		give_back(jobs, job);
+		job_compile_first(job, stepped->cold);
 		return;
 	}
 	if (stepped->error.code != STATUS_OK) {
