@@ -327,6 +327,8 @@ class Losses(unittest.TestCase):
                     "buffered": stats.buffered_bytes, "connections": stats.connections, "device": stats.device_bytes,
                     "children": len(os.listdir(f"/proc/{self.daemon.process.pid}/task")), "processes": children_of(self.daemon.process.pid),
                     "files": sorted(os.listdir(self.daemon.folder))}
+        # What a quote wanted compiled is compiled to its end, whoever lost interest.
+        wire.wait_for(lambda: children_of(self.daemon.process.pid) == 1, "compilers and loaders have ended")
         looks = [look()]
         while looks[-5:] != looks[-1:] * 5:
             time.sleep(.05)
