@@ -2,6 +2,7 @@
 
 #include <sys/epoll.h>
 
+#include "protocol/names.h"
 #include "server/base/clock.h"
 #include "server/base/ipc.h"
 #include "server/base/log.h"
@@ -57,6 +58,25 @@ void compiler_init(struct compiler *c, struct worker *worker, compiler_done *don
 	child_init(&c->child);
 }
 
+// A side of the least picture that needs the same code. A software driver's is another for textures whose sides are powers
+// of two (worker/gl/texture.c), and some are half as large as the picture, rounded up: neither may change.
+static uint32_t least_side(uint32_t side)
+{
+	const bool whole = (side & (side - 1)) == 0, half = (side & (side + 1)) == 0;
+	const uint32_t least = whole ? 8 : half ? 15 : 12;
+	return side < least ? side : least;
+}
+
+// A picture of this size is nobody's, and would take the device's memory. Some options of techniques without noise are about
+// sides: pictures with these stay as they are.
+static void make_small(candil_Render *render)
+{
+	if (render->options_count > 0 && !(technique_traits(render->technique) & TECHNIQUE_NOISE))
+		return;
+	render->width = least_side(render->width);
+	render->height = least_side(render->height);
+}
+
 // All of it fits a socket's buffer, so nothing waits for the process to start.
 static enum status give_orders(const struct compiler *c, const struct scene *scene, const struct scene *environment,
 			       const candil_Render *render, uint32_t pilot_us, struct error *err)
@@ -69,12 +89,13 @@ static enum status give_orders(const struct compiler *c, const struct scene *sce
 		const struct ipc_scene message = {.head = {.op = IPC_SCENE}, .scene = both[i]->id};
 		status = ipc_send(c->child.socket, &message, sizeof message, both[i]->blob, err);
 	}
-	const struct ipc_begin begin = {.head = {.op = IPC_BEGIN, .job = 1},
-					.scene = scene->id,
-					.environment = environment ? environment->id : 0,
-					.render = *render,
-					.end_us = UINT64_MAX,
-					.compile = true};
+	struct ipc_begin begin = {.head = {.op = IPC_BEGIN, .job = 1},
+				  .scene = scene->id,
+				  .environment = environment ? environment->id : 0,
+				  .render = *render,
+				  .end_us = UINT64_MAX,
+				  .compile = true};
+	make_small(&begin.render);
 	const struct ipc_pilot pilot = {.head = {.op = IPC_PILOT, .job = 1},
 					.scene = begin.scene,
 					.environment = begin.environment,

@@ -1,7 +1,11 @@
 // A process that compiles the shader code of one job, so that the worker can go on with others: code that no driver has seen
 // before takes seconds, on a busy machine minutes. It is candil-worker once more, run with --compile: it gets the scene and
 // the job, begins it, and exits when all code is compiled. What comes of it is the driver's cache, where the worker then
-// finds the code. One that was ended from outside has compiled nothing, and the worker compiles for itself.
+// finds the code. One that was ended from outside, or found no memory, has compiled nothing, and the worker compiles for
+// itself.
+//
+// What it takes of the device is within the memory budget: of what the worker leaves when it starts it has one part in
+// LIMIT_COMPILERS, and its picture is the least that needs the same code.
 //
 // For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_COMPILER_H

@@ -529,8 +529,11 @@ enum status worker_command(struct worker *worker, bool compile, struct worker_co
 	if (length < 0 || (size_t)length >= sizeof c->program)
 		return error_set(err, STATUS_INTERNAL, "the path of candil-worker is too long");
 	c->argv[count++] = c->program;
-	if (compile)
+	if (compile) {
+		snprintf(c->taken, sizeof c->taken, "%llu", (unsigned long long)(worker->held.device_bytes >> 20));
 		c->argv[count++] = compile_option;
+		c->argv[count++] = c->taken;
+	}
 	if (o->device) {
 		snprintf(c->device, sizeof c->device, "%s", o->device);
 		c->argv[count++] = device_option;

@@ -142,8 +142,8 @@ void worker_end(struct worker *worker, uint32_t job);
 
 // How a worker is started: the program, and its device and budget.
 struct worker_command {
-	char program[PATH_MAX], device[128], budget[16];
-	char *argv[8 + 2 * DEVICES_AVOIDED]; // into this struct, the worker and static storage; ended by NULL
+	char program[PATH_MAX], device[128], budget[16], taken[24];
+	char *argv[9 + 2 * DEVICES_AVOIDED]; // into this struct, the worker and static storage; ended by NULL
 };
 
 // The command of this worker; `compile`: of a process that compiles for it (compiler.h). STATUS_INTERNAL: a path is too

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "protocol/limits.h"
 #include "server/base/ipc.h"
 #include "server/base/library.h"
 #include "server/base/log.h"
@@ -18,7 +19,7 @@
 
 static const char usage[] =
     "usage: candil-worker [--device N|UUID|cpu] [--require-gpu] [--memory-budget MIB] [--avoid KEY]…\n"
-    "       candil-worker --compile [--device …] …  compile the code of one job, and exit\n"
+    "       candil-worker --compile MIB …           compile the code of one job, and exit: MIB of the budget are taken\n"
     "       candil-worker --doctor [--device …]     list the devices as JSON\n"
     "       candil-worker --libraries               only link what pictures need\n"
     "candild starts this program; it serves the descriptor that candild leaves it.\n";
@@ -26,18 +27,16 @@ static const char usage[] =
 struct settings {
 	struct device_options device;
 	bool doctor, libraries, compile;
+	uint64_t taken; // bytes of the budget that others have
 };
 
 static bool parse(int argc, char **argv, struct settings *out)
 {
-	static const struct option longs[] = {{"device", required_argument, NULL, 'd'},
-					      {"require-gpu", no_argument, NULL, 'g'},
-					      {"memory-budget", required_argument, NULL, 'm'},
-					      {"doctor", no_argument, NULL, 'D'},
-					      {"avoid", required_argument, NULL, 'a'},
-					      {"libraries", no_argument, NULL, 'L'},
-					      {"compile", no_argument, NULL, 'c'},
-					      {NULL, 0, NULL, 0}};
+	static const struct option longs[] = {
+	    {"device", required_argument, NULL, 'd'},        {"require-gpu", no_argument, NULL, 'g'},
+	    {"memory-budget", required_argument, NULL, 'm'}, {"doctor", no_argument, NULL, 'D'},
+	    {"avoid", required_argument, NULL, 'a'},         {"libraries", no_argument, NULL, 'L'},
+	    {"compile", required_argument, NULL, 'c'},       {NULL, 0, NULL, 0}};
 	int c;
 	while ((c = getopt_long(argc, argv, "", longs, NULL)) != -1) {
 		char *end;
@@ -66,6 +65,9 @@ static bool parse(int argc, char **argv, struct settings *out)
 			break;
 		case 'c':
 			out->compile = true;
+			out->taken = strtoull(optarg, &end, 10) << 20;
+			if (*end || end == optarg)
+				return false;
 			break;
 		default:
 			return false;
@@ -78,6 +80,12 @@ static int link_libraries(void)
 {
 	struct error err;
 	return codec_open(&err) ? 0 : library_missing("candil-worker", &err);
+}
+
+// What is left of the budget is for all that may compile at a time.
+static void share_budget(struct device *device, uint64_t taken)
+{
+	device->budget = device->budget > taken ? (device->budget - taken) / LIMIT_COMPILERS : 0;
 }
 
 int main(int argc, char **argv)
@@ -108,6 +116,8 @@ int main(int argc, char **argv)
 		code_list_open(&devices.code, fence.cache_writable ? fence.cache : "", devices.vk->info.name);
 		devices.vk->code = &devices.code;
 	}
+	if (devices.vk && settings.compile)
+		share_budget(devices.vk, settings.taken);
 	enum status s = settings.compile ? serve_compiling(IPC_FD, &devices) : serve(IPC_FD, &devices, &err);
 	devices_finish(&devices);
 	return s == STATUS_OK ? 0 : 1;

@@ -22,6 +22,7 @@
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
+//   FAKE_HELD=N        have N bytes of the device more than jobs take
 //   FAKE_COLD=DIR      refuse renders and pilots of seed 7, or from 1000 on, for want of code until there is DIR/compiled,
 //   in BEGIN or, with FAKE_COLD_STEP, in
 //                      the second step. With --compile: add a byte to DIR/compilers, wait for DIR/go, make DIR/compiled and
@@ -82,7 +83,8 @@ static unsigned long active(void)
 // A job holds 1000 bytes of the device.
 static void tell_state(void)
 {
-	const struct ipc_state state = {.head = {.op = IPC_STATE}, .device_bytes = active() * 1000};
+	const struct ipc_state state = {.head = {.op = IPC_STATE},
+					.device_bytes = active() * 1000 + fake_number("FAKE_HELD", 0)};
 	answer(&state, sizeof state, -1);
 }
 
@@ -134,9 +136,33 @@ static uint64_t cold(const candil_Render *render)
 	return cold_path(path, "compiled") && needs && access(path, F_OK) != 0 ? render->seed : 0;
 }
 
-static int compile(void)
+// What is to be compiled, and how much of the device is taken, in words, to DIR/asked.
+static void tell_asked(const char *taken)
+{
+	static union {
+		struct ipc_begin begin;
+		uint8_t space[IPC_MAX_BYTES];
+	} inbox;
+	char path[4096];
+	size_t bytes;
+	int fd;
+	do {
+		if (ipc_receive(IPC_FD, &inbox, sizeof inbox, &bytes, &fd, NULL) != STATUS_OK || bytes == 0)
+			exit(4);
+		if (fd >= 0)
+			close(fd);
+	} while (inbox.begin.head.op == IPC_SCENE);
+	FILE *file = inbox.begin.head.op == IPC_BEGIN && cold_path(path, "asked") ? fopen(path, "we") : NULL;
+	if (file) {
+		fprintf(file, "%ux%u %s\n", inbox.begin.render.width, inbox.begin.render.height, taken);
+		fclose(file);
+	}
+}
+
+static int compile(const char *taken)
 {
 	char path[4096];
+	tell_asked(taken);
 	const char *wrong = getenv("FAKE_COMPILER") ? getenv("FAKE_COMPILER") : "";
 	FILE *file = cold_path(path, "compilers") ? fopen(path, "ae") : NULL;
 	if (!file || fputc('x', file) == EOF || fclose(file) != 0)
@@ -405,8 +431,8 @@ int main(int argc, char **argv)
 	} inbox;
 	if (getenv("FAKE_EXIT"))
 		return 3;
-	if (argc > 1 && !strcmp(argv[1], "--compile"))
-		return compile();
+	if (argc > 2 && !strcmp(argv[1], "--compile"))
+		return compile(argv[2]);
 	const bool inherited = fake_inherited(IPC_FD);
 	if (getenv("FAKE_TRACE")) {
 		trace = fopen(getenv("FAKE_TRACE"), "ae");

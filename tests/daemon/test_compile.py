@@ -114,6 +114,28 @@ class Compiled(ColdCase):
         self.begin_cold(self.with_box())  # and FakeCase.stop looks at its end
 
 
+class WithinItsShare(ColdCase):
+    environment = {"FAKE_HELD": str(5 << 20)}
+
+    def test_a_large_picture_is_compiled_as_a_small_one(self):
+        """Of sides that are powers of two, or whose halves are, or neither, each as it was: code may differ by that alone."""
+        pt, direct, option = pb.TECHNIQUE_PT, pb.TECHNIQUE_DIRECT, pb.Option(name="direct.rows", value="64")
+        for asked, least, fields in (((4096, 4095), "8x15", dict(technique=pt)), ((1280, 5), "12x5", dict(technique=direct)),
+                                     ((1280, 8), "12x8", dict(technique=pt, options=[pb.Option(name="pt.depth", value="2")])),
+                                     ((1280, 720), "1280x720", dict(technique=direct, options=[option]))):
+            with self.subTest(asked):
+                for name in filter(os.path.exists, map(self.path, ("compilers", "compiled", "go"))):
+                    os.remove(name)
+                connection = self.with_box()
+                connection.follow(connection.send(wire.RENDER, render()))
+                self.begin_cold(connection, width=asked[0], height=asked[1], **fields)
+                with open(self.path("asked")) as file:
+                    self.assertEqual(file.read().split(), [least, "5"])  # MiB that the worker says it has
+                connection.close()
+                self.go()
+                wire.wait_for(lambda: os.path.exists(self.path("compiled")), "it has compiled")
+
+
 class ForAPilot(ColdCase):
     def quote(self, connection):
         job = connection.send(wire.QUOTE, pb.Quote(render=render(seed=COLD), pilot_ms=10))

@@ -34,7 +34,13 @@ class Cold(unittest.TestCase):
 
     @staticmethod
     def ask(connection, technique):
-        return connection.send(wire.RENDER, pb.Render(scene="room", width=16, height=16, samples=1, technique=technique))
+        return connection.send(wire.RENDER, pb.Render(scene="room", width=127, height=100, samples=1, technique=technique))
+
+    def read_log(self, daemon):
+        """What a small picture has had compiled is all that a larger one needs: the worker compiles nothing."""
+        log = daemon.read_log()
+        self.assertNotIn("the worker compiles", log)
+        return log
 
     def test_it_is_compiled_beside_the_worker(self):
         with self.daemon() as daemon:
@@ -53,7 +59,7 @@ class Cold(unittest.TestCase):
                 self.assertGreater(done.body.cold_us, 0)
                 self.assertEqual(done.body.non_finite_samples, 0)
                 self.assertEqual(one.follow(self.ask(one, pb.TECHNIQUE_PT))[-1].body.cold_us, 0)
-            self.assertIn("compiler of", daemon.read_log())
+            self.assertIn("compiler of", self.read_log(daemon))
         # What has been compiled once is found by the next daemon, which makes it in moments and needs no compiler.
         with self.daemon() as daemon:
             daemon.candil("load", self.scene, "--name", "room")
@@ -61,6 +67,19 @@ class Cold(unittest.TestCase):
                 for technique in (pb.TECHNIQUE_PT, pb.TECHNIQUE_DIRECT):
                     self.assertEqual(one.follow(self.ask(one, technique))[-1].kind, wire.DONE)
             self.assertNotIn("compiler of", daemon.read_log())
+
+    def test_it_takes_no_more_than_its_share_of_the_budget(self):
+        with self.daemon("--scene", f"room={self.scene}", "--memory-budget", "24") as daemon, wire.Connection(daemon.socket) as one:
+            # With an option it is compiled as it is, and takes more than a third of what there is: the worker finds no code.
+            render = pb.Render(scene="room", width=512, height=512, samples=1, technique=pb.TECHNIQUE_DIRECT,
+                               options=[pb.Option(name="direct.samples", value="1")])
+            replies = one.follow(one.send(wire.RENDER, render))
+            self.assertEqual(replies[-1].kind, wire.DONE, replies[-1])
+            accepted = next(reply.body for reply in replies if reply.kind == wire.ACCEPTED)
+            self.assertGreater(accepted.job_bytes, 8 << 20)
+            log = daemon.read_log()
+            self.assertIn("compiler of", log)
+            self.assertIn("the worker compiles", log)
 
     def test_a_refusal_for_code_is_not_the_next_ones(self):
         """Code that a job had to wait for is forgotten with it: what is wrong with another request is told at once."""
@@ -78,6 +97,7 @@ class Cold(unittest.TestCase):
                 render = pb.Render(scene="room", width=512, height=512, samples=1, technique=technique)
                 done = one.follow(one.send(wire.RENDER, render))[-1]
                 self.assertEqual((done.kind, done.body.cold_us), (wire.DONE, 0), done)
+            self.assertIn("compiler of", self.read_log(daemon))
 
 
 if __name__ == "__main__":

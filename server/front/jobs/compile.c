@@ -8,6 +8,8 @@
 void job_compile_first(struct job *job, uint64_t code)
 {
 	job->compile = job->code == code;
+	if (job->compile)
+		log_line(LOG_INFO, "job %u: the worker compiles %016llx", job->id, (unsigned long long)code);
 	job->compiling = !job->compile;
 	job->code = code;
 	job->cold_us = job->again_us;
