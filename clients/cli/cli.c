@@ -19,7 +19,7 @@ const char cli_exit_codes[] =
     "  3  cannot connect, or the connection was lost\n"
     "  4  the scene: not found, not readable, refused\n"
     "  5  the device: none that is usable, or it failed\n"
-    "  6  memory: the job does not fit\n"
+    "  6  memory: the job does not fit, or a limit (ulimit -v) leaves too little\n"
     "  7  the deadline of --time passed: the best picture by then is written, if there was one\n"
     "  8  cancelled (Ctrl-C)\n"
     "  9  the worker process was lost, and the retry too\n";

@@ -23,6 +23,9 @@ static enum exit_code run_compare(struct cli *cli, const struct command *self, i
 	arguments[count] = NULL;
 	if (argc == 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0))
 		return cli_help(self);
+	struct candil_error error;
+	if (!program_has_room("candil-compare", &error))
+		return cli_fail(cli, &error, stdout);
 	if (program_libexec("candil-compare", path, sizeof(path)))
 		execv(path, arguments);
 	fprintf(stderr, "candil: cannot run candil-compare: %s; candil doctor says where it should be\n", strerror(errno));

@@ -11,8 +11,10 @@
 #include <unistd.h>
 
 #include "clients/cli/interrupt.h"
+#include "clients/libcandil/error.h"
 #include "server/base/clock.h"
 #include "server/base/pulse.h"
+#include "server/base/room.h"
 
 // The folder of this executable.
 static bool own_folder(char *path, size_t capacity)
@@ -46,6 +48,16 @@ void program_daemon(char *path, size_t capacity)
 			return;
 	}
 	snprintf(path, capacity, "candild");
+}
+
+bool program_has_room(const char *name, struct candil_error *error)
+{
+	const uint64_t limit = room_limit_mib();
+	if (limit == 0 || limit << 20 >= ROOM_IMAGES_BYTES)
+		return true;
+	error_set(error, CANDIL_STATUS_MEMORY, "there is no room to start %s", name);
+	room_advise(error->text, sizeof(error->text));
+	return false;
 }
 
 int program_start(char *const argv[], posix_spawn_file_actions_t *actions, int kept, bool own_group, pid_t *pid)

@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <sys/types.h>
 
+#include "clients/libcandil/candil.h"
+
 #define PROGRAM_PATH 4096
 
 // The path of a program in libexec/candil, whether or not it exists. false: the place of this executable is unknown, or the
@@ -16,6 +18,10 @@ bool program_libexec(const char *name, char *path, size_t capacity);
 
 // The path of candild beside this executable; if there is none, the bare name, which is looked for in PATH.
 void program_daemon(char *path, size_t capacity);
+
+// Is there room, under a limit of address space, for a program that links the image library? It would crash without. On
+// failure `error` says what to do.
+bool program_has_room(const char *name, struct candil_error *error);
 
 // Start a program, which is looked for in PATH if argv[0] has no slash, without the interrupts that are held back here.
 // After `actions`, which is the caller's to destroy, its standard input is empty, and of other descriptors it has `kept`

@@ -56,6 +56,11 @@ static void run_program(struct study *study, char *path)
 {
 	static char out[4096], err[4096];
 	char *argv[] = {path, study->folder, NULL};
+	struct candil_error error;
+	if (!program_has_room(REPORT_PROGRAM, &error)) {
+		snprintf(study->report_why, sizeof(study->report_why), "%s", error.text);
+		return;
+	}
 	const double most = REPORT_LEAST_MS + REPORT_FACTOR * 1000 * study_predict_report(study);
 	progress_say(&study->job.progress, "writing the report");
 	const struct program_time time = {.still_ms = 1000 * LIMIT_HANG_SECONDS, .work_ms = (unsigned)fmin(most, INT_MAX)};

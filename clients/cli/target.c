@@ -16,6 +16,7 @@
 #include "clients/cli/scene_options.h"
 #include "clients/libcandil/error.h"
 #include "protocol/limits.h"
+#include "server/base/room.h"
 
 #define PRIVATE_FD 3
 #define ANSWER_MS (1000u * LIMIT_HANG_SECONDS)
@@ -66,6 +67,11 @@ static int spawn_private(int fd, pid_t *pid)
 static candil_status connect_private(struct target *target, struct candil_error *error)
 {
 	int ends[2];
+	if (room_limit_mib() > 0 && room_limit_mib() < ROOM_LEAST_MIB) {
+		error_set(error, CANDIL_STATUS_MEMORY, "there is no room to start a daemon for this call");
+		room_advise(error->text, sizeof(error->text));
+		return CANDIL_STATUS_MEMORY;
+	}
 	if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
 		return error_set(error, CANDIL_STATUS_CONNECT, "cannot make a socket pair: %s", strerror(errno));
 	int failure = spawn_private(ends[1], &target->private_daemon);
@@ -78,7 +84,9 @@ static candil_status connect_private(struct target *target, struct candil_error 
 	}
 	candil_status status = candil_connect_fd(ends[0], &target->client, error);
 	if (status == CANDIL_STATUS_CONNECT)
-		error_set(error, status, "candild was started for this call but ended at once; candil doctor may say why");
+		error_set(
+		    error, status,
+		    "candild was started for this call but ended at once: its reason is above, or candil doctor may say it");
 	return status;
 }
 

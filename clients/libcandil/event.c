@@ -79,7 +79,8 @@ static bool image_append(candil_client *client, struct request *request, const s
 		return false;
 	}
 	if (!image_reserve(image, image->filled + header->length)) {
-		connection_break(&client->connection, CANDIL_STATUS_MEMORY, "out of memory for an image of %llu bytes",
+		connection_break(&client->connection, CANDIL_STATUS_MEMORY,
+				 "out of memory for an image of %llu bytes: free some, or raise a limit (ulimit -v)",
 				 (unsigned long long)image->frame.bytes);
 		return false;
 	}

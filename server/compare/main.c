@@ -6,10 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "server/base/room.h"
 #include "server/compare/gallery.h"
 #include "server/compare/report.h"
 
-enum exit_code { EXIT_COMPARED = 0, EXIT_COULD_NOT = 1, EXIT_USAGE = 2 };
+enum exit_code { EXIT_COMPARED = 0, EXIT_COULD_NOT = 1, EXIT_USAGE = 2, EXIT_MEMORY = 6 }; // as candil's
 
 struct arguments {
 	const char *a, *b;
@@ -36,7 +37,7 @@ static const char usage[] =
     "                          and the maps of each beside B; the printed figures stay those of A and B\n"
     "  --json                  print one JSON object\n"
     "\n"
-    "Exit status: 0 compared, 1 could not compare, 2 wrong arguments.\n";
+    "Exit status: 0 compared, 1 could not compare, 2 wrong arguments, 6 no memory to compare.\n";
 
 static bool parse_radiance(const char *text, double *value)
 {
@@ -149,10 +150,13 @@ int main(int argc, char **argv)
 		return ended - 1;
 	struct error err;
 	if (compare(&args, &err) != STATUS_OK) {
+		const bool memory = err.code == STATUS_MEMORY;
+		if (memory)
+			room_advise(err.text, sizeof err.text);
 		fprintf(stderr, "candil-compare: %s\n", err.text);
 		if (args.json)
-			report_print_failure(&err, EXIT_COULD_NOT);
-		return EXIT_COULD_NOT;
+			report_print_failure(&err, memory ? EXIT_MEMORY : EXIT_COULD_NOT);
+		return memory ? EXIT_MEMORY : EXIT_COULD_NOT;
 	}
 	return EXIT_COMPARED;
 }

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 extern "C" {
@@ -146,6 +147,10 @@ template <typename Body> status guarded(const char *what, error *err, Body body)
 		return body();
 	} catch (const std::bad_alloc &) {
 		return error_set(err, STATUS_MEMORY, "no memory for %s", what);
+	} catch (const std::system_error &e) {
+		const bool thread = e.code() == std::errc::resource_unavailable_try_again; // could not be started
+		return thread ? error_set(err, STATUS_MEMORY, "no memory for %s", what)
+			      : error_set(err, STATUS_IO, "%s: %s", what, e.what());
 	} catch (const std::exception &e) {
 		return error_set(err, STATUS_IO, "%s: %s", what, e.what());
 	} catch (...) {

@@ -6,6 +6,7 @@
 
 #include "protocol/limits.h"
 #include "server/base/log.h"
+#include "server/base/room.h"
 #include "server/front/channel.h"
 
 // What the daemon has open of its own, at most, beside what was open when it started.
@@ -74,6 +75,11 @@ enum status capacity_init(struct capacity *capacity, struct error *err)
 	struct rlimit limit;
 	const unsigned own = DAEMONS_OWN + count_open();
 	const rlim_t wanted = own + capacity_descriptors(&all);
+	if (room_limit_mib() > 0 && room_limit_mib() < ROOM_LEAST_MIB) {
+		error_set(err, STATUS_MEMORY, "loader and worker have no room to start");
+		room_advise(err->text, sizeof err->text);
+		return STATUS_MEMORY;
+	}
 	if (getrlimit(RLIMIT_NOFILE, &limit) != 0)
 		return error_errno(err, STATUS_INTERNAL, "cannot tell how many descriptors there may be");
 	if (limit.rlim_cur < wanted) {

@@ -25,7 +25,8 @@ unsigned capacity_descriptors(const struct capacity *capacity);
 bool capacity_divide(struct capacity *capacity, unsigned descriptors);
 
 // Raise the process's soft limit of descriptors as far as is of use and allowed, and divide what it allows. It tells the
-// log if that is less than the daemon's own limits, and how to mend it. Failure: STATUS_LIMIT, too few to serve anybody.
+// log if that is less than the daemon's own limits, and how to mend it. Failure: STATUS_LIMIT, too few to serve anybody;
+// STATUS_MEMORY, a limit of address space in which no child could be linked.
 enum status capacity_init(struct capacity *capacity, struct error *err);
 
 #endif

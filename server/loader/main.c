@@ -21,6 +21,7 @@
 #include "server/base/ipc.h"
 #include "server/base/library.h"
 #include "server/base/log.h"
+#include "server/base/room.h"
 #include "server/loader/describe.h"
 #include "server/loader/files.h"
 #include "server/loader/load.h"
@@ -139,18 +140,29 @@ static bool copy_blob(int fd, FILE *out)
 	return good && n == 0 && fflush(out) == 0;
 }
 
+// Without the room for the decoder nothing is read; else the file is. A limit of address space may be why memory was short,
+// unless it is the one that every loader has (sandbox.c).
+static void load(struct arguments *a, struct ipc_loaded *loaded, int *fd)
+{
+	*fd = -1;
+	if (loaded->error.code == STATUS_OK)
+		loaded->error.code = load_scene(&a->load, &loaded->info, &loaded->remarks, fd, &loaded->error);
+	if (loaded->error.code == STATUS_MEMORY && room_limit_mib() < LIMIT_LOADER_BYTES >> 20)
+		room_advise(loaded->error.text, sizeof loaded->error.text);
+}
+
 static int describe_in_sandbox(struct arguments *a, struct ipc_loaded *loaded, FILE *blob)
 {
 	int fd;
 	struct fence_report report;
 	confine(a->load.dir, a->load.file, &report);
-	const enum status status = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
+	load(a, loaded, &fd);
 	if (a->load.wants_decoder) {
 		fputs("candil-loader: the scene has images: add --images\n", stderr);
 		return EXIT_IMAGES;
 	}
-	if (status != STATUS_OK) {
-		fprintf(stderr, "candil-loader: %s: %s\n", status_name(status), loaded->error.text);
+	if (loaded->error.code != STATUS_OK) {
+		fprintf(stderr, "candil-loader: %s: %s\n", status_name(loaded->error.code), loaded->error.text);
 		return EXIT_FAILURE;
 	}
 	bool good = describe_print(&loaded->info);
@@ -192,7 +204,7 @@ static int serve(struct arguments *a, struct ipc_loaded *loaded)
 	confine(a->load.dir, a->load.file, &report);
 	loaded->head.op = IPC_LOADED;
 	snprintf(loaded->build, sizeof loaded->build, "%s", ipc_build());
-	loaded->error.code = load_scene(&a->load, &loaded->info, &loaded->remarks, &fd, &loaded->error);
+	load(a, loaded, &fd);
 	loaded->wants_images = a->load.wants_decoder;
 	if (ipc_send(IPC_FD, loaded, sizeof *loaded, fd, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "the front did not take the scene: %s", err.text);
@@ -215,7 +227,8 @@ int main(int argc, char **argv)
 	int result;
 	if (!arguments.describe && !ipc_end_with_parent(IPC_FD))
 		result = EXIT_FAILURE;
-	else if (arguments.images && !(arguments.load.decoder = image_decoder_open(&loaded->error)))
+	else if (arguments.images && !(arguments.load.decoder = image_decoder_open(&loaded->error)) &&
+		 loaded->error.code != STATUS_MEMORY)
 		result = library_missing("candil-loader", &loaded->error);
 	else
 		result = arguments.describe ? describe(&arguments, loaded) : serve(&arguments, loaded);

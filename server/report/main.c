@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "server/base/replace.h"
+#include "server/base/room.h"
 #include "server/report/hard.h"
 #include "server/report/page.h"
 
@@ -173,6 +174,8 @@ int main(int argc, char **argv)
 	args.folder = argv[optind];
 	if (report(&args, &err) == STATUS_OK)
 		return EXIT_REPORTED;
+	if (err.code == STATUS_MEMORY)
+		room_advise(err.text, sizeof err.text);
 	fprintf(stderr, "candil-report: %s\n", err.text);
 	return EXIT_COULD_NOT;
 }

@@ -16,6 +16,7 @@
 #include "server/base/clock.h"
 #include "server/base/ipc.h"
 #include "server/base/log.h"
+#include "server/base/room_need.h"
 #include "server/worker/devices.h"
 #include "server/worker/gl/device.h"
 #include "server/worker/gl/settle.h"
@@ -209,6 +210,9 @@ static enum status begin(struct server *s, const struct ipc_begin *m, struct job
 	const uint64_t bytes = job->technique->bytes(s->devices, job->scene, &job->plan);
 	if (bytes > budget)
 		return refuse_size(s, job, bytes, budget, err);
+	r = room_need(ROOM_WORK_BYTES + (s->devices->vk->info.software ? bytes : 0), "the job", err);
+	if (r != STATUS_OK)
+		return r;
 	const uint64_t open_us = s->devices->open_us;
 	do {
 		s->devices->vk->wanted = 0;
@@ -262,7 +266,9 @@ static enum status step(struct server *s, struct job *job, uint32_t budget_us, s
 	allow_compiling(s, job->compile);
 	do {
 		s->devices->vk->wanted = 0;
-		r = job->technique->step(job->work, budget_us, result, err);
+		r = room_need(ROOM_WORK_BYTES, "the job", err);
+		if (r == STATUS_OK)
+			r = job->technique->step(job->work, budget_us, result, err);
 	} while (r == STATUS_MEMORY && make_room(s));
 	return r;
 }
@@ -493,7 +499,9 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 		return err->code;
 	}
 	const uint64_t end_us = clock_us() + m->limit_us;
-	enum status r = acquire(s, m->scene, m->environment, &m->render, job, err);
+	enum status r = room_need(ROOM_WORK_BYTES, "a look at the scene", err);
+	if (r == STATUS_OK)
+		r = acquire(s, m->scene, m->environment, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
 	// What its edits took is the pilot's, and no later job's.

@@ -86,6 +86,30 @@ class Killed(unittest.TestCase):
                 self.assertIn("File too large", done.stderr)
                 self.assertEqual(sorted(os.listdir(daemon.folder)), before)
 
+    @unittest.skipIf(os.environ.get("CANDIL_SANITIZE") == "1", "AddressSanitizer's own address space is beyond any limit")
+    def test_little_address_space(self):
+        """Every program says that, by its own exit code, and crashes at no size."""
+        def run(mebibytes, *command):
+            def limit():
+                resource.setrlimit(resource.RLIMIT_AS, (mebibytes << 20, mebibytes << 20))
+            return subprocess.run([CANDIL, *command], stdin=subprocess.DEVNULL, capture_output=True, text=True, preexec_fn=limit)
+        with Daemon() as daemon:
+            scene = make.cornell(daemon.folder)
+            pictures = [os.path.join(daemon.folder, name + ".exr") for name in "ab"]
+            daemon.candil("load", scene, "--name", "box")
+            for path in pictures:
+                daemon.candil("render", "box", "-o", path, "--size", "512x512", "--spp", "1")
+            before = sorted(os.listdir(daemon.folder))
+            out = os.path.join(daemon.folder, "out.exr")
+            for mebibytes, *command in ((16, "render", scene, "-o", out), (64, "render", scene, "-o", out), (512, "render", scene, "-o", out),
+                                        (1024, "render", scene, "-o", out), (7, "--connect", daemon.socket, "render", "box", "-o", out, "--size",
+                                        "1024x1024", "--spp", "1"), (16, "compare", *pictures), (384, "compare", *pictures)):
+                with self.subTest(f"{mebibytes} MiB: {command}"):
+                    done = run(mebibytes, *command)
+                    self.assertEqual(done.returncode, 6, done)
+                    self.assertRegex(done.stderr, r"ulimit -v.*\(memory\)")
+                    self.assertEqual(sorted(os.listdir(daemon.folder)), before)
+
 
 def is_gone(pid):
     """Dead, if nobody may have asked how yet."""

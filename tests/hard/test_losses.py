@@ -99,7 +99,9 @@ CASES = [
 OTHERS = {
     "mapped": ("a scene is mapped by the worker", "someone cuts its memory short, for a SIGBUS", "nothing changes",
                "the kernel refuses it: scenes are sealed"),
-    "memory": ("the worker begins a render", "there is no address space left for it (RLIMIT_AS)", "`memory` or `worker-lost`", AT_ONCE),
+    "memory": ("the worker begins a render", "there is no address space left for it (RLIMIT_AS)", "`memory`", AT_ONCE),
+    "little": ("the worker starts", "a limit of address space (`ulimit -v`) leaves no room for a device", "`memory`", AT_ONCE),
+    "decoder": ("the loader starts", "a limit of address space (`ulimit -v`) leaves no room for the decoder of images", "`memory`", AT_ONCE),
     "room": ("the worker encodes a picture", "a file may not become so large (RLIMIT_FSIZE)", "`memory`", AT_ONCE),
     "codec": ("the worker encodes a picture", "candil-codec.so is missing", "`encode`", AT_ONCE),
     "passed": ("the loader hands a scene over", "a hundred descriptors of the same user are on their way elsewhere", "the scene", NEVER),
@@ -396,7 +398,34 @@ class Table(Losses):
         with open(f"/proc/{self.worker()}/statm", encoding="ascii") as file:
             size = int(file.read().split()[0]) * resource.getpagesize()
         reply = self.limited(resource.RLIMIT_AS, size + 64 * MIB, width=2048, height=2048)
+        self.assert_says_limit(reply, "raise the limit")
+
+    @unittest.skipIf(SANITIZE, "its address space is no measure")
+    def test_limit_that_children_inherit(self):
+        pid, textured = self.daemon.process.pid, os.path.basename(make.textured_quad(self.scenes))
+        before = resource.prlimit(pid, resource.RLIMIT_AS)
+        resource.prlimit(pid, resource.RLIMIT_AS, (256 * MIB, before[1]))
+        reply = self.client.receive_for(self.client.send_load("textured", self.scenes, textured))
+        self.assert_says_limit(reply, "256 MiB")
+        for mib in (256, 1024):
+            resource.prlimit(pid, resource.RLIMIT_AS, (mib * MIB, before[1]))
+            self.another_worker()
+            replies = self.client.follow(self.client.send(wire.RENDER, request("box")))
+            self.assert_says_limit(replies[-1], f"{mib} MiB")
+        resource.prlimit(pid, resource.RLIMIT_AS, before)
+        self.another_worker()
+        self.assert_serves()
+        self.assertEqual(self.observer.stats().worker_starts, 4)
+
+    def another_worker(self):
+        old = self.observer.stats().worker_pid
+        os.kill(old, signal.SIGKILL)
+        wire.wait_for(lambda: self.observer.stats().worker_pid not in (0, old), "the next starts")
+
+    def assert_says_limit(self, reply, limit):
         self.assertEqual(reply.body.name, "memory", reply)
+        self.assertIn("ulimit -v", reply.body.message)
+        self.assertIn(limit, reply.body.message)
 
     def other_room(self):
         reply = self.limited(resource.RLIMIT_FSIZE, 1024, width=64, height=64)

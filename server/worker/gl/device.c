@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "server/base/log.h"
+#include "server/base/room_need.h"
 
 #define EGL_DEVICES_MAX 16
 
@@ -164,6 +165,8 @@ static void set_state(struct gl_device *d)
 
 enum status gl_device_create(const struct gl_device_options *options, struct gl_device **device, struct error *err)
 {
+	if (room_need(ROOM_GL_BYTES, "OpenGL", err) != STATUS_OK)
+		return STATUS_MEMORY;
 	struct gl_device *d = calloc(1, sizeof *d);
 	if (!d)
 		return error_set(err, STATUS_MEMORY, "out of memory");

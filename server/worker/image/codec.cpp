@@ -7,6 +7,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <system_error>
 #include <unistd.h>
 #include <vector>
 
@@ -260,6 +261,10 @@ extern "C" enum status codec_encode(const struct frame *frame, enum codec_format
 		return encode(*frame, format, view, exposure_ev, fd, bytes, err);
 	} catch (const std::bad_alloc &) {
 		return error_set(err, STATUS_MEMORY, "no memory to encode the frame; ask for a smaller one");
+	} catch (const std::system_error &e) {
+		const bool thread = e.code() == std::errc::resource_unavailable_try_again; // could not be started
+		return thread ? error_set(err, STATUS_MEMORY, "no memory to encode the frame; ask for a smaller one")
+			      : error_set(err, STATUS_ENCODE, "cannot encode the frame: %s", e.what());
 	} catch (const std::exception &e) {
 		return error_set(err, STATUS_ENCODE, "cannot encode the frame: %s", e.what());
 	} catch (...) {

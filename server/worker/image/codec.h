@@ -37,8 +37,8 @@ typedef enum status codec_function(const struct frame *frame, enum codec_format 
 // The function, for those who link it.
 codec_function codec_encode;
 
-// The same from CODEC_FILE, which stays linked. NULL on failure: STATUS_ENCODE, with what the linker says. Any
-// thread.
+// The same from CODEC_FILE, which stays linked. NULL on failure: STATUS_ENCODE, with what the linker says, or STATUS_MEMORY.
+// Any thread.
 codec_function *codec_open(struct error *err);
 
 #ifdef __cplusplus

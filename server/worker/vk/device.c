@@ -7,6 +7,8 @@
 #include <sys/sysinfo.h>
 
 #include "server/base/log.h"
+#include "server/base/room.h"
+#include "server/base/room_need.h"
 #include "shaders/shared/bindings.h"
 
 // Storage buffers of the pass that has most. Its texel buffers do not count.
@@ -15,8 +17,10 @@
 enum status device_error(VkResult result, const char *what, struct error *err)
 {
 	bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
-	return error_set(err, memory ? STATUS_MEMORY : STATUS_DEVICE, "%s failed on the device (VkResult %d)", what,
-			 (int)result);
+	error_set(err, memory ? STATUS_MEMORY : STATUS_DEVICE, "%s failed on the device (VkResult %d)", what, (int)result);
+	if (memory && err)
+		room_advise(err->text, sizeof err->text);
+	return memory ? STATUS_MEMORY : STATUS_DEVICE;
 }
 
 static VKAPI_ATTR VkBool32 VKAPI_CALL on_validation(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -42,6 +46,8 @@ static enum status instance_create(VkInstance *instance, struct error *err)
 	static const char *const layers[] = {"VK_LAYER_KHRONOS_validation"};
 	static const char *const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
 	const bool validate = validation_wanted();
+	if (room_need_device(err) != STATUS_OK)
+		return STATUS_MEMORY;
 	const VkApplicationInfo app = {
 	    .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "candil", .apiVersion = VK_API_VERSION_1_2};
 	const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
