@@ -30,6 +30,14 @@ PROLOGUE = """
 #include "tests/support/load_scene.h"
 """
 
+FACTORS = """
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "server/worker/technique/radiosity/form_factor.h"
+"""
+
 MAIN = """
 int main(int argc, char **argv)
 {
@@ -100,6 +108,8 @@ RULES = [
     Rule("server/scene/blob.h", **DEVICE, prologue=PROLOGUE, parameter="const struct blob_header *blob, size_t bytes", begin="",
          main=BLOB_MAIN),
     Rule("server/worker/scenes/shelf.h", **DEVICE, prologue="", parameter="void", begin="", main=MAIN),
+    Rule("server/worker/technique/radiosity/form_factor.h", **DEVICE, prologue=FACTORS, parameter="void", begin="",
+         main=MAIN),
     Rule("server/front/channel.h", **FRONT, prologue="", parameter="void", begin="", main=MAIN),
     Rule("server/worker/technique/technique.h", **ON_DEVICE, begin="\t(void)devices, (void)scene;\n",
          main=DEVICE_MAIN.replace("FIRST", "1")),
