@@ -176,8 +176,11 @@ static enum status find_scenes(const struct message *m, const candil_Render *ren
 {
 	enum status status = find_scene(m, render->scene, scene, err);
 	if (status == STATUS_OK)
-		status = quarantine_check(&m->service->scenes.quarantine, (*scene)->info.hash, err);
-	return status == STATUS_OK ? find_environment(m, render, environment, err) : status;
+		status = find_environment(m, render, environment, err);
+	if (status != STATUS_OK)
+		return status;
+	const struct suspects suspects = scene_suspects(*scene, *environment);
+	return quarantine_check(&m->service->scenes.quarantine, &suspects, err);
 }
 
 static enum status on_render(const struct message *m, struct error *err)

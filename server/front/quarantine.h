@@ -1,5 +1,10 @@
-// Scenes that ended workers, by content: the hash of a scene's blob. One that ended LIMIT_SCENE_LOSSES of them is
-// quarantined until the daemon ends: neither its name nor a new load of the same content may have another worker.
+// What ended workers, by content: the hashes of blobs, a scene's and that of the picture around it. What ended
+// LIMIT_SCENE_LOSSES of them is quarantined until the daemon ends: neither its name nor a new load of the same content may
+// have another worker.
+//
+// A scene and the picture around it are both under suspicion, for none can tell which of them it was. Where all losses of
+// one were beside the same other, only the two together are quarantined; a loss beside something else, or alone, tells that
+// it is this one's fault.
 //
 // For the front's one thread. A blob's hash is as its loader told, so it may be any text.
 #ifndef CANDIL_FRONT_QUARANTINE_H
@@ -12,22 +17,29 @@
 
 #define QUARANTINE_SCENES 64u // that are remembered, the latest
 
+// What a worker works on: hashes; "": there is none.
+struct suspects {
+	char scene[sizeof((candil_SceneInfo *)0)->hash], environment[sizeof((candil_SceneInfo *)0)->hash];
+};
+
 // Zeroed: none.
 struct quarantine {
 	struct {
 		char hash[sizeof((candil_SceneInfo *)0)->hash];
+		char beside[sizeof((candil_SceneInfo *)0)->hash]; // the other, in the first loss; "": there was none
+		bool beside_others; // in a later one
 		unsigned losses;
 	} scenes[QUARANTINE_SCENES];
 	unsigned count; // ever
 };
 
-// Workers that the scene ended.
-unsigned quarantine_losses(const struct quarantine *quarantine, const char *hash);
+// Have they, or has one of them, ended a worker?
+bool quarantine_knows(const struct quarantine *quarantine, const struct suspects *suspects);
 
-// It ended one more. Returns how many that makes. A scene without a hash is not remembered.
-unsigned quarantine_blame(struct quarantine *quarantine, const char *hash);
+// They ended one more. What has no hash is not remembered.
+void quarantine_blame(struct quarantine *quarantine, const struct suspects *suspects);
 
-// STATUS_SCENE_QUARANTINED, with what to do, if the scene is quarantined.
-enum status quarantine_check(const struct quarantine *quarantine, const char *hash, struct error *err);
+// STATUS_SCENE_QUARANTINED, with what to do, if one of them is quarantined, or both together are.
+enum status quarantine_check(const struct quarantine *quarantine, const struct suspects *suspects, struct error *err);
 
 #endif

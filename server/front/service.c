@@ -140,6 +140,12 @@ static const struct session_events session_events = {
 
 // ---- scenes ----------------------------------------------------------------------------------------------------------
 
+static void fail_quarantined(struct service *service)
+{
+	jobs_fail_quarantined(&service->jobs, &service->scenes.quarantine);
+	quotes_fail_quarantined(&service->quotes, &service->scenes.quarantine);
+}
+
 static void on_scene_ready(void *owner, struct scene *scene)
 {
 	struct service *service = owner;
@@ -148,6 +154,7 @@ static void on_scene_ready(void *owner, struct scene *scene)
 		scene->session->requests--;
 		reply_message(scene->session, MESSAGE_SCENE_INFO, scene->request, candil_SceneInfo_fields, &scene->info);
 	}
+	fail_quarantined(service); // what it is shows only now
 }
 
 static void on_scene_failed(void *owner, struct scene *scene, const struct error *err)
@@ -208,44 +215,37 @@ static void on_worker_piloted(void *owner, uint32_t pilot, const struct ipc_pilo
 	quotes_piloted(&service->quotes, pilot, piloted);
 }
 
-// Whose fault is it? What a driver tells is the device's. A crash or a hang may be the device's or that of the scene that
-// was worked on: it counts for the scene, and for the device unless the scene has ended a worker before. A scene under which
-// a device was given up has had its share in that.
-static void blame(struct service *service, const char *hash, enum worker_fault fault)
+// Whose fault is it? What a driver tells is the device's. A crash or a hang may be the device's or that of what was worked
+// on: it counts for the scene and the picture around it, and for the device unless one of them has ended a worker before.
+// What a device was given up over has had its share in that.
+static void blame(struct service *service, const struct suspects *suspects, enum worker_fault fault)
 {
 	struct quarantine *quarantine = &service->scenes.quarantine;
 	struct error err;
 	bool by_scene = fault == FAULT_WORK;
 	if (fault == FAULT_NONE)
 		return;
-	if (fault == FAULT_DEVICE || quarantine_losses(quarantine, hash) == 0)
+	if (fault == FAULT_DEVICE || !quarantine_knows(quarantine, suspects))
 		by_scene |= worker_blame_device(&service->worker);
 	if (!by_scene)
 		return;
-	quarantine_blame(quarantine, hash);
-	if (quarantine_check(quarantine, hash, &err) == STATUS_OK)
+	quarantine_blame(quarantine, suspects);
+	if (quarantine_check(quarantine, suspects, &err) == STATUS_OK)
 		return;
-	log_line(LOG_ERROR, "scene of hash %s: %s", hash, err.text);
-	for (struct scene *s = service->scenes.first, *next; s; s = next) {
-		scene_hold(s); // it may go with its last job
-		if (!strcmp(s->info.hash, hash)) {
-			jobs_fail_scene(&service->jobs, s, &err);
-			quotes_fail_scene(&service->quotes, s, &err);
-		}
-		next = s->next;
-		scene_release(s);
-	}
+	log_line(LOG_ERROR, "scene of hash %s, surroundings of %s: %s", suspects->scene,
+		 suspects->environment[0] ? suspects->environment : "none", err.text);
+	fail_quarantined(service);
 }
 
 static void on_worker_lost(void *owner, const struct worker_loss *loss)
 {
 	struct service *service = owner;
-	const struct scene *looked_at = quotes_worked_on(&service->quotes);
-	char hash[sizeof looked_at->info.hash];
-	snprintf(hash, sizeof hash, "%s", looked_at ? looked_at->info.hash : jobs_worked_on(&service->jobs));
+	struct suspects suspects;
+	if (!quotes_worked_on(&service->quotes, &suspects))
+		suspects = jobs_worked_on(&service->jobs);
 	jobs_worker_lost(&service->jobs, loss);
 	quotes_worker_lost(&service->quotes, loss->hopeless);
-	blame(service, hash, loss->fault);
+	blame(service, &suspects, loss->fault);
 }
 
 static const struct worker_events worker_events = {.ready = on_worker_ready,

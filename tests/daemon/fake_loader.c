@@ -1,5 +1,6 @@
 // Stands in for candil-loader. The file's first word says what to do:
 //   ok [BYTES]   a blob of BYTES (default 4096)          refuse     an error of its own
+//   sky [BYTES]  the same, a picture of surroundings
 //   sparse BYTES a blob that takes no memory             overrun    be ended for its processor time
 //   hang         nothing, for ever                       die        be killed
 //   burn US      a blob of US bytes, after so many µs      stop       itself
@@ -63,6 +64,7 @@ int main(int argc, char *argv[])
 	snprintf(loaded.info.hash, sizeof loaded.info.hash, "%.*s", (int)strcspn(orders, "\n"), orders);
 	sscanf(orders, "%31s %lu", word, &bytes);
 	describe(file);
+	loaded.info.environment_width = loaded.info.environment_height = !strcmp(word, "sky");
 	if (!strcmp(word, "hang"))
 		for (;;)
 			pause();

@@ -100,6 +100,55 @@ class Scene(LossCase):
         self.assertEqual(other.stats().device_losses, 0)
 
 
+class Surroundings(LossCase):
+    """A scene and the picture around it: none can tell at once which of them is deadly."""
+    environment = {"FAKE_DIE_SEED": str(DEADLY), "FAKE_DIE_AS": "crash"}
+
+    def with_skies(self):
+        connection = self.with_both()
+        for name in ("sky", "dusk"):
+            self.write(name + ".exr", f"sky {len(name) + 4100}")
+            connection.load(name, self.scenes, name + ".exr")
+        return connection
+
+    def under(self, connection, sky, scene="box", seed=DEADLY):
+        return self.outcome(connection, scene, seed=seed, environment=pb.Environment(scene=sky))
+
+    def test_deadly_surroundings_are_found(self):
+        connection = self.with_skies()
+        self.assertEqual(self.under(connection, "sky"), "worker-lost")
+        # It may have been either: they are kept apart, and each is served without the other.
+        self.assertEqual(self.under(connection, "sky", seed=1), "scene-quarantined")
+        quote = pb.Quote(render=render(environment=pb.Environment(scene="sky")))
+        self.assert_error(connection.ask(wire.QUOTE, quote), "scene-quarantined")
+        for ask in (lambda: self.outcome(connection), lambda: self.under(connection, "dusk", seed=1),
+                    lambda: self.under(connection, "sky", "deadly", seed=1)):
+            self.assertEqual(ask(), "done")
+        # With another scene it is the surroundings' own fault, at the first loss.
+        self.assertEqual(self.under(connection, "sky", "deadly"), "scene-quarantined")
+        self.assertEqual(self.under(connection, "sky", "deadly", seed=1), "scene-quarantined")
+        self.assert_error(connection.receive_for(connection.send_load("again", self.scenes, "sky.exr")), "scene-quarantined")
+        self.assertEqual([self.outcome(connection), self.outcome(connection, "deadly")], ["done", "done"])
+
+    def test_a_deadly_scene_is_found(self):
+        connection = self.with_skies()
+        self.assertEqual(self.under(connection, "sky", "deadly"), "worker-lost")
+        self.assertEqual(self.outcome(connection, "deadly", seed=DEADLY), "scene-quarantined")
+        self.assertEqual(self.outcome(connection, "deadly"), "scene-quarantined")
+        self.assertEqual(self.under(connection, "sky", seed=1), "done")
+
+    def test_both_are_looked_at_once_they_are_there(self):
+        connection = self.with_skies()
+        self.assertEqual(self.under(connection, "sky"), "worker-lost")
+        os.mkfifo(os.path.join(self.scenes, "slow.gltf"))
+        load = connection.send_load("again", self.scenes, "slow.gltf")
+        job = connection.send(wire.RENDER, render("again", environment=pb.Environment(scene="sky")))
+        with open(os.path.join(self.scenes, "slow.gltf"), "w") as pipe:
+            pipe.write("ok")
+        self.assertEqual(connection.receive_for(load).kind, wire.SCENE_INFO)
+        self.assert_error(connection.follow(job)[-1], "scene-quarantined")
+
+
 class Hanging(LossCase):
     environment = {"FAKE_HANG": "sleep", "FAKE_HANG_ON": "step", "FAKE_DIE_TIMES": "2"}
     arguments = ("--hang", "1")

@@ -84,7 +84,7 @@ void jobs_begin_next(struct jobs *jobs)
 	if (!job->begun_us)
 		job->begun_us = job->again_us;
 	jobs->beginning = job->id;
-	memcpy(jobs->begin_scene, job->scene->info.hash, sizeof jobs->begin_scene);
+	jobs->begun_over = scene_suspects(job->scene, job->environment);
 	jobs->begin_behind_step = jobs->stepping != 0;
 	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render,
 		     job->end_us, may_compile(jobs, job));
@@ -111,7 +111,7 @@ void jobs_step_next(struct jobs *jobs)
 	for (size_t i = 0; i < count; i++)
 		active[i]->crowded |= count > 1;
 	jobs->stepping = job->id;
-	memcpy(jobs->step_scene, job->scene->info.hash, sizeof jobs->step_scene);
+	jobs->stepped_over = scene_suspects(job->scene, job->environment);
 	jobs->held = job->id;
 	jobs->step_sent_us = clock_us();
 	worker_step(jobs->worker, job->id, job_slice_us(jobs, job));

@@ -49,8 +49,7 @@ struct jobs {
 	uint32_t stepping; // id of the job whose STEP is outstanding; the job may be gone by now; 0: none
 	uint64_t step_sent_us;
 	uint32_t beginning; // the same for BEGIN
-	char step_scene[sizeof((candil_SceneInfo *)0)->hash]; // the hash of the scene of that STEP; and of that BEGIN
-	char begin_scene[sizeof((candil_SceneInfo *)0)->hash];
+	struct suspects stepped_over, begun_over; // what that STEP is about; and that BEGIN
 	bool begin_behind_step; // both are outstanding, and the STEP was sent first
 	uint32_t held; // id of the job that had the device last; 0: none
 	struct room room; // taken by all images together
@@ -135,6 +134,9 @@ void jobs_fail_all(struct jobs *jobs, const struct session *session, const struc
 // The same for all jobs that use a scene.
 void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct error *err);
 
+// Fail all jobs over what is quarantined.
+void jobs_fail_quarantined(struct jobs *jobs, const struct quarantine *quarantine);
+
 // How many jobs use a scene, whether as their scene or as their environment.
 uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene);
 
@@ -158,8 +160,8 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 // STATUS_WORKER_LOST if it was blamed more than LIMIT_JOB_RETRIES times. If the loss is hopeless, all jobs that wait fail.
 void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss);
 
-// The hash of the scene whose order the worker carries out, a STEP, BEGIN or READ, even if its job has ended since; "":
-// none, as far as is known. Good until the next call that changes jobs.
-const char *jobs_worked_on(const struct jobs *jobs);
+// What the worker carries out an order about, a STEP, BEGIN or READ, even if its job has ended since; empty: nothing, as far
+// as is known.
+struct suspects jobs_worked_on(const struct jobs *jobs);
 
 #endif

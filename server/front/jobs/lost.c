@@ -50,16 +50,16 @@ static void blame(struct jobs *jobs, const char *how)
 	jobs_fail(jobs, job, &err);
 }
 
-const char *jobs_worked_on(const struct jobs *jobs)
+struct suspects jobs_worked_on(const struct jobs *jobs)
 {
 	if (jobs->stepping && (!jobs->beginning || jobs->begin_behind_step))
-		return jobs->step_scene;
+		return jobs->stepped_over;
 	if (jobs->beginning)
-		return jobs->begin_scene;
+		return jobs->begun_over;
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i]->state == JOB_READING)
-			return jobs->job[i]->scene->info.hash;
-	return "";
+			return scene_suspects(jobs->job[i]->scene, jobs->job[i]->environment);
+	return (struct suspects){.scene = ""};
 }
 
 void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss)

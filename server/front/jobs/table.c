@@ -217,3 +217,15 @@ void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct 
 		if (i < jobs->count && job_uses(jobs->job[i], scene))
 			jobs_fail(jobs, jobs->job[i], err);
 }
+
+void jobs_fail_quarantined(struct jobs *jobs, const struct quarantine *quarantine)
+{
+	for (unsigned i = jobs->count; i-- > 0;) {
+		struct job *job = i < jobs->count ? jobs->job[i] : NULL;
+		const struct suspects suspects =
+		    job ? scene_suspects(job->scene, job->environment) : (struct suspects){.scene = ""};
+		struct error err;
+		if (quarantine_check(quarantine, &suspects, &err) != STATUS_OK)
+			jobs_fail(jobs, job, &err);
+	}
+}

@@ -259,10 +259,12 @@ static void quote_bar(struct quotes *quotes, struct quote *quote)
 	quote->piloted = quote->barred = true;
 }
 
-struct scene *quotes_worked_on(const struct quotes *quotes)
+bool quotes_worked_on(const struct quotes *quotes, struct suspects *suspects)
 {
 	const struct quote *quote = quote_by_id(quotes, quotes->out);
-	return quote ? quote->scene : NULL;
+	if (quote)
+		*suspects = scene_suspects(quote->scene, quote->environment);
+	return quote != NULL;
 }
 
 void quotes_worker_lost(struct quotes *quotes, bool hopeless)
@@ -395,6 +397,17 @@ void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const s
 		next = q->next;
 		if (q->session && (q->scene == scene || q->environment == scene))
 			quote_fail(quotes, q, err);
+	}
+}
+
+void quotes_fail_quarantined(struct quotes *quotes, const struct quarantine *quarantine)
+{
+	for (struct quote *q = quotes->first, *next; q; q = next) {
+		const struct suspects suspects = scene_suspects(q->scene, q->environment);
+		struct error err;
+		next = q->next;
+		if (q->session && quarantine_check(quarantine, &suspects, &err) != STATUS_OK)
+			quote_fail(quotes, q, &err);
 	}
 }
 

@@ -55,15 +55,18 @@ void quotes_drop_session(struct quotes *quotes, const struct session *session);
 void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const struct error *err);
 void quotes_fail_all(struct quotes *quotes, const struct error *err);
 
+// What the worker looks at in a pilot. False: it has none.
+bool quotes_worked_on(const struct quotes *quotes, struct suspects *suspects);
+
+// Fail the quotes about what is quarantined.
+void quotes_fail_quarantined(struct quotes *quotes, const struct quarantine *quarantine);
+
 // Answer what can be answered and send the next pilot. The service calls it after each batch of events, before
 // jobs_dispatch.
 void quotes_dispatch(struct quotes *quotes);
 
 // The worker's answer to PILOT, and its end; `hopeless`: no other comes up, and all are answered from what is known.
 void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted *piloted);
-// The scene of the pilot that the worker has; NULL: it has none.
-struct scene *quotes_worked_on(const struct quotes *quotes);
-
 void quotes_worker_lost(struct quotes *quotes, bool hopeless);
 
 #endif
