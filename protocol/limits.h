@@ -7,7 +7,7 @@
 #define LIMIT_MESSAGE_BYTES (64u * 1024u) // body of one request or reply
 #define LIMIT_CHUNK_BYTES (64u * 1024u) // body of one FRAME_CHUNK
 #define LIMIT_CONNECTIONS 256u // fewer where descriptors are
-#define LIMIT_TURNED_AWAY 4u // connections beyond them that are told so at once; others wait to be told
+#define LIMIT_TURNED_AWAY 4u // connections beyond them that are open until they know, one of them without being waited for
 #define LIMIT_JOBS_PER_CONNECTION 16u
 #define LIMIT_JOBS 256u // in the daemon
 #define LIMIT_SHARE 3u // times what is left, that a peer with some may have of what all share

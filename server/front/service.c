@@ -26,15 +26,22 @@
 
 // ---- connections -----------------------------------------------------------------------------------------------------
 
-// Tell a peer why it is not served. It gets a session that does nothing but send this and close.
+// Tell a peer why it is not served. It gets a session that does nothing but send this and close. So that none has to wait
+// for its word behind those who are slow to take theirs, one of the places is for those who are told without being waited
+// for.
 static void turn_away(struct service *service, struct channel *channel, const struct error *err)
 {
+	struct sessions *sessions = &service->sessions;
 	struct session *session;
-	log_line(LOG_WARNING, "connection refused: %s", err->text);
-	if (session_create(&service->sessions, channel, &session, NULL) != STATUS_OK)
+	const unsigned own = sessions_of(sessions, channel->peer, true), all = sessions->turned_away;
+	const bool waits = all < LIMIT_TURNED_AWAY - 1 && share_allows(own, 1, LIMIT_TURNED_AWAY - 1 - all);
+	if (waits)
+		log_line(LOG_WARNING, "connection refused: %s", err->text);
+	if (session_create(sessions, channel, &session, NULL) != STATUS_OK)
 		return;
 	session->turned_away = true;
-	service->sessions.turned_away++;
+	session->curt = !waits;
+	sessions->turned_away++;
 	reply_error(session, 0, err);
 	session_close(session);
 }
@@ -57,7 +64,7 @@ static enum status may_connect(const struct service *service, const struct chann
 {
 	const unsigned most = service->capacity.connections;
 	const unsigned count = service->sessions.count - service->sessions.turned_away;
-	const unsigned own = sessions_of(&service->sessions, channel->peer);
+	const unsigned own = sessions_of(&service->sessions, channel->peer, false);
 	if (!channel->kind->peer_allowed(channel))
 		return error_set(err, STATUS_NOT_ALLOWED, "this daemon serves its own user and root alone");
 	if (count >= most)
@@ -79,10 +86,9 @@ static void accept_some(void *owner, uint32_t events)
 		struct session *session;
 		struct channel channel;
 		struct error err;
-		if (service->sessions.turned_away >= LIMIT_TURNED_AWAY) {
-			accept_later(service);
+		// The last place is free again in the next turn.
+		if (service->sessions.turned_away >= LIMIT_TURNED_AWAY)
 			return;
-		}
 		const enum listener_result result = listener->kind->accept(listener, &channel);
 		if (result == LISTENER_EXHAUSTED) {
 			log_line(LOG_WARNING, "no descriptor or memory is left to accept a connection: it waits");

@@ -42,11 +42,11 @@ void sessions_finish(struct sessions *sessions)
 	}
 }
 
-unsigned sessions_of(const struct sessions *sessions, uint64_t peer)
+unsigned sessions_of(const struct sessions *sessions, uint64_t peer, bool turned_away)
 {
 	unsigned count = 0;
 	for (const struct session *s = sessions->first; s; s = s->next)
-		count += s->channel.peer == peer && !s->turned_away;
+		count += s->channel.peer == peer && s->turned_away == turned_away;
 	return count;
 }
 
@@ -285,6 +285,8 @@ static void send_some(struct session *session)
 		session->channel.kind->end(&session->channel);
 		session->state = SESSION_LINGERING;
 	}
+	if (session->curt)
+		session_die(session);
 }
 
 bool sessions_flush(struct sessions *sessions)

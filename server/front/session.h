@@ -48,7 +48,8 @@ struct session_events {
 	void (*ended)(void *owner, struct session *session);
 };
 
-// Others may read `id`, `peer`, `state`, `outbox`, claim from `reader`, set `turned_away`, and keep `requests` and `room`.
+// Others may read `id`, `peer`, `state`, `outbox`, claim from `reader`, set `turned_away` and `curt`, and keep `requests`
+// and `room`.
 struct session {
 	uint64_t id; // for the log
 	struct channel channel;
@@ -57,6 +58,7 @@ struct session {
 	bool ended_said;
 	bool blocked; // the channel took no more
 	bool turned_away; // it is told why, and nothing else: set by its owner
+	bool curt; // likewise: what waits is sent once, and nobody waits for the peer to read it
 	struct reader reader;
 	struct outbox outbox;
 	size_t discarded; // bytes thrown away while lingering
@@ -82,8 +84,8 @@ struct sessions {
 // No session yet. `loop`, `events` and `owner` must outlive it.
 void sessions_init(struct sessions *sessions, struct loop *loop, const struct session_events *events, void *owner);
 
-// How many sessions a peer has, without those that are turned away.
-unsigned sessions_of(const struct sessions *sessions, uint64_t peer);
+// How many sessions a peer has, of those that are turned away or of the others.
+unsigned sessions_of(const struct sessions *sessions, uint64_t peer, bool turned_away);
 
 // Close and free all sessions at once. No call is made.
 void sessions_finish(struct sessions *sessions);

@@ -200,6 +200,18 @@ class CommonRoom(FakeCase):
 
 
 class Crowd(FakeCase):
+    def test_who_is_turned_away_keeps_nobody_waiting(self):
+        """Hundreds without a place, who do not take the answer that they get: each gets one, and another process gets in.
+        One at a time would take minutes."""
+        crowd = [self.connect() for _ in range(192)]
+        flood = [self.connect(greet=False) for _ in range(600)]
+        self.assertEqual(self.connect(elsewhere=True).ask(wire.PING).kind, wire.PONG)
+        for connection in flood:
+            self.assert_error(connection.receive(), "too-many-connections")
+        for number in (-1, 100):
+            self.assertEqual(crowd[number].ask(wire.PING).kind, wire.PONG)
+        self.assertLess(self.daemon.log_text().count("connection refused"), len(flood))
+
     def test_too_many_connections(self):
         crowd = [self.connect() for _ in range(192)]
         reply, = self.connect(greet=False).drained()
