@@ -222,6 +222,7 @@ class Later(AnswerCase):
         self.assertTrue(images[-1].final)
         self.assertEqual((done.reason, done.samples), ("time", images[-1].samples))
         self.assertIn("intermediate", done.notes[0])
+        self.assertAlmostEqual(done.estimated_relmse * done.samples, 1)  # of this picture, not of what was done since
         os.kill(worker, signal.SIGCONT)
         self.assertEqual(connection.follow(connection.send(wire.RENDER, render()))[-1].kind, wire.DONE)
         self.assertEqual((connection.stats().jobs, connection.stats().image_bytes), (0, 0))

@@ -29,7 +29,7 @@ void image_init(struct image *image)
 
 void image_set(struct image *image, int fd, const candil_ImageFrame *frame)
 {
-	*image = (struct image){.place = image->place, .fd = fd, .frame = *frame};
+	*image = (struct image){.place = image->place, .estimate = image->estimate, .fd = fd, .frame = *frame};
 }
 
 bool image_waits(const struct image *image)

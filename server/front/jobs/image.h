@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "candil.pb.h"
+#include "server/base/estimate.h"
 #include "server/front/jobs/room.h"
 
 struct session;
@@ -17,6 +18,7 @@ struct image {
 	struct room_place place; // from before it is asked for until it is gone; kept by table.c and images.c
 	int fd; // owned: sealed memfd of frame.bytes bytes; -1: none
 	candil_ImageFrame frame;
+	struct estimate estimate; // of its error, when it was asked for
 	bool announced;
 	uint64_t sent; // bytes
 };
@@ -27,7 +29,8 @@ uint64_t image_estimate(const candil_Render *render);
 // There is none, and it has no place.
 void image_init(struct image *image);
 
-// Take over the memfd of an image that is to be sent. There must be none. The place stays.
+// Take over the memfd of an image that is to be sent. There must be none. The place and the
+// estimate stay.
 void image_set(struct image *image, int fd, const candil_ImageFrame *frame);
 
 // Is there an image?

@@ -41,6 +41,7 @@ void job_ask_preview(struct jobs *jobs, struct job *job, uint32_t samples)
 		return;
 	job->preview_due = true;
 	job->preview_samples = samples;
+	job->preview.estimate = job->estimate;
 	job->preview_us = now;
 	worker_read(jobs->worker, job->id, false, &job->predicted);
 }
@@ -118,8 +119,8 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 static void account_without_worker(const struct jobs *jobs, struct job *job)
 {
 	candil_Done *done = &job->done;
-	const struct estimate *e =
-	    job->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN ? &job->predicted : &job->estimate;
+	const struct estimate *own = &job->final.estimate;
+	const struct estimate *e = own->kind == candil_ErrorKind_ERROR_KIND_UNKNOWN ? &job->predicted : own;
 	*done = (candil_Done){.samples = job->final.frame.samples,
 			      .estimated_relmse = e->relmse,
 			      .relmse_low = e->low,
