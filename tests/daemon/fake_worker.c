@@ -22,6 +22,7 @@
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
+//   FAKE_SOFTWARE      be on a software device
 //   FAKE_HELD=N        have N bytes of the device more than jobs take
 //   FAKE_COLD=DIR      refuse renders and pilots of seed 7, or from 1000 on, for want of code until there is DIR/compiled,
 //   in BEGIN or, with FAKE_COLD_STEP, in
@@ -448,6 +449,7 @@ int main(int argc, char **argv)
 		device += !strcmp(argv[i], "--avoid");
 	snprintf(ready.device, sizeof ready.device, "%s%.0lu", inherited ? "inherited descriptors" : "fake", device);
 	snprintf(ready.key, sizeof ready.key, "%lu", device);
+	ready.software = getenv("FAKE_SOFTWARE") != NULL;
 	ready.others = (uint32_t)(fake_number("FAKE_DEVICES", 1) - 1 - device);
 	if (getenv("FAKE_NO_DEVICE"))
 		error_set(&ready.error, STATUS_DEVICE, "there is no device");

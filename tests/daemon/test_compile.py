@@ -136,6 +136,25 @@ class WithinItsShare(ColdCase):
                 wire.wait_for(lambda: os.path.exists(self.path("compiled")), "it has compiled")
 
 
+class OnASoftwareDevice(ColdCase):
+    environment = {"FAKE_SOFTWARE": "1"}
+
+    def test_frames_beside_a_compiler_tell_no_speed(self):
+        connection, other = self.with_box(), self.connect()
+        asked = render(width=100, height=100, samples=16)
+
+        def time_of_three_frames():
+            for _ in range(3):
+                self.assertEqual(other.follow(other.send(wire.RENDER, asked))[-1].kind, wire.DONE)
+            return other.ask(wire.QUOTE, pb.Quote(render=asked)).body.choice.time_ms
+        first = other.ask(wire.QUOTE, pb.Quote(render=asked)).body.choice.time_ms  # by a pilot: 10 ms a sample
+        job = self.begin_cold(connection)
+        self.assertGreater(time_of_three_frames(), first / 2)
+        self.go()
+        self.done(connection, job)
+        self.assertLess(time_of_three_frames(), first / 2)  # by frames, which say that it takes none
+
+
 class ForAPilot(ColdCase):
     def quote(self, connection):
         job = connection.send(wire.QUOTE, pb.Quote(render=render(seed=COLD), pilot_ms=10))

@@ -58,17 +58,23 @@ static void add_stage(candil_Done *done, const char *name, uint64_t us)
 	done->elapsed_us += us;
 }
 
-static void render(const struct scene *scene, uint64_t compile_us, uint64_t send_us)
+static void render_slowed(const struct scene *scene, uint64_t compile_us, uint64_t send_us, uint64_t times, bool slowed)
 {
 	candil_Done done = {.samples = 4};
 	struct rendered f = of(scene);
+	f.slowed = slowed;
 	add_stage(&done, "compile", compile_us);
-	add_stage(&done, "upload", 9000);
-	add_stage(&done, "path", 40000);
-	add_stage(&done, "encode", 3000);
+	add_stage(&done, "upload", 9000 * times);
+	add_stage(&done, "path", 40000 * times);
+	add_stage(&done, "encode", 3000 * times);
 	add_stage(&done, "send", send_us);
 	f.done = &done;
 	jobs.rendered(jobs.owner, &f);
+}
+
+static void render(const struct scene *scene, uint64_t compile_us, uint64_t send_us)
+{
+	render_slowed(scene, compile_us, send_us, 1, false);
 }
 
 static struct quote_query ask(const struct scene *scene, candil_Technique technique)
@@ -110,6 +116,20 @@ static void what_did_not_have_to_be_compiled_is_remembered(void **state)
 	const struct quote_query q = ask(&room, PT);
 	assert_true(q.cold);
 	assert_true(quote_predict(known.model, &q).cold_us < 20000);
+}
+
+static void who_compiles_beside_a_frame_does_not_make_the_device_slow(void **state)
+{
+	(void)state;
+	render(&room, 0, 100);
+	const struct quote_query q = ask(&room, PT);
+	const struct quote_prediction before = quote_predict(known.model, &q);
+	for (int i = 0; i < 5; i++)
+		render_slowed(&room, 0, 100, 10, true);
+	const struct quote_prediction after = quote_predict(known.model, &q);
+	assert_true(after.us == before.us && after.us_high == before.us_high);
+	render_slowed(&room, 0, 100, 10, false);
+	assert_true(quote_predict(known.model, &q).us > 1.5 * before.us);
 }
 
 static void a_client_that_reads_slowly_does_not_make_files_dear(void **state)
@@ -315,6 +335,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 	    TEST(programs_are_those_of_scenes_with_the_same_facts),
 	    TEST(what_did_not_have_to_be_compiled_is_remembered),
+	    TEST(who_compiles_beside_a_frame_does_not_make_the_device_slow),
 	    TEST(a_client_that_reads_slowly_does_not_make_files_dear),
 	    TEST(a_client_that_reads_slowly_does_not_widen_intervals),
 	    TEST(programs_that_were_there_do_not_make_compiling_cheap),

@@ -1,5 +1,6 @@
 #include "server/front/jobs/compile.h"
 
+#include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/front/peer.h"
 #include "server/front/session.h"
@@ -22,6 +23,14 @@ bool jobs_compiling(const struct jobs *jobs, uint64_t code)
 		if (jobs->compilers[i].code == code)
 			return true;
 	return false;
+}
+
+bool jobs_compiled_since(const struct jobs *jobs, uint64_t since_us)
+{
+	for (unsigned i = 0; i < LIMIT_COMPILERS; i++)
+		if (jobs->compilers[i].code)
+			return true;
+	return jobs->compiled_us >= since_us;
 }
 
 // A free compiler that the peer may have. NULL: there is none.
@@ -71,6 +80,7 @@ void jobs_compiled(void *owner, uint64_t code, const char *failure)
 {
 	struct jobs *jobs = owner;
 	struct error err;
+	jobs->compiled_us = clock_us();
 	jobs_let_others_try(jobs); // it had memory of the device, too
 	if (failure)
 		error_set(&err, STATUS_WORKER_LOST,

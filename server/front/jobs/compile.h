@@ -15,6 +15,9 @@ void job_compile_first(struct job *job, uint64_t code);
 // Start compilers for jobs that wait for one, as far as there are any free.
 void jobs_compile_next(struct jobs *jobs);
 
+// Has any compiler run since then?
+bool jobs_compiled_since(const struct jobs *jobs, uint64_t since_us);
+
 // A compiler of this code has ended: the jobs that waited for it go on, or fail with it (compiler.h).
 void jobs_compiled(void *jobs, uint64_t code, const char *failure);
 

@@ -27,6 +27,7 @@ struct rendered {
 	const candil_Render *render; // as it is rendered
 	const candil_Done *done; // NULL: not yet
 	bool alone; // no other job had the device meanwhile
+	bool slowed; // something was compiled meanwhile, by the processors that the device is made of
 	uint32_t worker; // starts of the worker up to the one that rendered it
 };
 
@@ -42,6 +43,7 @@ struct jobs {
 	struct worker *worker; // the service's
 	uint32_t slice_us; // device time that a slice may take
 	struct compiler compilers[LIMIT_COMPILERS]; // kept by compile.c
+	uint64_t compiled_us; // when the latest of them ended. Likewise
 	struct job *job[LIMIT_JOBS]; // owned; in the order of arrival
 	unsigned count;
 	uint32_t last_id;

@@ -6,6 +6,7 @@
 
 #include "protocol/header.h"
 #include "server/base/clock.h"
+#include "server/front/jobs/compile.h"
 #include "server/front/jobs/deadline.h"
 #include "server/front/jobs/sweep.h"
 #include "server/front/reply.h"
@@ -208,6 +209,7 @@ static void tell_owner(const struct jobs *jobs, const struct job *job)
 				       .render = &job->render,
 				       .done = &job->done,
 				       .alone = !job->crowded && jobs->count == 1,
+				       .slowed = jobs->worker->ready.software && jobs_compiled_since(jobs, job->again_us),
 				       .worker = job->worker};
 	if (jobs->rendered && job->read_us > 0)
 		jobs->rendered(jobs->owner, &frame);

@@ -170,23 +170,25 @@ static void learn_frame(void *owner, const struct rendered *f)
 				 .samples = done->samples};
 	const bool cold = a.us[STAGE_COLD] > STAGE_COLD_US;
 	const double fixed = a.us[STAGE_FIXED] + fmax((double)done->elapsed_us - a.all, 0);
-	if (q.setup)
+	// Times of a frame that had to share its processors with a compiler are nobody else's.
+	if (q.setup && !f->slowed)
 		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
-	if (tells_cold(known, &q, a.us[STAGE_COLD]))
+	if (tells_cold(known, &q, a.us[STAGE_COLD]) && !f->slowed)
 		quote_set_part(&r, QUOTE_COLD, a.us[STAGE_COLD]);
-	if (!cold) {
+	if (!cold && !f->slowed) {
 		quote_set_part(&r, QUOTE_PIXEL, a.us[STAGE_PIXEL] / q.pixels);
 		quote_set_part(&r, QUOTE_SAMPLE, a.us[STAGE_SAMPLE] / (q.pixels * done->samples));
 		if (f->alone)
 			quote_set_part(&r, QUOTE_FIXED, fixed);
 	}
-	quote_set_part(&r, QUOTE_ENCODE, a.us[STAGE_ENCODE] / q.bytes);
+	if (!f->slowed)
+		quote_set_part(&r, QUOTE_ENCODE, a.us[STAGE_ENCODE] / q.bytes);
 	const struct estimate e = {
 	    .relmse = done->estimated_relmse, .low = done->relmse_low, .high = done->relmse_high, .kind = done->error_kind};
 	if (e.kind == candil_ErrorKind_ERROR_KIND_MEASURED && technique_traits(technique) & TECHNIQUE_NOISE)
 		set_error(&r, &e, done->samples);
 	set_warm(known, f, technique, &q.key);
-	quote_learn(known->model, &r, &q, cold || !f->alone ? 0 : (double)done->elapsed_us - a.us[STAGE_QUEUE]);
+	quote_learn(known->model, &r, &q, cold || f->slowed || !f->alone ? 0 : (double)done->elapsed_us - a.us[STAGE_QUEUE]);
 	quote_store_mark(&known->store);
 }
 
