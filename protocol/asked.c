@@ -120,7 +120,7 @@ static void end_words(const candil_Render *r, char text[ASKED_TEXT_BYTES])
 	if (r->target_error > 0)
 		append(text, "error " NUMBER, r->target_error);
 	if (r->deadline_ms > 0)
-		append(text, "%stime %u", comma(text), r->deadline_ms);
+		append(text, "%stime %u%s", comma(text), r->deadline_ms, r->whole ? " whole" : "");
 	if (!text[0])
 		append(text, "samples");
 }

@@ -51,6 +51,8 @@ static bool render_take_event(void *user, const struct candil_event *event)
 	case CANDIL_EVENT_DONE:
 		render->report.done = event->u.done;
 		render->report.bytes = render->final.bytes;
+		render->report.made_width = render->final.made_width;
+		render->report.made_height = render->final.made_height;
 		return output_write(&render->output, render->final.data, render->final.bytes);
 	default:
 		return true;
@@ -145,10 +147,11 @@ const struct command render_command = {
 	"  --seed N              another seed, another noise\n"
 	"  --error E             end once the relative MSE is at most E nine times of ten; then --spp is the most, default "
 	"65536\n"
-	"  --time MS             end with what is there so long after the request came; likewise. One sample of every "
-	"pixel\n"
-	"                        is finished if the device is ready by then; without noise no more are taken unless --spp\n"
-	"                        says so\n"
+	"  --time MS             end with what is there so long after the request came; likewise. Without noise no more\n"
+	"                        than one sample is taken unless --spp says so. If there is no time for one of every "
+	"pixel,\n"
+	"                        the picture is made of fewer pixels, scaled up, and says so\n"
+	"  --whole               with --time: no picture rather than one of fewer pixels\n"
 	"  --camera NAME         of the scene; default: its first, else its bounds are framed\n"
 	"  --camera ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV\n"
 	"                        eye, target, up in metres; vertical angle in degrees\n"

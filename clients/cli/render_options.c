@@ -42,6 +42,7 @@ enum {
 	OPTION_FPS,
 	OPTION_ERROR,
 	OPTION_TIME,
+	OPTION_WHOLE,
 	OPTION_FILTER,
 	OPTION_LENS,
 	OPTION_ORTHOGRAPHIC,
@@ -95,6 +96,7 @@ static const struct row {
 	{"camera", OPTION_CAMERA, BY_EACH, "the name of a camera, or ten numbers: ex,ey,ez,tx,ty,tz,ux,uy,uz,VFOV"},
 	{"error", OPTION_ERROR, BY_ALL, "a relative MSE above 0 such as 1e-3"},
 	{"time", OPTION_TIME, BY_ALL, "a whole number of milliseconds from 1 to 86400000"},
+	{"whole", OPTION_WHOLE, BY_ALL, NULL},
 	{"filter", OPTION_FILTER, BY_EACH, "box, gauss or bh"},
 	{"lens", OPTION_LENS, BY_EACH, "RADIUS,FOCUS, two lengths in metres such as 0.02,3.5"},
 	{"orthographic", OPTION_ORTHOGRAPHIC, BY_EACH, "the height of the picture in metres, above 0"},
@@ -248,6 +250,9 @@ static bool take_flag(int option, struct render_options *options, struct given *
 		return true;
 	case OPTION_PROGRESSIVE:
 		options->request.progressive = true;
+		return true;
+	case OPTION_WHOLE:
+		options->request.whole = true;
 		return true;
 	case OPTION_NO_DEFAULT_LIGHT:
 		options->request.default_light = false;

@@ -238,6 +238,8 @@ json_t *report_json(const struct report *r)
 	put_text(o, "format", candil_format_name(request->format));
 	put_number(o, "width", request->width);
 	put_number(o, "height", request->height);
+	put_number(o, "made_width", r->made_width);
+	put_number(o, "made_height", r->made_height);
 	put_number(o, "bytes", r->bytes);
 	put_number(o, "images", r->images);
 	put_number(o, "samples", done->samples);

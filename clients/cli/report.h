@@ -11,11 +11,14 @@ struct report {
 	struct candil_accepted accepted;
 	struct candil_done done;
 	uint64_t bytes; // of the image
+	uint32_t made_width, made_height; // pixels that it was made of
 	unsigned images; // how many were written, intermediate ones included
 };
 
 #define REPORT_JSON_HELP \
-	"{\"image\", \"format\", \"width\", \"height\", \"bytes\", \"images\", \"samples\", \"first_sample\", \"seed\",\n" \
+	"{\"image\", \"format\", \"width\", \"height\", \"made_width\", \"made_height\" (pixels that were\n" \
+	"rendered: fewer than these, scaled up, where --time left none for more), \"bytes\", \"images\", \"samples\", " \
+	"\"first_sample\", \"seed\",\n" \
 	"\"scene\", \"scene_hash\", \"camera\": {\"source\": \"scene\"|\"given\"|\"framed\", " \
 	"\"name\", \"eye\",\n" \
 	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \

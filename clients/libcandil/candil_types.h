@@ -290,6 +290,8 @@ struct candil_render_request {
 	double target_error; // once relmse_high is at most this, always at the same sample; only a technique that
 			     // has noise takes it
 	uint32_t deadline_ms; // from the request's arrival to the encoded image, at most 86400000
+	bool whole; // by the deadline every pixel has a sample, or there is no picture: CANDIL_DEADLINE; false: one of fewer
+		    // pixels, scaled up, will do
 };
 
 // The camera of one image of a sweep: one of the scene's by name; or, without a name, the four fields below; or, with
@@ -431,6 +433,8 @@ struct candil_image {
 	size_t bytes; // at most 64 a pixel and 4 MiB
 	enum candil_format format;
 	uint32_t width, height; // pixels
+	uint32_t made_width, made_height; // pixels that were rendered: the same, or fewer, scaled up, where a deadline left
+					  // no time for more
 	uint32_t samples; // that are in it, per pixel
 	bool final; // false: an intermediate one
 	uint32_t index; // of the camera in a sweep, from 0; else 0

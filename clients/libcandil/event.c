@@ -97,6 +97,8 @@ static bool image_append(candil_client *client, struct request *request, const s
 	    .format = (enum candil_format)image->frame.format,
 	    .width = image->frame.width,
 	    .height = image->frame.height,
+	    .made_width = image->frame.made_width,
+	    .made_height = image->frame.made_height,
 	    .samples = image->frame.samples,
 	    .final = image->frame.final,
 	    .index = image->frame.index,

@@ -208,6 +208,7 @@ candil_status message_write_render(const struct candil_render_request *request, 
 	render->filter = (candil_Filter)request->filter;
 	render->target_error = request->target_error;
 	render->deadline_ms = request->deadline_ms;
+	render->whole = request->whole;
 	candil_status status = message_write_name(request->scene, render->scene, sizeof(render->scene), error);
 	render->has_environment = request->environment != NULL;
 	render->environment.rotation_degrees = request->environment_turn_degrees;

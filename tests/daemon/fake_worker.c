@@ -276,6 +276,7 @@ static void on_step(const struct ipc_step *message)
 	} else {
 		job->samples++;
 		stepped.samples_done = job->samples;
+		stepped.ready = 1;
 		// Its error is one over its samples.
 		stepped.estimate = (struct estimate){1.0 / job->samples, 0.5 / job->samples, 2.0 / job->samples,
 						     candil_ErrorKind_ERROR_KIND_MEASURED};
@@ -328,6 +329,8 @@ static void on_read(const struct ipc_read *message)
 	} else {
 		image.frame.width = job->render.width;
 		image.frame.height = job->render.height;
+		image.frame.made_width = job->render.width;
+		image.frame.made_height = job->render.height;
 		image.frame.format = job->render.format;
 		image.frame.samples = job->samples;
 		image.frame.bytes = (uint64_t)job->render.width * job->render.height;

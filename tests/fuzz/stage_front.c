@@ -298,6 +298,7 @@ static size_t fill(uint32_t op, uint32_t job, bool final, union stage_message *m
 		return sizeof m->begun;
 	case IPC_STEPPED:
 		m->stepped.samples_done = ++steps[job % IDS];
+		m->stepped.ready = 1;
 		m->stepped.finished = steps[job % IDS] >= STEPS_OF_A_JOB;
 		m->stepped.fraction = 1;
 		m->stepped.estimate = measured;

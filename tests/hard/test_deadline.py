@@ -1,11 +1,14 @@
-"""A deadline ends a picture after its first sample at the earliest, and that sample comes alone; until it comes, it changes nothing."""
+"""A deadline ends a picture with what is there, of fewer pixels if need be; its first sample comes alone, and it changes no bit of what is whole."""
+import os
 import unittest
 
+import images
 import make
 import wire
 from render import Daemon
 
 FAR = 3600 * 1000
+AOV_DEPTH = 1
 
 
 def setUpModule():
@@ -29,14 +32,52 @@ class Deadline(unittest.TestCase):
                     if r.kind == wire.PROGRESS]
             self.assertIn(1, told)
 
-    def test_one_that_cannot_be_kept_ends_after_its_first_sample(self):
+    def last(self, request, **fields):
+        """The reply to a request that begins with all code compiled and all that is made of the scene made."""
+        replies(samples=1, **request)
+        return replies(**request, **fields)
+
+    def test_without_time_there_are_fewer_pixels(self):
         for technique in (wire.pb.TECHNIQUE_PT, wire.pb.TECHNIQUE_DIRECT, wire.pb.TECHNIQUE_VCT):
-            replies(technique=technique, samples=4096, deadline_ms=FAR // 3600)  # what is cold takes longer than the request may wait
-            last = replies(technique=technique, samples=4096, deadline_ms=1)[-1]
-            if last.kind == wire.ERROR:
-                self.assertEqual(last.body.name, "deadline")  # it could not even be begun
-            else:
-                self.assertEqual((last.body.samples, last.body.reason), (1, "time"))
+            request = {"technique": technique, "aovs": AOV_DEPTH}
+            while True:
+                all_of = self.last(request, samples=4096, deadline_ms=1)
+                if all_of[-1].kind == wire.DONE:
+                    break
+                self.assertEqual(all_of[-1].body.name, "deadline")  # it could not even be begun
+            (frame, data), = wire.images(all_of)
+            done = all_of[-1].body
+            self.assertEqual((done.samples, done.reason), (1, "time"))
+            self.assertEqual((frame.width, frame.height), (96, 64))
+            self.assertLess(frame.made_width * frame.made_height, 400)
+            self.assertIn(f"there was time for {frame.made_width} x {frame.made_height} pixels alone", " ".join(done.notes))
+            self.assertEqual(done.error_kind, wire.pb.ERROR_KIND_UNKNOWN)
+            # It shows what the whole picture shows: its depths, for light of one sample is noise.
+            path = os.path.join(daemon.folder, "scaled.exr")
+            with open(path, "wb") as file:
+                file.write(data)
+            near = 1 / images.channels(path)["Z"].astype(float)
+            whole = daemon.render("box", (96, 64), 1, arguments=["--technique", wire.pb.Technique.Name(technique)[10:].lower(), "--aov", "depth"])
+            self.assertLess(abs(near.mean() / (1 / whole.channels["Z"].astype(float)).mean() - 1), .15)
+            self.assertEqual(images.metadata(path)["candil/made_of"], f"{frame.made_width}x{frame.made_height}")
+
+    def test_whole_or_nothing(self):
+        for technique in (wire.pb.TECHNIQUE_PT, wire.pb.TECHNIQUE_DIRECT, wire.pb.TECHNIQUE_VCT):
+            last = self.last({"technique": technique}, samples=4096, deadline_ms=1, whole=True)[-1]
+            self.assertEqual((last.kind, last.body.name), (wire.ERROR, "deadline"))
+            all_of = self.last({"technique": technique}, samples=1 << 16, deadline_ms=3000, whole=True)
+            if all_of[-1].kind == wire.DONE:  # else three seconds were not enough here
+                (frame, _), = wire.images(all_of)
+                self.assertEqual((frame.made_width, frame.made_height), (96, 64))
+
+    def test_each_image_of_a_sweep(self):
+        request = wire.pb.Render(scene="box", width=96, height=64, samples=4096, deadline_ms=20, technique=wire.pb.TECHNIQUE_PT)
+        self.last({"technique": wire.pb.TECHNIQUE_PT})
+        sweep = wire.pb.Sweep(render=request, cameras=[wire.pb.Camera()] * 4)
+        pictures = wire.images(connection.follow(connection.send(wire.SWEEP, sweep)))
+        for frame, _ in pictures:
+            self.assertGreater(frame.made_width * frame.made_height, 0)
+            self.assertLessEqual((frame.made_width, frame.made_height), (96, 64))
 
     def test_the_same_bits(self):
         for technique in ("pt", "direct"):

@@ -76,13 +76,15 @@ void jobs_learn_handover(struct jobs *jobs, const struct job *job)
 	h->spread += LEARN * (fabs(late) - h->spread);
 }
 
-// Microseconds until sampling has to end, if a first sample is there: that comes whatever the deadline is, and short slices
-// would only make it come later.
+// Microseconds until sampling has to end. Past that, what has no picture yet gets one as soon as can be, or the worker says
+// that there will be none: short slices would only make it come later.
 static uint64_t left_us(const struct job *job, uint64_t now)
 {
-	if (job->state != JOB_ACTIVE || job->samples_done == 0)
+	if (job->state != JOB_ACTIVE)
 		return UINT64_MAX;
-	return job->end_us > now ? job->end_us - now : 0;
+	if (job->end_us > now)
+		return job->end_us - now;
+	return job->ready ? 0 : UINT64_MAX;
 }
 
 uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
@@ -100,7 +102,7 @@ uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 
 bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now)
 {
-	return job->deadline_us < UINT64_MAX && jobs->stepping != job->id && left_us(job, now) < SHORTEST_US;
+	return job->deadline_us < UINT64_MAX && job->ready && jobs->stepping != job->id && left_us(job, now) < SHORTEST_US;
 }
 
 static uint64_t later(uint64_t a, uint64_t b)
@@ -120,9 +122,8 @@ static uint64_t give_up_us(const struct jobs *jobs, const struct job *job)
 	case JOB_BEGINNING:
 		return job->spared && !job->compiling ? later(job->deadline_us, patience_us) : job->deadline_us;
 	case JOB_ACTIVE:
-		// With a sample, and between two slices, job_is_late ends it.
-		return job->samples_done > 0 && jobs->stepping != job->id ? UINT64_MAX
-									  : later(job->deadline_us, patience_us);
+		// With a picture, and between two slices, job_is_late ends it.
+		return job->ready && jobs->stepping != job->id ? UINT64_MAX : later(job->deadline_us, patience_us);
 	case JOB_READING:
 		// Large pictures take the encoder long, and nothing is heard meanwhile.
 		return later(job->deadline_us, job->read_us + LATE_US + (uint64_t)(HANDOVER_MOST * handover_us(jobs, job)));
@@ -136,6 +137,25 @@ static uint64_t give_up_us(const struct jobs *jobs, const struct job *job)
 bool job_is_given_up(const struct jobs *jobs, const struct job *job, uint64_t now)
 {
 	return now >= give_up_us(jobs, job);
+}
+
+static const char *why_given_up(const struct job *job)
+{
+	if (job->state == JOB_WAITING && !job->compiling)
+		return "the job could be begun: allow more time, or ask when less is under way";
+	if (job->render.whole && job->state == JOB_ACTIVE && !job->ready)
+		return "every pixel had a sample: allow more time, or leave out `whole` for a picture of fewer pixels";
+	if (!job->ready)
+		return "there was a picture: allow more time, or have its code compiled before (candild --warm)";
+	return "the worker gave the picture that it has: it is slow or hangs, ask when less is under way";
+}
+
+void jobs_fail_late(struct jobs *jobs, struct job *job)
+{
+	struct error err;
+	error_set(&err, STATUS_DEADLINE, "the deadline of %u ms passed before %s", job->render.deadline_ms,
+		  why_given_up(job));
+	jobs_fail(jobs, job, &err);
 }
 
 static void wake_loop(void *owner)

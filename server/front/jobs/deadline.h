@@ -16,7 +16,7 @@ void job_set_deadline(struct job *job);
 // Set when sampling has to end for the deadline, as it is about to begin.
 void job_set_end(const struct jobs *jobs, struct job *job);
 
-// Has the end of a job that is being traced come for its deadline? When sampling has to end and its first sample is there;
+// Has the end of a job that is being traced come for its deadline? When sampling has to end and there is a picture;
 // not while a slice of it is under way. `now` is clock_us().
 bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now);
 
@@ -24,6 +24,9 @@ bool job_is_late(const struct jobs *jobs, const struct job *job, uint64_t now);
 // begun, as soon as the time has passed, and of one that has a picture to come if the worker has let an order wait for
 // LIMIT_LATE_MS: it compiles, or hangs.
 bool job_is_given_up(const struct jobs *jobs, const struct job *job, uint64_t now);
+
+// Fail a job whose deadline has passed, with the reason why it has no picture.
+void jobs_fail_late(struct jobs *jobs, struct job *job);
 
 // Microseconds of device time that the next slice of the job may take: at most jobs->slice_us, less when the end of this or
 // another job is near, whose image would have to wait for the slice.

@@ -186,6 +186,7 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	job->slices++;
 	job->device_us += device_us;
 	job->samples_done = stepped->samples_done;
+	job->ready = stepped->ready != 0;
 	job->fraction = stepped->fraction;
 	job->estimate = stepped->estimate;
 	job->reached = stepped->reached != 0;
@@ -212,6 +213,10 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		return;
 	}
 	job->late = stepped->late != 0;
+	if (job->late && !job->ready) {
+		jobs_fail_late(jobs, job);
+		return;
+	}
 	if (stepped->finished || job->late) {
 		job_traced(jobs, job);
 		return;

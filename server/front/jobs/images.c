@@ -102,6 +102,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	frame.index = job->index;
 	if (final) {
 		job->done = image->done;
+		job->scaled = frame.made_width != frame.width || frame.made_height != frame.height;
 		job->encoded_us = clock_us();
 		job->state = JOB_SENDING;
 		take_over(jobs, job, &job->final, fd, &frame);

@@ -57,25 +57,12 @@ enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t 
 	return STATUS_OK;
 }
 
-static const char *why_given_up(const struct job *job)
-{
-	if (job->state == JOB_WAITING && !job->compiling)
-		return "the job could be begun: allow more time, or ask when less is under way";
-	if (job->samples_done == 0)
-		return "there was a picture: allow more time, or have its code compiled before (candild --warm)";
-	return "the worker gave the picture that it has: it is slow or hangs, ask when less is under way";
-}
-
 // End a job without the worker: with the last intermediate picture, if there is one, else with an error. What the worker
 // still answers about it is not heard.
 static void end_without_worker(struct jobs *jobs, struct job *job)
 {
-	struct error err;
-	if (job_send_last(jobs, job))
-		return;
-	error_set(&err, STATUS_DEADLINE, "the deadline of %u ms passed before %s", job->render.deadline_ms,
-		  why_given_up(job));
-	jobs_fail(jobs, job, &err);
+	if (!job_send_last(jobs, job))
+		jobs_fail_late(jobs, job);
 }
 
 // End the jobs whose deadline has come: one that is being traced, with the picture that it has; one of which the worker has

@@ -211,7 +211,8 @@ static void tell_owner(const struct jobs *jobs, const struct job *job)
 				       .alone = !job->crowded && jobs->count == 1,
 				       .slowed = jobs->worker->ready.software && jobs_compiled_since(jobs, job->again_us),
 				       .worker = job->worker};
-	if (jobs->rendered && job->read_us > 0)
+	// What was scaled tells nothing about a picture of that size.
+	if (jobs->rendered && job->read_us > 0 && !job->scaled)
 		jobs->rendered(jobs->owner, &frame);
 }
 

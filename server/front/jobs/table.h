@@ -50,6 +50,7 @@ struct job {
 	uint32_t retries; // times it was begun again after a loss
 	uint32_t slices;
 	uint32_t samples_done;
+	bool ready; // there is a picture to read
 	double fraction; // of the work, 0 to 1
 	struct estimate estimate; // of its error, at the last look
 	struct estimate predicted; // of its error, where nothing measures it
@@ -57,6 +58,7 @@ struct job {
 	uint64_t end_us; // when sampling has to end for that
 	bool spared; // a quote or a pilot kept it from beginning: its deadline does not fail it before
 	bool late; // it ends because of its deadline
+	bool scaled; // its final image was made of fewer pixels than were asked for
 	bool reached; // it ends because its target error is reached
 	uint64_t read_us; // when its last image was asked for
 	uint64_t device_us; // that it had

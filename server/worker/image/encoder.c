@@ -53,6 +53,8 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 	image->frame.format = (candil_Format)task->file.format;
 	image->frame.width = f->width;
 	image->frame.height = f->height;
+	image->frame.made_width = f->made_width;
+	image->frame.made_height = f->made_height;
 	image->frame.samples = f->samples;
 	image->frame.bytes = bytes;
 

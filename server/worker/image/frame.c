@@ -26,8 +26,8 @@ enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct 
 	struct frame *f = calloc(1, sizeof *f);
 	if (!f)
 		goto out_of_memory;
-	f->width = width;
-	f->height = height;
+	f->width = f->made_width = width;
+	f->height = f->made_height = height;
 	f->estimate = ESTIMATE_UNKNOWN;
 	f->radiance = plane(pixels, 3);
 	f->met = calloc(pixels, sizeof *f->met);
@@ -51,17 +51,36 @@ out_of_memory:
 			 width, height);
 }
 
+static void free_pixels(struct frame *f)
+{
+	free(f->radiance);
+	free(f->met);
+	free(f->depth);
+	free(f->normal);
+	free(f->albedo);
+	free(f->id);
+}
+
 void frame_destroy(struct frame *frame)
 {
 	if (!frame)
 		return;
-	free(frame->radiance);
-	free(frame->met);
-	free(frame->depth);
-	free(frame->normal);
-	free(frame->albedo);
-	free(frame->id);
+	free_pixels(frame);
 	free(frame);
+}
+
+void frame_take_pixels(struct frame *frame, struct frame *from)
+{
+	free_pixels(frame);
+	frame->width = from->width;
+	frame->height = from->height;
+	frame->radiance = from->radiance;
+	frame->met = from->met;
+	frame->depth = from->depth;
+	frame->normal = from->normal;
+	frame->albedo = from->albedo;
+	frame->id = from->id;
+	free(from);
 }
 
 void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...)

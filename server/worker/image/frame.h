@@ -36,6 +36,7 @@ struct frame_figure {
 // A picture, its AOVs, and what the reply and the file tell of it.
 struct frame {
 	uint32_t width, height; // pixels
+	uint32_t made_width, made_height; // pixels that were rendered: the same, unless they were scaled (scale.h)
 	// Row by row from the top. AOVs that are not asked for are NULL.
 	float *radiance; // 3 floats a pixel: R G B, W/(m² sr), linear Rec.709
 	float *depth; // 1: metres along the view axis; +inf: nothing hit
@@ -71,6 +72,9 @@ enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct 
 
 // Free a frame. NULL is allowed.
 void frame_destroy(struct frame *frame);
+
+// Give `frame` the pixels of `from`, with its width and height, in the place of its own, and free `from`.
+void frame_take_pixels(struct frame *frame, struct frame *from);
 
 // Append to the lists. What is beyond a list's maximum is dropped. Text is printf-formatted and cut to fit.
 void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));

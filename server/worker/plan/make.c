@@ -97,6 +97,7 @@ static void copy_request(const candil_Render *r, struct plan *p)
 	p->seed = r->seed;
 	p->target_error = r->target_error;
 	p->deadline = r->deadline_ms > 0;
+	p->whole = r->whole;
 	p->aovs = r->aovs;
 	p->filter = r->filter;
 	p->format = r->format;

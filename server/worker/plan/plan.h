@@ -60,8 +60,9 @@ struct plan {
 	uint32_t first_sample; // index of the first of them
 	uint64_t seed;
 	double target_error; // end once the estimated relMSE is at most this; 0: never
-	bool deadline; // the front may end the job any time after its first sample, which is done and reported first
+	bool deadline; // the job may be ended any time after its first sample, which is done and reported first
 	uint64_t end_us; // clock_us() by which sampling has to end; 0: no matter when
+	bool whole; // by then the picture has a sample of every pixel that was asked for, or there is none
 	uint32_t depth; // the most scattering events of a path
 	uint32_t effects; // bits 1 << candil_Effect of those that are simulated
 	uint32_t aovs; // AOV_*

@@ -62,7 +62,9 @@ struct step_result {
 	uint32_t samples_done; // complete samples of every pixel
 	bool finished; // no step is left to do
 	bool reached; // finished, because the upper end of the error fell to plan->target_error
-	bool late; // there is a sample, and no more work fits before plan->end_us
+	bool late; // no more work fits before plan->end_us
+	bool drawing; // what is made of the scene is there, and work on the picture has begun
+	double sample_us; // work that a sample of every pixel takes, by those so far; 0: not known
 	struct estimate estimate; // of the picture so far
 	double fraction; // of all the job's work, 0…1
 };

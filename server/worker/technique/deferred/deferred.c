@@ -12,6 +12,7 @@
 #include "server/worker/technique/deferred/deferred_job.h"
 
 #define FIRST_TILES 64u
+#define FIRST_TILES_TIMED 4u // with a deadline, which they may not overrun by more than about a tile's time
 #define FIRST_COST 1e6 // of the first piece of triangles, pixels
 #define LEAST_COST 1e5 // of any piece of triangles, pixels: less would measure little but the wait for the device
 
@@ -44,7 +45,8 @@ static void advance(struct deferred *d, uint32_t units)
 static uint32_t affordable(const struct deferred *d, const struct deferred_work *w, double us, double *cost)
 {
 	const uint32_t left = deferred_units(d, w) - d->unit;
-	*cost = w->unit_us > 0 ? us / w->unit_us : w->kind == DEFERRED_DRAW ? FIRST_COST : FIRST_TILES;
+	const uint32_t first = d->plan.end_us > 0 ? FIRST_TILES_TIMED : FIRST_TILES;
+	*cost = w->unit_us > 0 ? us / w->unit_us : w->kind == DEFERRED_DRAW ? FIRST_COST : first;
 	if (w->kind == DEFERRED_DRAW) {
 		const struct deferred_rows *r = &d->bands[d->band].outer;
 		*cost = *cost > LEAST_COST ? *cost : LEAST_COST;
@@ -81,8 +83,10 @@ static enum status run_piece(struct deferred *d, double us, struct error *err)
 	enum status s = gl_wait(d->device, w->stage, err);
 	if (s == STATUS_OK && w->kind == DEFERRED_SUM)
 		s = deferred_take_counters(d, err);
+	const uint64_t us_taken = clock_us() - start;
+	d->work_us += us_taken;
 	if (units > 0) {
-		const double measured = (double)(clock_us() - start) / cost;
+		const double measured = (double)us_taken / cost;
 		w->unit_us = w->unit_us > 0 ? 0.5 * (w->unit_us + measured) : measured;
 	}
 	advance(d, units);
@@ -102,7 +106,7 @@ static double fraction(struct deferred *d)
 // Whether there is no time for another piece before the end.
 static bool deferred_is_late(struct deferred *d)
 {
-	return d->sample > 0 && !finished(d) && !plan_fits(&d->plan, clock_us(), deferred_current(d)->unit_us);
+	return !finished(d) && !plan_fits(&d->plan, clock_us(), deferred_current(d)->unit_us);
 }
 
 enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_result *result, struct error *err)
@@ -112,7 +116,7 @@ enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_re
 	uint64_t spent = 0;
 	while (!finished(d) && !deferred_is_late(d)) {
 		const double left_us = (double)(budget_us - spent);
-		enum status s = run_piece(d, d->sample > 0 ? plan_piece_us(&d->plan, start + spent, left_us) : left_us, err);
+		enum status s = run_piece(d, plan_piece_us(&d->plan, start + spent, left_us), err);
 		if (s != STATUS_OK)
 			return s;
 		if (d->plan.deadline && begun_at == 0 && d->sample == 1)
@@ -125,6 +129,8 @@ enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_re
 	result->samples_done = d->sample;
 	result->finished = finished(d);
 	result->late = deferred_is_late(d);
+	result->drawing = true;
+	result->sample_us = d->sample > 0 ? (double)d->work_us / d->sample : 0;
 	result->fraction = fraction(d);
 	return STATUS_OK;
 }

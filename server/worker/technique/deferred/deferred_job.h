@@ -65,6 +65,7 @@ struct deferred {
 	uint64_t rays, non_finite;
 	struct gl_timer timer;
 	uint64_t upload_us;
+	uint64_t work_us; // on samples and AOVs
 };
 
 // How many units a pass has: triangles for DEFERRED_DRAW, else tiles of the cursor's band.

@@ -25,6 +25,7 @@
 
 #define DISPATCHES_PER_SUBMIT 256u
 #define FIRST_TILES 16u
+#define FIRST_TILES_TIMED 4u // with a deadline, which they may not overrun by more than about a tile's time
 #define LOOKS_SHARE 50u // the time of tracing over that of looks at the error, for progress alone
 #define AOV_TILES 16u // AOVs take one ray a pixel and a path many, so about so many times the tiles take the same time
 
@@ -214,7 +215,7 @@ static double fraction_of(const struct technique_job *j, bool reached)
 // takes by itself.
 static bool pt_is_late(const struct technique_job *j)
 {
-	return j->sample > 0 && !plan_fits(&j->plan, clock_us(), 2 * j->tile_us * j->batch);
+	return !plan_fits(&j->plan, clock_us(), 2 * j->tile_us * j->batch);
 }
 
 static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
@@ -224,8 +225,9 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 	bool reached = false;
 	while (j->sample < j->plan.samples && !pt_is_late(j)) {
 		const double left_us = (double)(budget_us - spent);
-		const double piece_us = j->sample > 0 ? plan_piece_us(&j->plan, start + spent, left_us) : left_us;
-		uint64_t tiles = j->tile_us > 0 ? (uint64_t)(piece_us / j->tile_us) : FIRST_TILES;
+		const double piece_us = plan_piece_us(&j->plan, start + spent, left_us);
+		const uint64_t first = j->plan.end_us > 0 ? FIRST_TILES_TIMED : FIRST_TILES;
+		uint64_t tiles = j->tile_us > 0 ? (uint64_t)(piece_us / j->tile_us) : first;
 		enum status s = submit(j, tiles > 0 ? tiles : 1, err);
 		if (s == STATUS_OK)
 			s = look_at_target(j, &reached, err);
@@ -243,6 +245,8 @@ static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct s
 	result->finished = reached || j->sample == j->plan.samples;
 	const enum status s = look_at_error(j, err);
 	result->late = !result->finished && pt_is_late(j);
+	result->drawing = true;
+	result->sample_us = j->sample > 0 ? (double)(j->aov_us + j->trace_us + j->light_us) / j->sample : 0;
 	result->estimate = j->estimate;
 	result->fraction = fraction_of(j, reached);
 	return s;
