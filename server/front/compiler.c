@@ -6,6 +6,7 @@
 #include "server/base/clock.h"
 #include "server/base/ipc.h"
 #include "server/base/log.h"
+#include "server/base/side.h"
 
 static void compiler_look(void *owner);
 
@@ -58,14 +59,7 @@ void compiler_init(struct compiler *c, struct worker *worker, compiler_done *don
 	child_init(&c->child);
 }
 
-// A side of the least picture that needs the same code. A software driver's is another for textures whose sides are powers
-// of two (worker/gl/texture.c), and some are half as large as the picture, rounded up: neither may change.
-static uint32_t least_side(uint32_t side)
-{
-	const bool whole = (side & (side - 1)) == 0, half = (side & (side + 1)) == 0;
-	const uint32_t least = whole ? 8 : half ? 15 : 12;
-	return side < least ? side : least;
-}
+#define LEAST_SIDE 12u // pixels
 
 // A picture of this size is nobody's, and would take the device's memory. Some options of techniques without noise are about
 // sides: pictures with these stay as they are.
@@ -73,8 +67,8 @@ static void make_small(candil_Render *render)
 {
 	if (render->options_count > 0 && !(technique_traits(render->technique) & TECHNIQUE_NOISE))
 		return;
-	render->width = least_side(render->width);
-	render->height = least_side(render->height);
+	render->width = side_near(LEAST_SIDE, render->width);
+	render->height = side_near(LEAST_SIDE, render->height);
 }
 
 // All of it fits a socket's buffer, so nothing waits for the process to start.

@@ -9,6 +9,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/side.h"
 #include "server/base/stage.h"
 #include "server/worker/devices.h"
 #include "server/worker/image/scale.h"
@@ -48,26 +49,11 @@ static bool is_first(const struct attempts *a)
 	return !a->sure && !a->plan->whole;
 }
 
-// What a software driver's code for textures of so many texels along an axis depends on: of this number and of half of it,
-// whether they are powers of two (gl/program.h, gl_shape).
-static unsigned code_of(uint32_t n)
+// A number of pixels near `wanted` along an axis of `side`, so that no code is compiled for it alone.
+static uint32_t near(const struct attempts *a, double wanted, uint32_t side)
 {
-	return (unsigned)((n & (n - 1)) == 0) << 1 | ((n & (n + 1)) == 0);
-}
-
-// A number of pixels near `wanted` along an axis that has `asked`, so that no code is compiled for it alone: a smaller one
-// if there is one.
-static uint32_t near(const struct attempts *a, double wanted, uint32_t asked)
-{
-	uint32_t n = (uint32_t)fmax(round(wanted), 1);
-	if (!a->devices->vk->info.software || n >= asked)
-		return n < asked ? n : asked;
-	const uint32_t from = n;
-	while (n > 0 && code_of(n) != code_of(asked))
-		n--;
-	for (n = n > 0 ? n : from; code_of(n) != code_of(asked); n++)
-		;
-	return n;
+	const uint32_t n = (uint32_t)fmin(fmax(round(wanted), 1), side);
+	return a->devices->vk->info.software ? side_near(n, side) : n;
 }
 
 // The size of a picture with about so many pixels, in the shape of the one that was asked for as far as can be.
