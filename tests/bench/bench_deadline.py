@@ -3,11 +3,15 @@
     bench_deadline.py [--scenes WORD,…] [--techniques pt,…] [--times 50,200,…] [--sizes 64,…] [--frames N]
 
 A row for each technique, size and deadline, over the scenes, PNG and EXR, with and without --error (pt): overrun in ms beyond the deadline,
-median and 95th percentile, and the share of frames that were kept: by less than 10 % or 20 ms, the greater of both. A frame whose first
-sample is later than the deadline by itself cannot be kept and is counted apart, `late`: what it takes is measured before, by a frame of
-one sample. `early`: frames that had all their samples before. Deadlines of 5 s are asked for once where others are N times."""
+median and 95th percentile, and the share of frames that were kept: by less than 10 % or 20 ms, the greater of both. `scaled`: frames made of
+fewer pixels than asked for, and their share of them in the median. `none`: those that had no picture. `early`: frames that had all their samples
+before. Deadlines of 5 s are asked for once where others are N times.
+
+Then by technique how far the work on the device overran its own end, which leaves time for reading, encoding and sending: the worker's log
+tells. Beside it what a tile of a whole picture takes, of the scene and size where that is most."""
 import argparse
 import itertools
+import re
 
 import bench
 import make
@@ -17,6 +21,7 @@ from wire import pb
 
 EVER = 1 << 20
 ALLOWED = .1, 20.  # of the deadline; ms
+DEVICE = ("trace", "caustics", "visibility", "light", "soften", "cones", "sum")  # stages that a sample takes
 
 
 def scenes(folder):
@@ -24,31 +29,40 @@ def scenes(folder):
 
 
 def ask(connection, **fields):
-    done = connection.follow(connection.send(wire.RENDER, pb.Render(**fields)))[-1].body
-    assert isinstance(done, pb.Done), done
-    return done
+    """(its Done, the share of its pixels that were made); (None, 0) if the deadline left no picture"""
+    replies = connection.follow(connection.send(wire.RENDER, pb.Render(**fields)))
+    if not isinstance(replies[-1].body, pb.Done):
+        assert replies[-1].body.name == "deadline", replies[-1].body
+        return None, 0
+    frame, _ = wire.images(replies)[-1]
+    return replies[-1].body, frame.made_width * frame.made_height / (frame.width * frame.height)
 
 
 class Row:
     def __init__(self):
-        self.over, self.late, self.early, self.allowed = [], 0, 0, 0
+        self.over, self.made, self.none, self.early, self.allowed = [], [], 0, 0, 0
 
-    def add(self, done, deadline, first_ms):
-        if done.reason != "time":
+    def add(self, done, made, deadline):
+        if not done:
+            self.none += 1
+        elif done.reason != "time":
             self.early += 1
-            return
-        if first_ms > deadline:
-            self.late += 1
-            return
-        self.over.append(done.elapsed_us / 1e3 - deadline)
-        self.allowed = max(ALLOWED[0] * deadline, ALLOWED[1])
+        else:
+            self.over.append(done.elapsed_us / 1e3 - deadline)
+            self.made += [made] if made < 1 else []
+            self.allowed = max(ALLOWED[0] * deadline, ALLOWED[1])
 
     def cells(self):
         if not self.over:
-            return "", "", "", "", self.late, self.early
+            return "", "", "", "", "", "", self.none, self.early
         kept = sum(over <= self.allowed for over in self.over)
         return (f"{bench.median(self.over):+.1f}", f"{bench.percentile(self.over, .95):+.1f}", f"{max(self.over):+.1f}",
-                f"{kept} of {len(self.over)}", self.late, self.early)
+                f"{kept} of {len(self.over)}", len(self.made), f"{100 * bench.median(self.made):.2g} %" if self.made else "", self.none, self.early)
+
+
+def past_the_end(log):
+    """µs, of each time that work on the device ended by its end."""
+    return [int(us) for us in re.findall(r"pixels: (-?[0-9]+) us past the end", log)]
 
 
 def main():
@@ -59,8 +73,9 @@ def main():
     parser.add_argument("--sizes", default="64,256,512")
     parser.add_argument("--frames", type=int, default=4)
     options = parser.parse_args()
-    rows, all_over = [], Row()
-    with Daemon() as daemon, wire.Connection(daemon.socket) as connection:
+    rows, all_over, ends, seen = [], Row(), [], 0
+    tile_us = dict.fromkeys(options.techniques.split(","), 0)
+    with Daemon(environment={"CANDIL_LOG": "debug"}) as daemon, wire.Connection(daemon.socket) as connection:
         for name, path in scenes(daemon.folder).items():
             daemon.candil("load", path, "--name", name)
         bench.header(daemon.stats()["device"])
@@ -72,18 +87,26 @@ def main():
                 base = dict(scene=scene, width=size, height=size, technique=pb.Technique.Value("TECHNIQUE_" + technique.upper()), **way[0])
                 ask(connection, **base, **way[1], samples=EVER, deadline_ms=1000)
                 ask(connection, **base, samples=1)
-                first_ms = min(ask(connection, **base, samples=1).elapsed_us for _ in range(2)) / 1e3
+                took = [ask(connection, **base, samples=4)[0].stages for _ in range(2)]
+                us = min(sum(s.us for s in stages if s.name in DEVICE) / 4 for stages in took)
+                tile_us[technique] = max(tile_us[technique], us / (size / 8) ** 2)
                 for deadline, row in by_time.items():
                     for seed in range(1 if deadline >= 5000 else options.frames):
-                        done = ask(connection, **base, **way[1], samples=EVER, deadline_ms=deadline, seed=seed)
-                        row.add(done, deadline, first_ms)
-                        if row.over and done.reason == "time" and row.over[-1] > max(ALLOWED[0] * deadline, ALLOWED[1]):
+                        done, made = ask(connection, **base, **way[1], samples=EVER, deadline_ms=deadline, seed=seed)
+                        row.add(done, made, deadline)
+                        if done and done.reason == "time" and row.over[-1] > max(ALLOWED[0] * deadline, ALLOWED[1]):
                             print(f"# {technique} {scene} {size} {way} {deadline} ms: {row.over[-1]:+.1f}: "
                                   + ", ".join(f"{s.name} {s.us / 1e3:.1f}" for s in done.stages), flush=True)
             rows += [(technique, size, deadline, *row.cells()) for deadline, row in by_time.items()]
+            past = past_the_end(daemon.read_log())
+            ends.append((technique, past[seen:]))
+            seen = len(past)
             for row in by_time.values():
                 all_over.over += [over / max(row.allowed, 1) for over in row.over]
-    bench.table(("technique", ">side", ">deadline, ms", ">overrun, median", ">p95", ">most", ">kept", ">late", ">early"), rows)
+    bench.table(("technique", ">side", ">deadline, ms", ">overrun, median", ">p95", ">most", ">kept", ">scaled", ">made of", ">none", ">early"), rows)
+    ends = [(t, [us for technique, past in ends if technique == t for us in past], us) for t, us in tile_us.items()]
+    bench.table(("technique", ">ends", ">past the end, µs, median", ">p95", ">most", ">a tile, µs"),
+                [(t, len(past), f"{bench.median(past):.0f}", f"{bench.percentile(past, .95):.0f}", max(past), f"{us:.0f}") for t, past, us in ends if past])
     if all_over.over:
         print(f"{sum(over <= 1 for over in all_over.over)} of {len(all_over.over)} kept; overrun over what is allowed: "
               f"median {bench.median(all_over.over):.2f}, p95 {bench.percentile(all_over.over, .95):.2f}")

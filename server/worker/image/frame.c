@@ -97,12 +97,19 @@ void frame_add_metadata(struct frame *frame, const char *key, const char *format
 
 void frame_add_stage(struct frame *frame, const char *name, uint64_t us)
 {
-	if (frame->stage_count >= FRAME_STAGES_MAX)
+	uint32_t at = 0;
+	while (at < frame->stage_count && strcmp(frame->stages[at].name, name) != 0)
+		at++;
+	if (at == FRAME_STAGES_MAX)
 		return;
-	struct frame_stage *s = &frame->stages[frame->stage_count++];
-	snprintf(s->name, sizeof s->name, "%s", name);
-	s->us = us;
-	if (!strcmp(s->name, FRAME_STAGE_OPEN) || !strcmp(s->name, FRAME_STAGE_COMPILE))
+	struct frame_stage *s = &frame->stages[at];
+	if (at == frame->stage_count) {
+		snprintf(s->name, sizeof s->name, "%s", name);
+		s->us = 0;
+		frame->stage_count++;
+	}
+	s->us += us;
+	if (!strcmp(name, FRAME_STAGE_OPEN) || !strcmp(name, FRAME_STAGE_COMPILE))
 		frame->cold_us += us;
 }
 

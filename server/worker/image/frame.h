@@ -78,7 +78,7 @@ void frame_take_pixels(struct frame *frame, struct frame *from);
 
 // Append to the lists. What is beyond a list's maximum is dropped. Text is printf-formatted and cut to fit.
 void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
-// A stage that a device spends once counts as cold, too.
+// A stage that is there already grows. One that a device spends once counts as cold, too.
 void frame_add_stage(struct frame *frame, const char *name, uint64_t us);
 void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit);
 void frame_add_note(struct frame *frame, const char *format, ...) __attribute__((format(printf, 2, 3)));
