@@ -472,7 +472,7 @@ struct candil_stats {
 	char device_error[256]; // why there is no usable device; "" if there is one
 	uint32_t max_connections, max_scenes; // that the daemon's descriptors are enough for
 	uint32_t device_losses; // of the device, as far as can be told
-	char device_note[256]; // a device was lost too often: which one is used since; "": none was
+	char device_note[256]; // a device was lost too often, or compiled code cannot be kept any more; "": neither
 };
 
 #endif

@@ -287,6 +287,8 @@ static enum status on_stats(const struct message *m, struct error *err)
 	if (s->worker.ready.error.code != STATUS_OK)
 		memcpy(reply.device_error, s->worker.ready.error.text, sizeof reply.device_error);
 	worker_device_note(&s->worker, reply.device_note);
+	if (!reply.device_note[0])
+		cache_note(&s->cache, reply.device_note);
 	reply_message(m->session, MESSAGE_STATS_REPLY, m->header->request, candil_StatsReply_fields, &reply);
 	return STATUS_OK;
 }

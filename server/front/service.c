@@ -481,6 +481,7 @@ enum status service_run(const struct options *options, struct error *err)
 	service->started_us = clock_us();
 	enum status status = set_up(service, err);
 	if (status == STATUS_OK) {
+		cache_find(&service->cache);
 		front_fence_enter(options, &service->fence);
 		if (service->listener || options->private_fd >= 0)
 			stop_sockets(service);

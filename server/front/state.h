@@ -3,6 +3,7 @@
 #define CANDIL_FRONT_STATE_H
 
 #include "server/base/fence.h"
+#include "server/front/cache.h"
 #include "server/front/capacity.h"
 #include "server/front/channel.h"
 #include "server/front/jobs/jobs.h"
@@ -14,6 +15,7 @@
 struct service {
 	const struct options *options;
 	struct capacity capacity;
+	struct cache cache;
 	struct fence_report fence; // what of it has been put up
 	struct loop *loop;
 	struct listener *listener; // NULL: none

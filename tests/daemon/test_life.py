@@ -213,6 +213,20 @@ class Warm(unittest.TestCase):
         self.assertEqual(process.wait(wire.PATIENCE), 0)
 
 
+class Cache(FakeCase):
+    def prepare(self):
+        self.cache = os.path.join(self.daemon.folder, "cache")
+        self.daemon.environment["MESA_SHADER_CACHE_DIR"] = self.cache
+
+    def test_who_removes_it_is_told_that_nothing_is_kept(self):
+        connection = self.connect()
+        self.assertEqual(connection.stats().device_note, "")
+        os.rmdir(self.cache)
+        for _ in range(2):
+            self.assertRegex(connection.stats().device_note, f"^{self.cache} was removed or replaced: .* until candild is started again$")
+            os.makedirs(self.cache, exist_ok=True)  # another of its name is not the daemon's to write to
+
+
 class LeaveDuringAPilot(FakeCase):
     """A quote holds its scene for as long as its pilot is out."""
     environment = {"FAKE_PILOT_US": "600000000"}
