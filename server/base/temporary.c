@@ -1,8 +1,10 @@
 #include "server/base/temporary.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <time.h>
 #include <unistd.h>
 
 #define TRIES 100u // names that are taken, by processes that were killed or by somebody who plants them
@@ -55,6 +57,37 @@ bool temporary_keep(const struct temporary *t, const struct stat *replaced)
 	return fchown(t->fd, replaced->st_uid, replaced->st_gid) == 0 && fchmod(t->fd, replaced->st_mode & 0777) == 0;
 }
 
+// Is it a file that a process of this user has left here, which was killed in the moment before the rename? Another
+// namespace's process is not to be seen: what is young may be its.
+static bool is_stale(const struct temporary *t, const char *name)
+{
+	char path[32];
+	struct stat about;
+	long pid;
+	int end = 0;
+	if (sscanf(name, ".candil-%ld-%*u.tmp%n", &pid, &end) != 1 || end == 0 || name[end])
+		return false;
+	snprintf(path, sizeof path, "/proc/%ld", pid);
+	return access(path, F_OK) != 0 && access("/proc/self", F_OK) == 0 &&
+	       fstatat(t->folder, name, &about, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(about.st_mode) &&
+	       about.st_uid == geteuid() && time(NULL) - about.st_mtime > TEMPORARY_STALE_SECONDS;
+}
+
+// A file system has no rename that takes a file without a name, so a kill may leave one. Whoever replaces a file in the same
+// folder takes them away.
+static void remove_stale(const struct temporary *t)
+{
+	const int fd = openat(t->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	DIR *dir = fd < 0 ? NULL : fdopendir(fd);
+	if (!dir && fd >= 0)
+		close(fd);
+	for (const struct dirent *e; dir && (e = readdir(dir));)
+		if (is_stale(t, e->d_name))
+			unlinkat(t->folder, e->d_name, 0);
+	if (dir)
+		closedir(dir);
+}
+
 // What a network file system cannot store it says as a descriptor is closed.
 static bool flush(const struct temporary *t)
 {
@@ -83,6 +116,7 @@ bool temporary_place(struct temporary *t, int into, const char *name)
 	if (!t->name[0] || renameat(t->folder, t->name, into, name) != 0)
 		return false;
 	t->name[0] = '\0';
+	remove_stale(t);
 	return true;
 }
 

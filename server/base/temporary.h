@@ -1,6 +1,7 @@
 // A file on its way to its name: it is written without one, so that nothing of it is left behind if the program is killed,
 // and then appears under its name whole, in the place of what was there. Where the file system has no such files it is
-// written beside its place, as .candil-PID-N.tmp. Any thread. Failures are told by errno.
+// written beside its place, as .candil-PID-N.tmp, and what takes another's place has that name for a moment. A kill may
+// leave it; who next replaces a file there removes it, once it is an hour old. Any thread. Failures are told by errno.
 //
 // Example:
 //	struct temporary t;
@@ -17,6 +18,8 @@ struct temporary {
 	int fd; // to write to; -1: none
 	char name[48]; // in the folder; "": it has none
 };
+
+#define TEMPORARY_STALE_SECONDS 3600 // since it was written, from when on what a kill has left goes
 
 #define TEMPORARY_NONE \
 	{ \

@@ -12,6 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "server/base/replace.h"
@@ -155,6 +157,49 @@ static int has_names(void **state)
 	return 0;
 }
 
+static void leave(const char *name, time_t ago)
+{
+	char path[128];
+	const struct timespec at[2] = {{.tv_sec = time(NULL) - ago}, {.tv_sec = time(NULL) - ago}};
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	const int fd = open(path, O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+	assert_true(fd >= 0 && futimens(fd, at) == 0);
+	close(fd);
+}
+
+static bool is_there(const char *name)
+{
+	char path[128];
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	return access(path, F_OK) == 0;
+}
+
+static void test_what_a_kill_has_left_goes(void **state)
+{
+	char ours[64], path[64];
+	struct error err;
+	const time_t old = TEMPORARY_STALE_SECONDS + 10;
+	(void)state;
+	// No process has the number: it is above the kernel's largest.
+	const char *const stays[] = {".candil-99999999-1.tmp", ".candil-99999999-0.tmp.png", "candil-99999999-0.tmp", ours};
+	snprintf(ours, sizeof ours, ".candil-%ld-7.tmp", (long)getpid());
+	for (unsigned i = 0; i < 4; i++)
+		leave(stays[i], i == 0 ? 0 : old);
+	leave(".candil-99999999-0.tmp", old);
+	snprintf(path, sizeof path, "%s/stale", folder);
+	assert_int_equal(replace_file(path, 0600, "a", 1, &err), STATUS_OK);
+	assert_int_equal(replace_file(path, 0600, "b", 1, &err), STATUS_OK);
+	assert_false(is_there(".candil-99999999-0.tmp"));
+	for (unsigned i = 0; i < 4; i++) {
+		assert_true(is_there(stays[i]));
+		snprintf(path, sizeof path, "%s/%s", folder, stays[i]);
+		unlink(path);
+	}
+	assert_true(is_there("stale"));
+	snprintf(path, sizeof path, "%s/stale", folder);
+	unlink(path);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -162,6 +207,7 @@ int main(void)
 	    cmocka_unit_test(test_what_is_not_placed_goes),
 	    cmocka_unit_test(test_a_planted_link_is_not_followed),
 	    cmocka_unit_test(test_replaced_files_keep_their_mode),
+	    cmocka_unit_test(test_what_a_kill_has_left_goes),
 	};
 	if (!mkdtemp(folder))
 		return EXIT_FAILURE;
