@@ -30,12 +30,14 @@ PROLOGUE = """
 #include "tests/support/load_scene.h"
 """
 
-FACTORS = """
+RADIOSITY = """
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
-#include "server/worker/technique/radiosity/form_factor.h"
+#include "server/worker/technique/radiosity/patches.h"
+#include "tests/support/load_scene.h"
 """
 
 MAIN = """
@@ -108,8 +110,12 @@ RULES = [
     Rule("server/scene/blob.h", **DEVICE, prologue=PROLOGUE, parameter="const struct blob_header *blob, size_t bytes", begin="",
          main=BLOB_MAIN),
     Rule("server/worker/scenes/shelf.h", **DEVICE, prologue="", parameter="void", begin="", main=MAIN),
-    Rule("server/worker/technique/radiosity/form_factor.h", **DEVICE, prologue=FACTORS, parameter="void", begin="",
+    Rule("server/worker/technique/radiosity/form_factor.h", **DEVICE, prologue=RADIOSITY, parameter="void", begin="",
          main=MAIN),
+    Rule("server/worker/technique/radiosity/patches.h", **DEVICE, prologue=RADIOSITY,
+         parameter="const struct blob_header *blob, size_t bytes",
+         begin="\tstruct blob_view view;\n\tblob_view_init(&view, blob);\n"
+               "\tconst struct blob_view *scene = &view;\n\t(void)bytes;\n", main=BLOB_MAIN),
     Rule("server/front/channel.h", **FRONT, prologue="", parameter="void", begin="", main=MAIN),
     Rule("server/worker/technique/technique.h", **ON_DEVICE, begin="\t(void)devices, (void)scene;\n",
          main=DEVICE_MAIN.replace("FIRST", "1")),
