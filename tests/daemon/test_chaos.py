@@ -1,12 +1,15 @@
 """Sessions of mutated messages beside clients that mean it, with few descriptors: every request of those is answered once, the worker is
 never lost, and nothing is left. CANDIL_SOAK multiplies the counts; at 50 it is 5,000 sessions, 5,000 requests and 500 loads and
-unloads for each limit."""
+unloads for each limit. CANDIL_SOAK_SECONDS has it go on for so long for each limit, CANDIL_REAL=1 with the real loader and worker in the place of
+stand-ins."""
 import os
 import random
 import socket
+import time
 import unittest
 
 import crowd
+import make
 import wire
 from fakes import FakeCase, render
 from wire import pb
@@ -15,6 +18,8 @@ ROUNDS = 10 * int(os.environ.get("CANDIL_SOAK", "1"))
 SESSIONS = 10  # of mutated messages, in a round
 REQUESTS = 10  # of a client, in a round
 CLIENTS = 2
+SECONDS = float(os.environ.get("CANDIL_SOAK_SECONDS", "0"))
+REAL = os.environ.get("CANDIL_REAL") == "1"
 
 
 def streams():
@@ -52,10 +57,13 @@ def mutate(data, chance):
 class Chaos(FakeCase):
     most_descriptors = 1024
     environment = {"FAKE_STEP_US": "0", "FAKE_SPARSE": "1"}
+    libexec = None if REAL else FakeCase.libexec
 
     def prepare(self):
         self.daemon.environment["CANDIL_LOG"] = "error"  # a line a message would fill a disk
         self.chance = random.Random(self.most_descriptors)
+        if REAL:
+            make.cornell(self.scenes, name="box.gltf")
         self.hello, self.load, self.talk = streams()
         self.counts = dict.fromkeys(("sessions", "replies", "requests", "refused", "loads"), 0)
 
@@ -92,7 +100,7 @@ class Chaos(FakeCase):
         chance = self.chance
         asked = []
         for _ in range(REQUESTS):
-            side = chance.choice((1, 8, 100, 700))
+            side = chance.choice((1, 8, 32, 100) if REAL else (1, 8, 100, 700))
             picture = render("kept", width=side, height=side, samples=chance.randrange(1, 9), progressive=chance.random() < .3)
             kind, body = chance.choice(((wire.RENDER, picture), (wire.RENDER, picture), (wire.PING, pb.Ping(payload=b"x")),
                                         (wire.SWEEP, pb.Sweep(render=picture, cameras=[pb.Camera()] * 3)), (wire.STATS, b""),
@@ -150,8 +158,11 @@ class Chaos(FakeCase):
         for _ in range(max(5, ROUNDS // 5)):
             self.round()
         memory = self.level()
-        for _ in range(ROUNDS):
+        end = time.monotonic() + SECONDS
+        rounds = 0
+        while rounds < ROUNDS or time.monotonic() < end:
             self.round()
+            rounds += 1
         grown = self.level() - memory
         print(f"{self.most_descriptors} descriptors: {self.counts}, {memory} KiB and {grown} more")
         self.assertLess(grown, crowd.growth_allowed_kib())

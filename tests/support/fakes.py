@@ -28,9 +28,10 @@ class FakeCase(unittest.TestCase):
     environment = {}
     arguments = ()
     most_descriptors = None
+    libexec = LIBEXEC
 
     def setUp(self):
-        self.daemon = wire.Daemon(*self.arguments, libexec=LIBEXEC, environment=self.environment,
+        self.daemon = wire.Daemon(*self.arguments, libexec=self.libexec, environment=self.environment,
                                   most_descriptors=self.most_descriptors)
         self.addCleanup(self.stop)
         self.scenes = os.path.join(self.daemon.folder, "scenes")
