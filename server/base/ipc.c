@@ -7,7 +7,10 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
+
+#include "server/base/log.h"
 
 _Static_assert(sizeof(struct ipc_loaded) <= IPC_MAX_BYTES, "a scene's description fits one datagram");
 _Static_assert(sizeof(struct ipc_begin) <= IPC_MAX_BYTES, "a request fits one datagram");
@@ -54,6 +57,21 @@ enum status ipc_send(int socket, const void *message, size_t bytes, int fd, stru
 	if (sent != (ssize_t)bytes)
 		return error_errno(err, STATUS_IO, "cannot send to the other process");
 	return STATUS_OK;
+}
+
+enum status ipc_send_patiently(int socket, const void *message, size_t bytes, int fd, struct error *err)
+{
+	const struct timespec pause = {.tv_nsec = IPC_PAUSE_MS * 1000000};
+	bool told = false;
+	for (;;) {
+		const enum status s = ipc_send(socket, message, bytes, fd, err);
+		if (s == STATUS_OK || errno != ETOOMANYREFS)
+			return s;
+		if (!told)
+			log_line(LOG_WARNING, "too many descriptors of this user are on their way: one more waits");
+		told = true;
+		nanosleep(&pause, NULL);
+	}
 }
 
 // Move the first descriptor to *fd. The buffer's padding leaves room for a second one, which is closed. True if there was

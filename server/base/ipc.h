@@ -164,7 +164,13 @@ const char *ipc_build(void);
 
 // Send one datagram with at most one descriptor (fd < 0: none). The descriptor remains the caller's. Any thread. STATUS_IO
 // if the peer is gone. Also STATUS_IO, with errno EAGAIN, if a non-blocking socket cannot take it now.
+// STATUS_IO with errno ETOOMANYREFS: more descriptors of the user are on their way than this process may have open.
 enum status ipc_send(int socket, const void *message, size_t bytes, int fd, struct error *err);
+
+// The same, but wait until there are fewer of them. Not for the front, which never waits.
+enum status ipc_send_patiently(int socket, const void *message, size_t bytes, int fd, struct error *err);
+
+#define IPC_PAUSE_MS 10u // between two tries
 
 // Whether the next datagram is there already and is of this kind. It stays. Any thread.
 bool ipc_next_is(int socket, enum ipc_op op);

@@ -41,13 +41,30 @@ static void kill_hanging(struct worker *worker, const char *why)
 	kill_for(worker, why);
 }
 
+static void send_parcels(struct worker *worker);
+
+static void send_again(void *owner)
+{
+	struct worker *worker = owner;
+	if (worker->state == WORKER_READY)
+		send_parcels(worker);
+}
+
+// Be told when it takes more: by its socket, or, while too many descriptors of the user are on their way, by the clock.
+static void want_to_send(struct worker *worker)
+{
+	loop_want(worker->loop, worker->child.socket, worker->crowded ? EPOLLIN : EPOLLIN | EPOLLOUT);
+	if (worker->crowded && !worker->again.running)
+		loop_timer_set(worker->loop, &worker->again, clock_us() + IPC_PAUSE_MS * 1000, send_again, worker);
+}
+
 static void worker_keep(struct worker *worker, const void *message, size_t bytes, int fd)
 {
 	const char *why = parcels_keep(&worker->waiting, message, bytes, fd);
 	if (why)
 		kill_for(worker, why);
 	else if (!worker->holding)
-		loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
+		want_to_send(worker);
 }
 
 enum sent { SENT, SENT_LATER };
@@ -58,7 +75,8 @@ static enum sent send_now(struct worker *worker, const void *message, size_t byt
 {
 	if (ipc_send(worker->child.socket, message, bytes, fd, NULL) == STATUS_OK || errno == EPIPE || errno == ECONNRESET)
 		return SENT;
-	if (errno == EAGAIN)
+	worker->crowded = errno == ETOOMANYREFS;
+	if (errno == EAGAIN || worker->crowded)
 		return SENT_LATER;
 	kill_for(worker, "a message could not be sent to it");
 	return SENT;
@@ -74,11 +92,11 @@ static void worker_give(struct worker *worker, const void *message, size_t bytes
 
 static void send_parcels(struct worker *worker)
 {
+	worker->crowded = false;
 	while (worker->waiting.first && !worker->holding) {
 		const struct parcel *p = worker->waiting.first;
 		if (send_now(worker, p->message, p->bytes, p->fd) == SENT_LATER) {
-			// What was kept while a pilot was out has not asked for it.
-			loop_want(worker->loop, worker->child.socket, EPOLLIN | EPOLLOUT);
+			want_to_send(worker); // what was kept while a pilot was out has not asked for it
 			return;
 		}
 		parcels_drop_first(&worker->waiting);
@@ -186,6 +204,8 @@ static void worker_look(void *owner)
 	const uint64_t work_us = pulse_look(&worker->pulse), most_us = worker->options->answer_s * 1000000ull;
 	worker->answer_work_us += work_us;
 	worker->image_work_us += work_us;
+	if (worker->crowded)
+		worker->pulse.still = 0; // it has not been given what it is to work on
 	if (worker->pulse.still >= PULSE_LOOKS)
 		kill_hanging(worker, "it hung: with an order to carry out it neither worked nor waited for a processor");
 	else if (worker->answers_due > 0 && worker->answer_work_us > most_us)
@@ -464,6 +484,7 @@ static void worker_lose(struct worker *worker, const char *how, enum worker_faul
 	worker->pilot = 0;
 	worker->holding = false;
 	worker->held = (struct ipc_state){0};
+	worker->crowded = false;
 	worker->killed_for = NULL;
 	worker->fault = FAULT_NONE;
 	worker->device_lost = (struct error){.code = STATUS_OK};
@@ -603,6 +624,7 @@ void worker_finish(struct worker *worker)
 		return;
 	loop_timer_stop(worker->loop, &worker->restart);
 	loop_timer_stop(worker->loop, &worker->watchdog);
+	loop_timer_stop(worker->loop, &worker->again);
 	child_abandon(&worker->child, worker->children);
 	parcels_clear(&worker->waiting);
 	free(worker->inbox);

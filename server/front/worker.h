@@ -66,8 +66,9 @@ struct worker {
 	void *owner;
 	enum worker_state state;
 	struct child child;
-	struct loop_timer restart, watchdog;
+	struct loop_timer restart, watchdog, again;
 	struct parcels waiting; // orders that its socket has not taken
+	bool crowded; // the first of them because too many descriptors of the user are on their way
 	uint8_t *inbox; // IPC_MAX_BYTES
 	unsigned answers_due; // of BEGIN and STEP
 	unsigned images_due;

@@ -206,7 +206,7 @@ static int serve(struct arguments *a, struct ipc_loaded *loaded)
 	snprintf(loaded->build, sizeof loaded->build, "%s", ipc_build());
 	load(a, loaded, &fd);
 	loaded->wants_images = a->load.wants_decoder;
-	if (ipc_send(IPC_FD, loaded, sizeof *loaded, fd, &err) != STATUS_OK) {
+	if (ipc_send_patiently(IPC_FD, loaded, sizeof *loaded, fd, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "the front did not take the scene: %s", err.text);
 		return EXIT_FAILURE;
 	}

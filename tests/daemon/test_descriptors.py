@@ -2,6 +2,9 @@
 and no worker."""
 import os
 import resource
+import signal
+import socket
+import time
 import unittest
 
 import crowd
@@ -10,6 +13,30 @@ from fakes import FakeCase, endless, pattern, render
 from wire import pb
 
 SIDE = 700  # of an image that its socket does not take at once
+
+
+class OnTheirWay(FakeCase):
+    """The kernel lets a user have no more descriptors on their way than the sender may have open."""
+    most_descriptors = 256
+
+    def test_scenes_wait_until_there_are_fewer(self):
+        connection = self.with_box()
+        pid = wire.wait_for(lambda: connection.stats().device and connection.stats().worker_pid, "the worker is ready")
+        passed = socket.socketpair()
+        for end in passed:
+            self.addCleanup(end.close)
+        for _ in range(3):
+            socket.send_fds(passed[0], [b"x"], [0] * 200)
+        os.kill(pid, signal.SIGKILL)
+        wire.wait_for(lambda: connection.stats().worker_pid not in (0, pid), "the next is to get the scene")
+        job = connection.send(wire.RENDER, render())
+        for _ in range(3):
+            time.sleep(.05)  # for it to try again
+            self.assertEqual((connection.stats().jobs, connection.stats().worker_starts), (1, 2))
+        for end in passed:
+            end.close()
+        self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
+        self.assertEqual(connection.stats().worker_starts, 2)
 
 
 class Full(FakeCase):

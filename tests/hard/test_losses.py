@@ -104,7 +104,8 @@ OTHERS = {
     "decoder": ("the loader starts", "a limit of address space (`ulimit -v`) leaves no room for the decoder of images", "`memory`", AT_ONCE),
     "room": ("the worker encodes a picture", "a file may not become so large (RLIMIT_FSIZE)", "`memory`", AT_ONCE),
     "codec": ("the worker encodes a picture", "candil-codec.so is missing", "`encode`", AT_ONCE),
-    "passed": ("the loader hands a scene over", "a hundred descriptors of the same user are on their way elsewhere", "the scene", NEVER),
+    "passed": ("the loader hands a scene over, and the worker a picture", "a hundred descriptors of the same user are on their way elsewhere, too "
+               "many for the worker", "the scene at once, and the picture when there are fewer", NEVER),
     "client": ("the worker traces a picture", "its client dies", "nobody", "the device is free after the slice"),
     "device": ("the worker is idle, three times within ten minutes", "it aborts; a second device is there", "the picture, by the next device; "
                "notes, `stats` and `doctor` say so", NEXT),
@@ -438,9 +439,16 @@ class Table(Losses):
             passed.append(socket.socketpair())
             socket.send_fds(passed[-1][0], [b"x"], [0])
         self.new_scene()
+        # The worker's limit is below that: its picture waits.
+        before = resource.prlimit(self.worker(), resource.RLIMIT_NOFILE)
+        resource.prlimit(self.worker(), resource.RLIMIT_NOFILE, (90, before[1]))
+        job = self.client.send(wire.RENDER, request("box"))
+        wire.wait_for(lambda: "on their way" in self.daemon.log_text(), "the worker has tried")
         for pair in passed:
             for end in pair:
                 end.close()
+        self.assertEqual(self.client.follow(job)[-1].kind, wire.DONE)
+        resource.prlimit(self.worker(), resource.RLIMIT_NOFILE, before)
 
     def other_client(self):
         with self.daemon.connect() as gone:

@@ -97,7 +97,7 @@ static void send_image(int socket, const struct ipc_image *image, int fd)
 {
 	struct error err;
 	for (;;) {
-		if (ipc_send(socket, image, sizeof *image, fd, &err) == STATUS_OK)
+		if (ipc_send_patiently(socket, image, sizeof *image, fd, &err) == STATUS_OK)
 			return;
 		if (errno != EAGAIN)
 			break;
