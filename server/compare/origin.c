@@ -39,6 +39,13 @@ unsigned origin_compare(const struct origin *a, const struct origin *b,
 	else if (differ(a->view, b->view))
 		snprintf(warnings[count++], ORIGIN_WARNING_BYTES,
 			 "the pictures are seen by two cameras: the difference is no error");
+	const char *scaled = a->made_of[0] ? a->made_of : b->made_of;
+	if (scaled[0])
+		snprintf(
+		    warnings[count++], ORIGIN_WARNING_BYTES,
+		    "a deadline left time for %s pixels in one of the pictures, which is scaled: much of the difference is "
+		    "that",
+		    scaled);
 	const uint64_t shared = shared_samples(a, b, &first);
 	if (shared > 0)
 		snprintf(warnings[count++], ORIGIN_WARNING_BYTES,

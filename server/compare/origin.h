@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-#define ORIGIN_WARNINGS_MAX 2u
+#define ORIGIN_WARNINGS_MAX 3u
 #define ORIGIN_WARNING_BYTES 256u
 
 // Texts are "" where the file does not tell.
@@ -17,6 +17,7 @@ struct origin {
 	char scene[64]; // the scene's hash
 	char view[4 * 64 + 1]; // eye, direction, up and projection
 	char technique[16];
+	char made_of[32]; // pixels that were rendered, where a deadline left time for fewer than the picture has
 	uint64_t seed, first_sample, samples; // samples 0: not told
 };
 

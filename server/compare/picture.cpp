@@ -63,6 +63,7 @@ void read_origin(const OIIO::ImageSpec &spec, origin *o)
 	std::string view;
 	read_text(spec, "scene_hash", o->scene);
 	read_text(spec, "technique", o->technique);
+	read_text(spec, "made_of", o->made_of);
 	for (const char *key : {"camera_eye", "camera_forward", "camera_up", "camera_projection"}) {
 		read_text(spec, key, part);
 		view += part[0] ? std::string(" ") + part : std::string();

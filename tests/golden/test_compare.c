@@ -206,15 +206,16 @@ static void pictures_that_make_no_pair_are_told(void **state)
 		struct origin b;
 		const char *told[ORIGIN_WARNINGS_MAX]; // NULL: no more
 	} cases[] = {
-	    {{"1", "here", "pt", 8, 0, 16}, {NULL}},
-	    {{"2", "there", "pt", 8, 0, 16}, {"two scenes"}},
-	    {{"1", "there", "pt", 8, 0, 16}, {"two cameras"}},
-	    {{"1", "here", "pt", 7, 12, 64}, {"seed 7 and share samples 12 to 15"}},
-	    {{"2", "here", "pt", 7, 0, 1}, {"two scenes", "share samples 0 to 0"}},
-	    {{"1", "here", "pt", 7, 16, 64}, {NULL}},
-	    {{"1", "here", "direct", 7, 0, 16}, {NULL}},
-	    {{"1", "here", "no such", 7, 0, 16}, {NULL}},
-	    {{"", "", "", 0, 0, 0}, {NULL}}, // no picture of ours
+	    {{"1", "here", "pt", "", 8, 0, 16}, {NULL}},
+	    {{"2", "there", "pt", "", 8, 0, 16}, {"two scenes"}},
+	    {{"1", "there", "pt", "", 8, 0, 16}, {"two cameras"}},
+	    {{"1", "here", "pt", "", 7, 12, 64}, {"seed 7 and share samples 12 to 15"}},
+	    {{"2", "here", "pt", "", 7, 0, 1}, {"two scenes", "share samples 0 to 0"}},
+	    {{"1", "here", "pt", "", 7, 16, 64}, {NULL}},
+	    {{"1", "here", "direct", "", 7, 0, 16}, {NULL}},
+	    {{"1", "here", "no such", "", 7, 0, 16}, {NULL}},
+	    {{"1", "here", "pt", "8x6", 8, 0, 16}, {"time for 8x6 pixels"}},
+	    {{"", "", "", "", 0, 0, 0}, {NULL}}, // no picture of ours
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		char told[ORIGIN_WARNINGS_MAX][ORIGIN_WARNING_BYTES];

@@ -148,6 +148,9 @@ class Compare(unittest.TestCase):
         camera, shared = json.loads(done.stdout)["warnings"]
         self.assertIn("two cameras", camera)
         self.assertIn("seed 7 and share samples 0 to 15", shared)
+        images.write(self.path("b.exr"), self.b, {**about, "seed": "8", "made_of": "11x6"})
+        scaled, = json.loads(run(self.path("a.exr"), self.path("b.exr"), "--json").stdout)["warnings"]
+        self.assertIn("time for 11x6 pixels", scaled)
         # What is as long as no file of ours has it is not told.
         images.write(self.path("b.exr"), self.b, {**about, "camera_eye": "9" * 300, "samples": "x" * 300})
         images.write(self.path("a.exr"), self.b, {"scene_hash": "2" * 32})
