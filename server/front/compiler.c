@@ -8,27 +8,19 @@
 #include "server/base/log.h"
 #include "server/base/side.h"
 
-static void compiler_look(void *owner);
-
-static void compiler_look_again(struct compiler *c)
-{
-	loop_timer_set(c->worker->loop, &c->look, clock_us() + worker_patience_s(c->worker) * 1000000ull / PULSE_LOOKS,
-		       compiler_look, c);
-}
-
 static bool works_without_end(const struct compiler *c)
 {
 	return c->work_us > c->worker->options->answer_s * 1000000ull;
 }
 
-static void compiler_look(void *owner)
+static bool compiler_looked(void *owner, bool hangs, uint64_t work_us)
 {
 	struct compiler *c = owner;
-	c->work_us += pulse_look(&c->pulse);
-	if (c->pulse.still >= PULSE_LOOKS || works_without_end(c))
-		child_kill(&c->child);
-	else
-		compiler_look_again(c);
+	c->work_us += work_us;
+	if (!hangs && !works_without_end(c))
+		return true;
+	child_kill(&c->child);
+	return false;
 }
 
 static void compiler_ended(void *owner, uint32_t events)
@@ -39,7 +31,7 @@ static void compiler_ended(void *owner, uint32_t events)
 	(void)events;
 	const int signal_number = child_reap(&c->child, c->worker->loop, how, sizeof how);
 	const char *failure = worker_is_own_fault(signal_number) ? how : works_without_end(c) ? "without an end" : NULL;
-	loop_timer_stop(c->worker->loop, &c->look);
+	watch_end(&c->watch);
 	log_line(LOG_INFO, "compiler of %016llx: %s", (unsigned long long)code, how);
 	c->code = 0;
 	c->done(c->owner, code, failure);
@@ -123,14 +115,13 @@ enum status compiler_start(struct compiler *c, uint64_t code, const struct scene
 	}
 	c->code = code;
 	c->work_us = 0;
-	pulse_begin(&c->pulse, c->child.pid);
-	compiler_look_again(c);
+	watch_begin(&c->watch, c->worker->loop, c->child.pid, worker_patience_s(c->worker), compiler_looked, c);
 	return STATUS_OK;
 }
 
 void compiler_stop(struct compiler *c)
 {
-	loop_timer_stop(c->worker->loop, &c->look);
+	watch_end(&c->watch);
 	child_abandon(&c->child, c->worker->children);
 	c->code = 0;
 }

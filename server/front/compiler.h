@@ -13,7 +13,6 @@
 
 #include <stdint.h>
 
-#include "server/base/pulse.h"
 #include "server/front/child.h"
 #include "server/front/scenes.h"
 #include "server/front/worker.h"
@@ -26,8 +25,7 @@ typedef void compiler_done(void *owner, uint64_t code, const char *failure);
 struct compiler {
 	struct worker *worker; // whose device it compiles for
 	struct child child;
-	struct loop_timer look;
-	struct pulse pulse;
+	struct watch watch;
 	uint64_t work_us; // since its start
 	uint64_t code; // what it compiles: a number that the worker gave (ipc.h); 0: nothing, it is free
 	uint64_t peer; // for whom (peer.h); for its owner to set and to read

@@ -26,7 +26,7 @@ void loader_init(struct loader *loader, struct children *children, const struct 
 
 void loader_stop(struct loader *loader)
 {
-	loop_timer_stop(loader->loop, &loader->look);
+	watch_end(&loader->watch);
 	child_abandon(&loader->child, loader->children);
 }
 
@@ -167,8 +167,6 @@ static void loader_ended(void *owner, uint32_t events)
 	loader_fail(loader, &err);
 }
 
-static void look_again(struct loader *loader);
-
 static unsigned patience_s(const struct loader *loader)
 {
 	return loader->options->hang_s > 0 ? loader->options->hang_s : LIMIT_HANG_SECONDS;
@@ -176,16 +174,14 @@ static unsigned patience_s(const struct loader *loader)
 
 // The limit of processor time is the kernel's. The one of the clock is for what works too little to come by it: whoever
 // wrote the file may have the loader by now, and another load waits for its end.
-static void loader_look(void *owner)
+static bool loader_looked(void *owner, bool hangs, uint64_t work_us)
 {
 	struct loader *loader = owner;
 	struct error err;
-	pulse_look(&loader->pulse);
-	if (loader->pulse.still < PULSE_LOOKS && clock_us() < loader->end_us) {
-		look_again(loader);
-		return;
-	}
-	if (loader->pulse.still >= PULSE_LOOKS)
+	(void)work_us;
+	if (!hangs && clock_us() < loader->end_us)
+		return true;
+	if (hangs)
 		error_set(&err, STATUS_SCENE_LIMIT,
 			  "the loader hung: for %u s it neither worked on the file nor waited for a processor or a disk",
 			  patience_s(loader));
@@ -194,12 +190,7 @@ static void loader_look(void *owner)
 			  "the scene takes more than %u s to read: load it when less is under way, or make it smaller",
 			  LIMIT_LOAD_CLOCK_SECONDS);
 	loader_fail(loader, &err);
-}
-
-static void look_again(struct loader *loader)
-{
-	loop_timer_set(loader->loop, &loader->look, clock_us() + patience_s(loader) * 1000000ull / PULSE_LOOKS, loader_look,
-		       loader);
+	return false;
 }
 
 enum status loader_start(struct loader *loader, const struct source *source, candil_UpAxis up, double metres_per_unit,
@@ -233,8 +224,7 @@ enum status loader_start(struct loader *loader, const struct source *source, can
 		loader_stop(loader);
 		return status;
 	}
-	pulse_begin(&loader->pulse, loader->child.pid);
 	loader->end_us = clock_us() + LIMIT_LOAD_CLOCK_SECONDS * 1000000ull;
-	look_again(loader);
+	watch_begin(&loader->watch, loader->loop, loader->child.pid, patience_s(loader), loader_looked, loader);
 	return STATUS_OK;
 }

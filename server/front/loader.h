@@ -8,10 +8,10 @@
 #include <stdint.h>
 
 #include "server/base/ipc.h"
-#include "server/base/pulse.h"
 #include "server/front/child.h"
 #include "server/front/options.h"
 #include "server/front/source.h"
+#include "server/front/watch.h"
 
 // How a run ended: called once a start, from the loop. loaded->error says whether it went well; `loaded` is good for the
 // length of the call, its strings are clean and its counts within bounds. `blob` is a sealed memfd of
@@ -24,8 +24,7 @@ struct loader {
 	struct children *children;
 	const struct options *options;
 	struct child child;
-	struct loop_timer look; // the next, whether it is still at work
-	struct pulse pulse;
+	struct watch watch;
 	uint64_t end_us; // when it has had all its time
 	loader_done *done;
 	void *owner;

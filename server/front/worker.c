@@ -4,7 +4,6 @@
 #include "server/front/worker.h"
 
 #include <errno.h>
-#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +16,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/memfd.h"
+#include "server/front/answers.h"
 
 #define FIRST_PAUSE_US 50000u
 #define PAUSE_DOUBLINGS 8u
@@ -196,17 +196,17 @@ unsigned worker_patience_s(const struct worker *worker)
 	return o->hang_s > 0 ? o->hang_s : worker->ready.software ? LIMIT_HANG_SECONDS : LIMIT_HANG_GPU_SECONDS;
 }
 
-static void look_again(struct worker *worker);
-
-static void worker_look(void *owner)
+static bool worker_looked(void *owner, bool hangs, uint64_t work_us)
 {
 	struct worker *worker = owner;
-	const uint64_t work_us = pulse_look(&worker->pulse), most_us = worker->options->answer_s * 1000000ull;
+	const uint64_t most_us = worker->options->answer_s * 1000000ull;
 	worker->answer_work_us += work_us;
 	worker->image_work_us += work_us;
-	if (worker->crowded)
-		worker->pulse.still = 0; // it has not been given what it is to work on
-	if (worker->pulse.still >= PULSE_LOOKS)
+	if (worker->crowded) {
+		watch_forgive(&worker->watch); // it has not been given what it is to work on
+		return true;
+	}
+	if (hangs)
 		kill_hanging(worker, "it hung: with an order to carry out it neither worked nor waited for a processor");
 	else if (worker->answers_due > 0 && worker->answer_work_us > most_us)
 		kill_hanging(worker, "it hung: it worked on one order without an end");
@@ -214,23 +214,18 @@ static void worker_look(void *owner)
 	else if (worker->images_due > 0 && worker->image_work_us > 2 * most_us)
 		kill_hanging(worker, "it hung: it worked on one image without an end");
 	else
-		look_again(worker);
-}
-
-static void look_again(struct worker *worker)
-{
-	loop_timer_set(worker->loop, &worker->watchdog, clock_us() + worker_patience_s(worker) * 1000000ull / PULSE_LOOKS,
-		       worker_look, worker);
+		return true;
+	return false;
 }
 
 static void watch_over(struct worker *worker)
 {
 	if (worker->answers_due == 0 && worker->images_due == 0) {
-		loop_timer_stop(worker->loop, &worker->watchdog);
-	} else if (!worker->watchdog.running) {
+		watch_end(&worker->watch);
+	} else if (!worker->watch.timer.running) {
 		worker->quiet_us = clock_us();
-		pulse_begin(&worker->pulse, worker->child.pid);
-		look_again(worker);
+		watch_begin(&worker->watch, worker->loop, worker->child.pid, worker_patience_s(worker), worker_looked,
+			    worker);
 	}
 }
 
@@ -239,7 +234,7 @@ static void worker_answered(struct worker *worker, unsigned *due, uint64_t *work
 	if (*due > 0)
 		(*due)--;
 	*work_us = 0;
-	worker->pulse.still = 0;
+	watch_forgive(&worker->watch);
 	worker->quiet_us = clock_us();
 	watch_over(worker);
 }
@@ -258,9 +253,7 @@ static void got_ready(struct worker *worker, struct ipc_ready *ready)
 		return;
 	}
 	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
-	text_clean(ready->device, sizeof ready->device);
-	text_clean(ready->error.text, sizeof ready->error.text);
-	text_clean(ready->key, sizeof ready->key);
+	answer_ready_clean(ready);
 	worker->ready = *ready;
 	worker->state = WORKER_READY;
 	worker->failed_starts = 0;
@@ -275,103 +268,30 @@ static void got_stepped(struct worker *worker, struct ipc_stepped *stepped)
 {
 	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
 	worker->failures = 0;
-	text_clean(stepped->error.text, sizeof stepped->error.text);
+	answer_stepped_clean(stepped);
 	worker->events->stepped(worker->owner, stepped->head.job, stepped);
-}
-
-// A worker that was taken over may have written any byte where a truth is, and C has rules for 0 and 1 alone.
-static void truth_clean(bool *truth)
-{
-	unsigned char byte;
-	memcpy(&byte, truth, sizeof byte);
-	*truth = byte != 0;
-}
-
-// Are the counts of an answer within bounds and its numbers finite? Its strings, which go to clients, are cleaned, and so
-// are its truths.
-static bool accepted_holds(candil_Accepted *accepted)
-{
-	if (accepted->plan_count > sizeof accepted->plan / sizeof *accepted->plan ||
-	    accepted->notes_count > sizeof accepted->notes / sizeof *accepted->notes)
-		return false;
-	for (size_t i = 0; i < accepted->notes_count; i++)
-		text_clean(accepted->notes[i], sizeof accepted->notes[i]);
-	text_clean(accepted->device, sizeof accepted->device);
-	for (size_t i = 0; i < accepted->plan_count; i++)
-		text_clean(accepted->plan[i].why, sizeof accepted->plan[i].why);
-	for (size_t i = 0; i < accepted->plan_count; i++) {
-		truth_clean(&accepted->plan[i].has_share);
-		truth_clean(&accepted->plan[i].has_cost_us);
-		accepted->plan[i].has_share = accepted->plan[i].has_share && isfinite(accepted->plan[i].share);
-	}
-	truth_clean(&accepted->default_light);
-	return true;
-}
-
-static bool done_holds(candil_Done *done)
-{
-	if (done->stages_count > sizeof done->stages / sizeof *done->stages ||
-	    done->figures_count > sizeof done->figures / sizeof *done->figures ||
-	    done->notes_count > sizeof done->notes / sizeof *done->notes)
-		return false;
-	for (size_t i = 0; i < done->notes_count; i++)
-		text_clean(done->notes[i], sizeof done->notes[i]);
-	for (size_t i = 0; i < done->figures_count; i++) {
-		text_clean(done->figures[i].name, sizeof done->figures[i].name);
-		text_clean(done->figures[i].unit, sizeof done->figures[i].unit);
-		if (!isfinite(done->figures[i].value))
-			return false;
-	}
-	truth_clean(&done->has_verdict);
-	text_clean(done->device, sizeof done->device);
-	text_clean(done->reason, sizeof done->reason);
-	for (size_t i = 0; i < done->stages_count; i++)
-		text_clean(done->stages[i].name, sizeof done->stages[i].name);
-	return true;
 }
 
 static void got_begun(struct worker *worker, struct ipc_begun *begun)
 {
-	if (!accepted_holds(&begun->accepted)) {
+	if (!answer_begun_holds(begun)) {
 		kill_for(worker, "it sent nonsense");
 		return;
 	}
 	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
-	text_clean(begun->error.text, sizeof begun->error.text);
 	worker->events->begun(worker->owner, begun->head.job, begun);
-}
-
-static bool is_known(double x)
-{
-	return isfinite(x) && x >= 0;
-}
-
-static bool estimate_holds(const struct estimate *e)
-{
-	return (unsigned)e->kind < ERROR_KIND_COUNT && isfinite(e->relmse) && isfinite(e->low) && isfinite(e->high);
 }
 
 static void got_piloted(struct worker *worker, struct ipc_piloted *piloted)
 {
-	bool good = piloted->head.job == worker->pilot && worker->pilot != 0 && status_is_known(piloted->error.code) &&
-		    piloted->cold_technique < TECHNIQUE_COUNT;
-	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++) {
-		struct pilot_result *r = &piloted->results[i];
-		for (unsigned b = 0; b < sizeof r->bias / sizeof *r->bias; b++)
-			good = good && estimate_holds(&r->bias[b].error) && r->bias[b].pixels <= LIMIT_PIXELS &&
-			       r->bias[b].samples <= LIMIT_SAMPLES && r->bias[b].edges >= 0 && r->bias[b].edges <= 1;
-		if (!good || !estimate_holds(&r->error) || !is_known(r->cold_us) || !is_known(r->setup_us) ||
-		    !is_known(r->pixel_us) || !is_known(r->sample_us) || r->pixels > LIMIT_PIXELS ||
-		    r->samples > LIMIT_SAMPLES) {
-			kill_for(worker, "it sent nonsense");
-			return;
-		}
+	if (piloted->head.job != worker->pilot || worker->pilot == 0 || !answer_piloted_holds(piloted)) {
+		kill_for(worker, "it sent nonsense");
+		return;
 	}
 	worker->pilot = 0;
 	worker->holding = false;
 	send_parcels(worker);
 	worker_answered(worker, &worker->answers_due, &worker->answer_work_us);
-	text_clean(piloted->error.text, sizeof piloted->error.text);
 	worker->events->piloted(worker->owner, piloted->head.job, piloted);
 }
 
@@ -379,15 +299,13 @@ static void got_image(struct worker *worker, struct ipc_image *image, int fd)
 {
 	const void *map;
 	size_t size = 0;
-	if (!done_holds(&image->done)) {
+	if (!answer_image_holds(image)) {
 		kill_for(worker, "it sent nonsense");
 		if (fd >= 0)
 			close(fd);
 		return;
 	}
 	worker_answered(worker, &worker->images_due, &worker->image_work_us);
-	truth_clean(&image->frame.final);
-	text_clean(image->error.text, sizeof image->error.text);
 	if (fd == IPC_LOST_FD)
 		error_set(&image->error, STATUS_MEMORY,
 			  "no descriptor was left for the image: ask again when less is under way");
@@ -623,8 +541,8 @@ void worker_finish(struct worker *worker)
 	if (!worker->inbox)
 		return;
 	loop_timer_stop(worker->loop, &worker->restart);
-	loop_timer_stop(worker->loop, &worker->watchdog);
 	loop_timer_stop(worker->loop, &worker->again);
+	watch_end(&worker->watch);
 	child_abandon(&worker->child, worker->children);
 	parcels_clear(&worker->waiting);
 	free(worker->inbox);

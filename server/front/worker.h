@@ -13,11 +13,11 @@
 #include <stdint.h>
 
 #include "server/base/ipc.h"
-#include "server/base/pulse.h"
 #include "server/front/child.h"
 #include "server/front/device_losses.h"
 #include "server/front/options.h"
 #include "server/front/parcels.h"
+#include "server/front/watch.h"
 
 // Whose fault a loss is, as far as its end tells.
 enum worker_fault {
@@ -66,7 +66,8 @@ struct worker {
 	void *owner;
 	enum worker_state state;
 	struct child child;
-	struct loop_timer restart, watchdog, again;
+	struct loop_timer restart, again;
+	struct watch watch; // while an answer or an image is due
 	struct parcels waiting; // orders that its socket has not taken
 	bool crowded; // the first of them because too many descriptors of the user are on their way
 	uint8_t *inbox; // IPC_MAX_BYTES
@@ -74,7 +75,6 @@ struct worker {
 	unsigned images_due;
 	uint32_t pilot; // number of the PILOT without an answer; 0: none
 	bool holding; // it has that PILOT: it is sent nothing but the pilot's end, which it can then see at once
-	struct pulse pulse; // while an answer or an image is due
 	uint64_t quiet_us; // since when it owes one, and has given none
 	uint64_t answer_work_us; // that it has worked since the last answer, or since an answer is due
 	uint64_t image_work_us; // the same for images
