@@ -192,7 +192,7 @@ static void print_cache(const struct findings *f)
 		printf("  cache    %s: %s\n", *path ? path : "compiled shaders have no place",
 		       json_is_true(json_object_get(cache, "writable"))
 			   ? "writable"
-			   : "not writable: each start compiles its shaders anew");
+			   : "not writable, or full: each start compiles its shaders anew");
 }
 
 static void print_findings(const struct findings *f)

@@ -1,5 +1,6 @@
 #include "server/base/memfd.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
 #include <sys/mman.h>
@@ -12,7 +13,14 @@ enum status memfd_create_mapped(const char *name, size_t bytes, int *fd, void **
 	if (f < 0)
 		return error_errno(err, STATUS_MEMORY, "cannot create shared memory for %s", name);
 	if (bytes == 0 || bytes > INT64_MAX || ftruncate(f, (off_t)bytes) != 0) {
-		error_errno(err, STATUS_MEMORY, "cannot make %zu bytes of shared memory for %s", bytes, name);
+		if (errno == EFBIG) // shared memory counts as a file
+			error_set(
+			    err, STATUS_MEMORY,
+			    "%zu bytes of shared memory for %s are more than a file may have: raise that limit (ulimit "
+			    "-f, LimitFSIZE=)",
+			    bytes, name);
+		else
+			error_errno(err, STATUS_MEMORY, "cannot make %zu bytes of shared memory for %s", bytes, name);
 		close(f);
 		return STATUS_MEMORY;
 	}

@@ -105,18 +105,6 @@ status read(const char *path, picture *out, error *err)
 	return STATUS_OK;
 }
 
-status write(const char *path, uint32_t width, uint32_t height, const uint8_t *codes, error *err)
-{
-	auto out = OIIO::ImageOutput::create("picture.png");
-	if (!out)
-		return error_set(err, STATUS_ENCODE, "OpenImageIO cannot write PNG: %s", OIIO::geterror().c_str());
-	OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeDesc::UINT8);
-	spec.attribute("oiio:ColorSpace", "sRGB");
-	if (!out->open(path, spec) || !out->write_image(OIIO::TypeDesc::UINT8, codes) || !out->close())
-		return error_set(err, STATUS_IO, "cannot write %s: %s", path, out->geterror().c_str());
-	return STATUS_OK;
-}
-
 status encode(const char *format, uint32_t width, uint32_t height, const uint8_t *codes, uint8_t **bytes, size_t *size,
 	      error *err)
 {
@@ -170,12 +158,6 @@ extern "C" void picture_finish(struct picture *picture)
 {
 	std::free(picture->rgb);
 	picture->rgb = nullptr;
-}
-
-extern "C" enum status picture_write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *codes,
-					 struct error *err)
-{
-	return guarded(path, err, [&] { return write(path, width, height, codes, err); });
 }
 
 extern "C" enum status picture_encode(const char *format, uint32_t width, uint32_t height, const uint8_t *codes,

@@ -26,10 +26,8 @@ struct picture {
 enum status picture_read(const char *path, struct picture *picture, struct error *err);
 void picture_finish(struct picture *picture);
 
-// Write sRGB codes, 3 bytes a pixel, as an 8-bit PNG. STATUS_IO, STATUS_ENCODE, STATUS_MEMORY.
-enum status picture_write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *codes, struct error *err);
-
-// The same in memory, as "png" or "jpeg" (quality 90, no colours left out): `bytes` is to be freed.
+// Encode sRGB codes, 3 bytes a pixel, as "png" or "jpeg" (8 bits, quality 90, no colours left out): `bytes` is to be freed.
+// STATUS_ENCODE, STATUS_MEMORY.
 enum status picture_encode(const char *format, uint32_t width, uint32_t height, const uint8_t *codes, uint8_t **bytes,
 			   size_t *size, struct error *err);
 

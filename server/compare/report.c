@@ -6,8 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "protocol/status.h"
+#include "server/base/replace.h"
 #include "server/compare/heat.h"
 #include "server/worker/image/view.h"
 
@@ -127,6 +129,39 @@ static void error_codes(float error, uint8_t codes[3])
 		memcpy(codes, error == -1.0f ? masked : broken, 3);
 }
 
+// What is no regular file is written to as it is; of a link what it leads to.
+static enum status save(const char *path, const uint8_t *bytes, size_t size, struct error *err)
+{
+	struct stat about;
+	const bool there = stat(path, &about) == 0, special = there && !S_ISREG(about.st_mode);
+	char *target = there && !special ? realpath(path, NULL) : NULL;
+	enum status s = STATUS_OK;
+	if (special) {
+		FILE *out = fopen(path, "we");
+		const bool good = out && fwrite(bytes, 1, size, out) == size && fflush(out) == 0;
+		if (!good)
+			s = error_errno(err, STATUS_IO, "cannot write %s", path);
+		if (out && fclose(out) != 0 && good)
+			s = error_errno(err, STATUS_IO, "cannot write %s", path);
+	} else {
+		s = replace_file(target ? target : path, 0666, bytes, size, err);
+	}
+	free(target);
+	return s;
+}
+
+// An image library's own writing to a file does not tell of a full disk.
+static enum status write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *codes, struct error *err)
+{
+	uint8_t *bytes = NULL;
+	size_t size = 0;
+	enum status s = picture_encode("png", width, height, codes, &bytes, &size, err);
+	if (s == STATUS_OK)
+		s = save(path, bytes, size, err);
+	free(bytes);
+	return s;
+}
+
 enum status report_draw_error(const char *path, uint32_t width, uint32_t height, const float *error, struct error *err)
 {
 	size_t count = (size_t)width * height;
@@ -135,7 +170,7 @@ enum status report_draw_error(const char *path, uint32_t width, uint32_t height,
 		return error_set(err, STATUS_MEMORY, "no memory for the error image");
 	for (size_t i = 0; i < count; i++)
 		error_codes(error[i], codes + 3 * i);
-	enum status s = picture_write_png(path, width, height, codes, err);
+	enum status s = write_png(path, width, height, codes, err);
 	free(codes);
 	return s;
 }
@@ -155,7 +190,7 @@ enum status report_draw_side_by_side(const char *path, const struct picture *a, 
 			view_srgb8(CODEC_VIEW_NONE, 0, b->rgb + 3 * pixel, row + 3 * (width + x));
 			error_codes(error[pixel], row + 3 * (2 * width + x));
 		}
-	enum status s = picture_write_png(path, 3 * a->width, a->height, codes, err);
+	enum status s = write_png(path, 3 * a->width, a->height, codes, err);
 	free(codes);
 	return s;
 }

@@ -10,6 +10,7 @@
 #include "server/base/deny.h"
 #include "server/base/drivers.h"
 #include "server/base/landlock.h"
+#include "server/worker/cache.h"
 
 // Programs and libraries, drivers' settings, and what the kernel tells. /proc has other processes' secrets: landlock keeps
 // them from a process that may not trace the other, so from this one.
@@ -135,7 +136,11 @@ void worker_fence_enter(struct worker_fence *fence)
 	struct landlock l;
 	struct fence_state *states = fence->report.layers;
 	*fence = (struct worker_fence){.report.threads = fence_threads()};
-	fence->cache_writable = drivers_cache(fence->cache);
+	const bool writable = drivers_cache(fence->cache);
+	fence->cache_writable = writable && cache_has_room(fence->cache);
+	fence->cache_full = writable && !fence->cache_writable;
+	if (fence->cache_full)
+		cache_turn_off();
 	if (fence->cache[0]) {
 		setenv("XDG_CACHE_HOME", fence->cache, 1);
 		setenv("__GL_SHADER_DISK_CACHE_PATH", fence->cache, 1); // NVIDIA's

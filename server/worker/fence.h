@@ -16,7 +16,8 @@
 struct worker_fence {
 	struct fence_report report; // without FENCE_LIMITS
 	char cache[PATH_MAX]; // where compiled shaders are kept; "": nowhere
-	bool cache_writable;
+	bool cache_writable; // and there is room
+	bool cache_full; // there is none: drivers are told to keep nothing
 };
 
 // Make the folder of compiled shaders (server/base/drivers.h), which becomes $XDG_CACHE_HOME, and confine this process for

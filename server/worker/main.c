@@ -10,6 +10,7 @@
 #include "server/base/ipc.h"
 #include "server/base/library.h"
 #include "server/base/log.h"
+#include "server/worker/cache.h"
 #include "server/worker/devices.h"
 #include "server/worker/doctor.h"
 #include "server/worker/fence.h"
@@ -99,22 +100,26 @@ int main(int argc, char **argv)
 		fputs(usage, stderr);
 		return 2;
 	}
+	signal(SIGXFSZ, SIG_IGN); // a file that may not become so large has an error of its own
 	worker_fence_enter(&fence);
 	if (settings.libraries)
 		return link_libraries();
 	if (settings.doctor)
 		return doctor(&settings.device, &fence);
 	fence_log(&fence.report);
+	if (fence.cache_full)
+		log_line(LOG_WARNING, "no room in %s: each start compiles its shaders anew", fence.cache);
 	if (!ipc_end_with_parent(IPC_FD))
 		return 1;
 	signal(SIGPIPE, SIG_IGN);
-	signal(SIGXFSZ, SIG_IGN); // a picture that may not become so large has an error of its own
 	signal(SIGINT, SIG_IGN); // Ctrl-C in a terminal is for the front, which then closes the socket
 	if (device_create(&settings.device, &devices.vk, &err) != STATUS_OK)
 		log_line(LOG_ERROR, "%s", err.text);
 	if (devices.vk) {
 		code_list_open(&devices.code, fence.cache_writable ? fence.cache : "", devices.vk->info.name);
 		devices.vk->code = &devices.code;
+		if (fence.cache_writable)
+			cache_fill_index(fence.cache);
 	}
 	if (devices.vk && settings.compile)
 		share_budget(devices.vk, settings.taken);

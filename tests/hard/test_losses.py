@@ -431,6 +431,15 @@ class Table(Losses):
     def other_room(self):
         reply = self.limited(resource.RLIMIT_FSIZE, 1024, width=64, height=64)
         self.assertEqual(reply.body.name, "memory", reply)
+        self.assertIn("ulimit -f", reply.body.message)
+        # A loader gets the front's limit.
+        pid = self.daemon.process.pid
+        before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, (1024, before[1]))
+        reply = self.client.receive_for(self.client.send_load("large", self.scenes, os.path.basename(make.cornell(self.scenes))))
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
+        self.assertEqual(reply.body.name, "memory", reply)
+        self.assertIn("ulimit -f", reply.body.message)
 
     def other_passed(self):
         """The kernel counts them by user, and holds each sender's count to that sender's own limit of open files."""
