@@ -9,14 +9,20 @@
 #include "server/base/folders.h"
 
 static const char *const devices[] = {
-    "/dev/null",    "/dev/zero",     "/dev/full", "/dev/random", "/dev/urandom",
+    "/dev/null",     "/dev/zero",     "/dev/full",         "/dev/random", "/dev/urandom",
     "/dev/dri", // Mesa's, AMD's and Intel's
     "/dev/kfd", // AMD's
     "/dev/dxg", // Windows's
-    "/dev/udmabuf", "/dev/dma_heap",
+    "/dev/nvmap", // NVIDIA's Jetson's, with nvhost* and nvgpu/
+    "/dev/nvgpu",    "/dev/nvsciipc", "/dev/host1x-fence",
+    "/dev/kgsl-3d0", // Qualcomm's
+    "/dev/galcore", // Vivante's
+    "/dev/ion", // Android's memory for the two above
+    "/dev/pvr_sync", // Imagination's
+    "/dev/udmabuf",  "/dev/dma_heap",
 };
 
-static const char *const devices_by_pattern[] = {"/dev/nvidia*", "/dev/mali*", "/dev/accel*"};
+static const char *const devices_by_pattern[] = {"/dev/nvidia*", "/dev/nvhost*", "/dev/mali*", "/dev/accel*"};
 
 bool drivers_cache(char path[PATH_MAX])
 {

@@ -36,6 +36,8 @@ static const struct variable {
     {"VK_ICD_FILENAMES", false, true},
     {"VK_INSTANCE_LAYERS", false, true},
     {"VK_ADD_LAYER_PATH", false, true},
+    {"VK_IMPLICIT_LAYER_PATH", false, true},
+    {"VK_ADD_IMPLICIT_LAYER_PATH", false, true},
     {"VK_LAYER_", false, true},
     {"VK_LOADER_", false, true},
     {"VK_KHRONOS_VALIDATION_", false, true},

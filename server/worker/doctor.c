@@ -3,13 +3,15 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "protocol/text.h"
 #include "server/base/fence_json.h"
 #include "server/worker/fence.h"
 #include "server/worker/vk/device.h"
 
-static json_t *device_json(const struct device_info *d)
+static json_t *device_json(struct device_info *d)
 {
 	char api[16];
+	text_clean(d->name, sizeof d->name);
 	snprintf(api, sizeof api, "%u.%u", VK_API_VERSION_MAJOR(d->api), VK_API_VERSION_MINOR(d->api));
 	return json_pack("{s:i s:s s:s s:s s:s s:b s:s s:I s:s}", "index", (int)d->index, "name", d->name, "type", d->type,
 			 "api", api, "uuid", d->uuid, "usable", d->usable, "why", d->usable ? "" : d->why_not,
@@ -33,6 +35,7 @@ int doctor(const struct device_options *options, struct worker_fence *fence)
 	if (s == STATUS_OK)
 		s = device_choose(infos, count, options, &chosen, &others, why, &err);
 	fence_try(&fence->report);
+	text_clean(fence->cache, sizeof fence->cache); // which need not be UTF-8, as JSON is
 	json_t *cache = json_pack("{s:s s:b}", "path", fence->cache, "writable", (int)fence->cache_writable);
 	json_t *root = json_pack("{s:o s:i s:s s:o s:o s:o}", "devices", devices, "chosen",
 				 s == STATUS_OK ? (int)chosen : -1, "why", s == STATUS_OK ? why : err.text, "missing",

@@ -1,6 +1,5 @@
 #include "server/worker/fence.h"
 
-#include <jansson.h>
 #include <link.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +10,9 @@
 #include "server/base/drivers.h"
 #include "server/base/landlock.h"
 #include "server/worker/cache.h"
+#include "server/worker/image/codec.h"
+#include "server/worker/libraries.h"
+#include "server/worker/manifests.h"
 
 // Programs and libraries, drivers' settings, and what the kernel tells. /proc has other processes' secrets: landlock keeps
 // them from a process that may not trace the other, so from this one.
@@ -24,7 +26,6 @@ static const char *const readable[] = {
     "/gnu/store",
     "/run/opengl-driver",
     "/etc/ld.so.cache",
-    "/etc/vulkan",
     "/etc/glvnd",
     "/etc/egl",
     "/etc/drirc",
@@ -39,21 +40,11 @@ static const char *const readable[] = {
     "/sys/fs/cgroup",
 };
 
-// Beneath the home folder: a user's own drivers, layers and settings.
-static const char *const readable_at_home[] = {".drirc", ".config/vulkan", ".local/share/vulkan", ".nv"};
+// Beneath the home folder: a user's own settings.
+static const char *const readable_at_home[] = {".drirc", ".nv"};
 
-// Variables that hold paths to read, separated by colons, and the key under which a file of theirs names a library.
-static const struct {
-	const char *name;
-	const char *object;
-} path_variables[] = {
-    {"LD_LIBRARY_PATH", NULL},           {"LD_PRELOAD", NULL},
-    {"LIBGL_DRIVERS_PATH", NULL},        {"GBM_BACKENDS_PATH", NULL},
-    {"VK_DRIVER_FILES", "ICD"},          {"VK_ADD_DRIVER_FILES", "ICD"},
-    {"VK_ICD_FILENAMES", "ICD"},         {"VK_LAYER_PATH", NULL},
-    {"VK_ADD_LAYER_PATH", NULL},         {"__EGL_VENDOR_LIBRARY_FILENAMES", "ICD"},
-    {"__EGL_VENDOR_LIBRARY_DIRS", NULL},
-};
+// Variables that hold paths to read, separated by colons, beside those of manifests.
+static const char *const path_variables[] = {"LD_LIBRARY_PATH", "LD_PRELOAD", "LIBGL_DRIVERS_PATH", "GBM_BACKENDS_PATH"};
 
 // ---- files -----------------------------------------------------------------------------------------------------------
 
@@ -75,35 +66,13 @@ static int allow_linked(struct dl_phdr_info *info, size_t size, void *landlock)
 	return 0;
 }
 
-// A driver's manifest names its library, by a path that may begin at the manifest's folder.
-static void allow_library_of(struct landlock *l, const char *manifest, const char *object)
-{
-	json_t *root = json_load_file(manifest, 0, NULL);
-	const char *library = json_string_value(json_object_get(json_object_get(root, object), "library_path"));
-	const char *slash = strrchr(manifest, '/');
-	char path[PATH_MAX];
-	if (library && strchr(library, '/')) {
-		const int length = snprintf(path, sizeof path, "%.*s/%s", slash ? (int)(slash - manifest) : 1,
-					    slash ? manifest : ".", library);
-		if (library[0] == '/')
-			allow_folder_of(l, library);
-		else if (length > 0 && (size_t)length < sizeof path)
-			allow_folder_of(l, path);
-	}
-	json_decref(root);
-}
-
-static void allow_variable(struct landlock *l, const char *name, const char *object)
+static void allow_variable(struct landlock *l, const char *name)
 {
 	const char *value = getenv(name);
 	char *copy = value ? strdup(value) : NULL, *rest = copy;
-	for (char *path; rest && (path = strsep(&rest, ":"));) {
-		if (!*path)
-			continue;
-		landlock_allow(l, path, USE_READ);
-		if (object)
-			allow_library_of(l, path, object);
-	}
+	for (char *path; rest && (path = strsep(&rest, ":"));)
+		if (*path)
+			landlock_allow(l, path, USE_READ);
 	free(copy);
 }
 
@@ -115,6 +84,8 @@ static void allow_files(struct landlock *l, const struct worker_fence *fence)
 	if (length > 0) {
 		self[length] = 0;
 		allow_folder_of(l, self);
+		snprintf(path, sizeof path, "%.*s/" CODEC_FILE, (int)(strrchr(self, '/') - self), self);
+		libraries_allow(l, path); // linked when the first scene comes
 	}
 	dl_iterate_phdr(allow_linked, l);
 	for (size_t i = 0; i < sizeof readable / sizeof readable[0]; i++)
@@ -125,7 +96,8 @@ static void allow_files(struct landlock *l, const struct worker_fence *fence)
 			landlock_allow(l, path, USE_READ);
 	}
 	for (size_t i = 0; i < sizeof path_variables / sizeof path_variables[0]; i++)
-		allow_variable(l, path_variables[i].name, path_variables[i].object);
+		allow_variable(l, path_variables[i]);
+	manifests_allow(l);
 	drivers_allow(l, fence->cache_writable ? fence->cache : "");
 }
 

@@ -3,8 +3,8 @@
 // program, no other process. So who takes it over, by a driver's fault say, has a GPU and scenes, and nobody's keys.
 //
 // Design note. A driver starts threads, which landlock leaves alone if they are older. So the fence is put up first, and
-// names by path what drivers open later. What a driver of a kind that nobody has tried needs besides, it does without: the
-// loaders of Vulkan and EGL pass over what they cannot open.
+// names by path what drivers open later (manifests.h, libraries.h, server/base/drivers.h). What a driver of a kind that
+// nobody has tried needs besides, it does without: the loaders of Vulkan and EGL pass over what they cannot open.
 #ifndef CANDIL_WORKER_FENCE_H
 #define CANDIL_WORKER_FENCE_H
 

@@ -44,6 +44,8 @@ enum { SANITIZED = 0, LEAK_CHECK_NEEDS = 0 };
 
 static char folder[] = "/tmp/candil-fences-XXXXXX";
 static char cache[sizeof folder + 8]; // the worker's, in it
+static char manifest[sizeof folder + 32]; // of a driver
+static const char *const manifest_folders[] = {"share", "share/vulkan", "share/vulkan/icd.d"};
 static struct fence_report here; // what a child's sandbox said of this kernel
 static struct fence_report worker_here;
 static struct fence_report front_here;
@@ -427,6 +429,13 @@ static int do_link_library(int dir)
 	return dlopen("libvulkan.so.1", RTLD_NOW) ? 0 : 1;
 }
 
+// A driver that a manifest in the user's own folder names, with what it needs by its own list of folders.
+static int do_link_driver(int dir)
+{
+	(void)dir;
+	return dlopen(LATE_DRIVER, RTLD_NOW) ? outcome(open(manifest, O_RDONLY)) : 1;
+}
+
 static int do_have_no_privileges(int dir)
 {
 	struct __user_cap_header_struct head = {.version = _LINUX_CAPABILITY_VERSION_3};
@@ -467,8 +476,8 @@ static void worker_files_are_refused(void **state)
 
 static void the_worker_can_do_its_work(void **state)
 {
-	static int (*const works[])(int) = {do_keep_shader,  do_thread,      do_pair, do_read_maps,
-					    do_link_library, do_memory_file, try_code};
+	static int (*const works[])(int) = {do_keep_shader,  do_thread,      do_pair,        do_read_maps,
+					    do_link_library, do_link_driver, do_memory_file, try_code};
 	(void)state;
 	for (size_t i = 0; i < sizeof works / sizeof works[0]; i++)
 		if (run_in(enter_worker, works[i]) != 0)
@@ -629,6 +638,16 @@ static int make_folder(void **state)
 	mkdirat(dir, "run", 0700);
 	close(openat(dir, "run/candil.sock", O_WRONLY | O_CREAT | O_CLOEXEC, 0600)); // for landlock any file is as a socket
 	close(dir);
+	snprintf(manifest, sizeof manifest, "%s/share", folder);
+	setenv("XDG_DATA_HOME", manifest, 1);
+	for (size_t i = 0; i < sizeof manifest_folders / sizeof *manifest_folders; i++) {
+		snprintf(manifest, sizeof manifest, "%s/%s", folder, manifest_folders[i]);
+		mkdir(manifest, 0700);
+	}
+	snprintf(manifest, sizeof manifest, "%s/share/vulkan/icd.d/late.json", folder);
+	FILE *out = fopen(manifest, "we");
+	if (!out || fprintf(out, "{\"ICD\": {\"library_path\": \"%s\"}}", LATE_DRIVER) < 0 || fclose(out) != 0)
+		return 1;
 	snprintf(cache, sizeof cache, "%s/cache", folder);
 	setenv("MESA_SHADER_CACHE_DIR", cache, 1);
 	learn(loader_report, &here);
@@ -650,6 +669,9 @@ static int remove_folder(void **state)
 	unlinkat(dir, "state/candil/quotes", 0);
 	unlinkat(dir, "state/candil", AT_REMOVEDIR);
 	unlinkat(dir, "state", AT_REMOVEDIR);
+	unlink(manifest);
+	for (size_t i = sizeof manifest_folders / sizeof *manifest_folders; i-- > 0;)
+		unlinkat(dir, manifest_folders[i], AT_REMOVEDIR);
 	unlinkat(dir, "run/candil.sock", 0);
 	unlinkat(dir, "run/new", 0);
 	unlinkat(dir, "run", AT_REMOVEDIR);

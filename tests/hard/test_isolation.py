@@ -310,6 +310,11 @@ class Report(unittest.TestCase):
             done = subprocess.run([CANDIL, "doctor", "--json"], capture_output=True, timeout=HANG_SECONDS, env=dict(environment, HOME=home))
             self.assertEqual(json.loads(done.stdout)["shader_cache"], {"path": os.path.join(home, ".cache", "candil"), "writable": True})
             self.assertTrue(os.path.isdir(os.path.join(home, ".cache", "candil")))
+            # A path need not be UTF-8, and a doctor's answer must.
+            wild = os.fsencode(home) + b"/\xff"
+            done = subprocess.run([CANDIL, "doctor", "--json"], capture_output=True, timeout=HANG_SECONDS,
+                                  env=dict(os.environb) | {b"MESA_SHADER_CACHE_DIR": wild})
+            self.assertEqual(json.loads(done.stdout)["shader_cache"], {"path": os.path.join(home, "?"), "writable": True})
 
 
 if __name__ == "__main__":

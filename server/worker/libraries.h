@@ -1,0 +1,12 @@
+// Where a shared object and those that it needs lie, from its own lists of folders (DT_RUNPATH, DT_RPATH): what a driver or
+// the codec links late, once the fence is up. Nothing is linked for that. One thread.
+#ifndef CANDIL_WORKER_LIBRARIES_H
+#define CANDIL_WORKER_LIBRARIES_H
+
+#include "server/base/landlock.h"
+
+// Allow reading the folder of the shared object at `path`, and the folders that it and what it needs from there name. A file
+// that is none, or none of this machine's kind, is passed over; so is what lies deeper than eight of them.
+void libraries_allow(struct landlock *l, const char *path);
+
+#endif
