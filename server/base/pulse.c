@@ -2,6 +2,7 @@
 
 #include <dirent.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -44,8 +45,10 @@ static bool could_work(pid_t pid)
 	bool found = false;
 	snprintf(path, sizeof path, "/proc/%d/task", (int)pid);
 	DIR *tasks = opendir(path);
+	// A loader's threads are seen by root alone where /proc is mounted with hidepid=2, because the loader may not be
+	// traced. What is not known is not held against it: its processor time is, and the bounds of that and of the clock.
 	if (!tasks)
-		return false;
+		return access("/proc/self/task", F_OK) == 0 && kill(pid, 0) == 0;
 	for (const struct dirent *entry = readdir(tasks); entry && !found; entry = readdir(tasks)) {
 		const char state = entry->d_name[0] == '.' ? 0 : state_of(dirfd(tasks), entry->d_name);
 		found = state == 'R' || state == 'D' || state == 't';

@@ -10,6 +10,9 @@
 #include <sched.h>
 #include <signal.h>
 #include <stdbool.h>
+#include <stdio.h>
+#include <sys/mount.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -182,13 +185,62 @@ static void who_waits_for_a_disk_works(void **state)
 	end(pid);
 }
 
+// ---- where /proc hides what may not be traced
+// ------------------------------------------------------------------------------
+
+enum { UNTRIED = 77, NOBODY = 65534 };
+
+static void sleep_untraced(void)
+{
+	prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
+	sleep_for_ever();
+}
+
+static void sleep_traceable(void)
+{
+	prctl(PR_SET_DUMPABLE, 1, 0, 0, 0);
+	sleep_for_ever();
+}
+
+static bool gets_still_and_ends(void (*what)(void))
+{
+	const pid_t pid = begin(what);
+	const bool still = gets_still(pid);
+	end(pid);
+	return still;
+}
+
+// As a user whose /proc is so, in a process of its own.
+static int look_as_nobody(void)
+{
+	if (unshare(CLONE_NEWNS) != 0 || mount(NULL, "/", NULL, MS_REC | MS_PRIVATE, NULL) != 0 ||
+	    mount("proc", "/proc", "proc", 0, "hidepid=2") != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0)
+		return UNTRIED;
+	return !gets_still_and_ends(sleep_traceable) ? 1 : gets_still_and_ends(sleep_untraced) ? 2 : 0;
+}
+
+static void who_cannot_be_seen_is_not_said_to_hang(void **state)
+{
+	int status;
+	(void)state;
+	fflush(NULL);
+	const pid_t pid = fork();
+	assert_true(pid >= 0);
+	if (pid == 0)
+		_exit(look_as_nobody());
+	assert_int_equal(waitpid(pid, &status, 0), pid);
+	if (WIFEXITED(status) && WEXITSTATUS(status) == UNTRIED)
+		skip();
+	assert_int_equal(status, 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 	    cmocka_unit_test(who_sleeps_hangs),           cmocka_unit_test(who_is_stopped_hangs),
 	    cmocka_unit_test(who_has_ended_hangs),        cmocka_unit_test(who_burns_works),
 	    cmocka_unit_test(two_threads_count_as_one),   cmocka_unit_test(who_waits_for_a_processor_works),
-	    cmocka_unit_test(who_waits_for_a_disk_works),
+	    cmocka_unit_test(who_waits_for_a_disk_works), cmocka_unit_test(who_cannot_be_seen_is_not_said_to_hang),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
