@@ -8,6 +8,7 @@ import unittest
 
 WANTS_IMAGES = 3  # exit code of the loader
 LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
+MANY = os.path.join(os.environ["CANDIL_BUILD"], "tests", "load_many")
 SECTIONS = ["nodes", "leaf_triangles", "triangles", "vertices", "materials", "textures", "texels", "emitters", "lights",
             "cameras", "names", "uv1", "colors", "tangents"]
 FORMATS = {"triangles": "<4I", "vertices": "<8f", "materials": "<3fI3fI3fIfIffIIffIfffIf3f3f3If", "textures": "<4I3f3f", "texels": "<I",
@@ -41,21 +42,46 @@ class Blob:
 
 
 class LoadCase(unittest.TestCase):
+    """Has the loader in a process that stays (load_many.c), and a folder."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.many = subprocess.Popen([MANY], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        cls.addClassCleanup(cls.end_many)
+
+    @classmethod
+    def end_many(cls):
+        cls.many.communicate()
+        assert cls.many.returncode == 0, "load_many ended with %d" % cls.many.returncode
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
 
+    def try_load(self, path):
+        """Whether a file loads, and what the loader says: a description in JSON, or what is wrong."""
+        self.many.stdin.write("\t".join((os.path.dirname(path), os.path.basename(path), os.path.join(self.folder, "blob"))) + "\n")
+        self.many.stdin.flush()
+        lines = []
+        for line in self.many.stdout:
+            if line in ("loaded\n", "refused\n"):
+                return line == "loaded\n", "".join(lines)
+            lines.append(line)
+        self.fail("load_many ended over " + path)
+
     def load(self, path, *more):
+        """Load a file; with more arguments, by candil-loader itself."""
         blob = os.path.join(self.folder, "blob")
-        command = [LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--blob", blob]
-        for images in ([], ["--images"]):
-            done = subprocess.run(command + list(more) + images, capture_output=True, timeout=120, text=True)
-            if done.returncode != WANTS_IMAGES:
-                break
-        self.assertEqual(done.returncode, 0, done.stderr)
+        if more:
+            done = subprocess.run([LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--blob", blob,
+                                   *more], capture_output=True, timeout=120, text=True)
+            loaded, said = done.returncode == 0, done.stdout or done.stderr
+        else:
+            loaded, said = self.try_load(path)
+        self.assertTrue(loaded, said)
         with open(blob, "rb") as file:
-            return json.loads(done.stdout), Blob(file.read())
+            return json.loads(said), Blob(file.read())
 
     def near(self, got, want, places=6):
         self.assertEqual(len(got), len(want))

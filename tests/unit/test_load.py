@@ -43,7 +43,7 @@ class Load(LoadCase):
                                   capture_output=True, timeout=120, text=True)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(said, done.stderr)
-        self.assertEqual(self.load(with_image)[0]["textures"], 1)
+        self.assertEqual(self.load(with_image, "--images")[0]["textures"], 1)
 
     def test_every_scene_loads_without_a_warning(self):
         for name, write in make.SCENES.items():
@@ -55,6 +55,8 @@ class Load(LoadCase):
 
     def test_the_same_file_gives_the_same_blob(self):
         path = make.cornell(self.folder)
+        unit = ("--unit", "1")
+        self.assertEqual(self.load(path, *unit)[1].data, self.load(path, *unit)[1].data)  # by two processes
         self.assertEqual(self.load(path)[1].data, self.load(path)[1].data)
 
     def test_gltf_and_glb_say_the_same(self):
