@@ -1,4 +1,4 @@
-// Cuts polygons into triangles, concave ones too, in a time that grows about as the number of corners. One thread.
+// Cuts polygons into triangles, whatever their shape: n corners take n log n comparisons and no more. One thread.
 #ifndef CANDIL_LOADER_OBJ_POLYGON_H
 #define CANDIL_LOADER_OBJ_POLYGON_H
 
@@ -7,24 +7,23 @@
 
 #include "server/base/error.h"
 
-// The steps that all faces of a file together may take beyond what their corners need: seconds. Only a polygon of tens of
-// thousands of corners that is all folds takes so many.
-#define OBJ_POLYGON_STEPS (1ull << 30)
-
 struct obj_polygon {
 	double (*corners)[3]; // the caller fills them in, `count` of them
 	uint32_t count;
 	uint32_t (*triangles)[3]; // after obj_polygon_cut: numbers of corners, count - 2 triangles
-	struct obj_polygon_work *work;
-	size_t room, work_room;
-	uint64_t steps;
+	size_t room;
+	uint64_t comparisons; // of places, since the beginning
 };
 
 // Make room for `count` corners in all, at most LIMIT_TRIANGLES. STATUS_SCENE_LIMIT, STATUS_MEMORY.
 enum status obj_polygon_reserve(struct obj_polygon *polygon, size_t count, struct error *err);
 
-// Cut the polygon, which has three corners or more. A convex one becomes a fan about its first corner. One that crosses
-// itself or has no plane is cut somehow. STATUS_SCENE_LIMIT: it would take too many steps. STATUS_MEMORY.
+// Cut the polygon, which has three corners or more, seen along the axis along which it is largest. Each side of it is a side
+// of one triangle, each other side is shared by two, and all turn as it does, so that the vectors of their areas add up to
+// its own. Where it does not cross itself, no triangles overlap: it may touch itself, and have holes and further parts by
+// way of sides that lead there and back. One that turns left at every corner becomes a fan about its first corner, and so
+// does one without area. One that crosses itself is cut as well as its order lets it, and has triangles that turn the other
+// way. Corners that add nothing are triangles without area. STATUS_MEMORY.
 enum status obj_polygon_cut(struct obj_polygon *polygon, struct error *err);
 
 // Free everything.
