@@ -89,6 +89,9 @@ void report_print(const struct report *r, FILE *stream)
 	const struct candil_done *done = &r->done;
 	fprintf(stream, "image      %s, %" PRIu32 "x%" PRIu32 ", %s, %" PRIu64 " bytes\n", r->options->output,
 		request->width, request->height, candil_format_name(request->format), r->bytes);
+	if (r->made_width != request->width || r->made_height != request->height)
+		fprintf(stream, "made of    %" PRIu32 "x%" PRIu32 " pixels, scaled: --time left none for more\n",
+			r->made_width, r->made_height);
 	fprintf(stream, "technique  %s, %" PRIu32 " sample%s, depth %" PRIu32 ", on %s\n",
 		candil_technique_name(r->accepted.technique), done->samples, cli_s(done->samples), r->accepted.depth,
 		done->device[0] ? done->device : r->accepted.device);

@@ -135,6 +135,8 @@ static enum exit_code write_good(struct study *study, struct study_run *run, str
 	    .accepted = taken->accepted,
 	    .done = taken->done,
 	    .bytes = taken->image.bytes,
+	    .made_width = taken->image.made_width,
+	    .made_height = taken->image.made_height,
 	    .images = 1,
 	};
 	json_t *line = begin_line(study, run);

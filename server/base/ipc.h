@@ -106,7 +106,8 @@ struct ipc_stepped {
 	uint32_t finished; // 1: all samples are done, or the target error is reached; time for the last READ
 	uint32_t reached; // 1: the target error is reached
 	uint32_t late; // 1: no more fits before end_us; time for the last READ
-	uint32_t ready; // 1: there is a picture to READ, though perhaps of fewer pixels than were asked for
+	uint32_t ready; // 1: there is a picture to READ
+	uint32_t scaled; // 1: it has fewer pixels than were asked for, and is scaled up
 	double fraction; // done share of the job's work
 	struct estimate estimate; // the latest
 	uint64_t device_us; // device time of this slice

@@ -17,7 +17,7 @@ enum stage_kind stage_kind(const char *name)
 	    {"count", STAGE_PIXEL},        {"encode", STAGE_ENCODE},    {"send", STAGE_ENCODE},
 	    {"open", STAGE_COLD},          {"lost", STAGE_QUEUE},       {"wait", STAGE_FIXED},
 	    {"encoder", STAGE_FIXED},      {"host", STAGE_PIXEL},       {"preview", STAGE_PIXEL},
-	    {"size", STAGE_PIXEL},
+	    {"size", STAGE_QUEUE},
 	};
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
 		if (strcmp(name, kinds[i].name) == 0)

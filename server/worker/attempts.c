@@ -1,7 +1,6 @@
-// Design note. Attempts that were given up cost about as much as the last of them is worth: each is begun only if it has
-// GROWTH_LEAST times the pixels of the one before it. One that has few pixels overestimates what a pixel takes, because
-// sending work to a device takes time, too; so what was measured in less than TRUSTED_US is used to come by another
-// measurement, with a small part of the time that is left.
+// Design note. What a sample takes has a part that grows with the pixels and one that does not: triangles that are drawn,
+// orders on their way to the device. The first attempt is too small to tell them apart, so what follows it is more of a
+// guess than what follows two. A wrong guess costs little: what came before it is shown, and has nearly as few pixels.
 #include "server/worker/attempts.h"
 
 #include <math.h>
@@ -17,11 +16,11 @@
 #include "server/worker/vk/device.h"
 #include "shaders/shared/bindings.h"
 
-#define GROWTH_LEAST 2.0 // in pixels, from one attempt to the next
+#define GROWTH_LEAST 2.0 // in pixels, from one attempt to the next: else the next is not worth what it takes
+#define GROWTH_GUESSED 8.0 // at least, by one measurement
 #define GROWTH_MOST 64.0 // if the next attempt is late for its first sample, the one before it is shown
-#define TRUSTED_US 5000.0 // of a sample of every pixel, from which on it tells what more pixels take
-#define PART 0.5 // of the time that is left, for the first sample of every pixel
-#define PART_UNSURE 0.1 // the same, by a measurement that is not trusted
+#define PART 0.8 // of the time that is left, for the first sample of every pixel
+#define PART_GUESSED 0.5 // the same, by one measurement
 
 static double pixels_of(struct size size)
 {
@@ -53,7 +52,7 @@ static bool is_first(const struct attempts *a)
 static uint32_t near(const struct attempts *a, double wanted, uint32_t side)
 {
 	const uint32_t n = (uint32_t)fmin(fmax(round(wanted), 1), side);
-	return a->devices->vk->info.software ? side_near(n, side) : n;
+	return a->devices->vk->info.software && a->technique->sides_are_code ? side_near(n, side) : n;
 }
 
 // The size of a picture with about so many pixels, in the shape of the one that was asked for as far as can be.
@@ -83,12 +82,14 @@ enum status attempts_begin(struct attempts *a, struct error *err)
 	struct plan plan = *a->plan;
 	plan.width = a->size.width;
 	plan.height = a->size.height;
-	if (is_timed(a) && is_first(a))
-		plan.end_us = 0;
+	plan.first_sure = is_timed(a) && is_first(a);
 	// Its error would be that of another picture.
 	if (!is_whole(a))
 		plan.target_error = 0;
-	return a->technique->begin(a->devices, a->scene, &plan, &a->work, err);
+	const uint64_t start = clock_us();
+	const enum status s = a->technique->begin(a->devices, a->scene, &plan, &a->work, err);
+	a->spent_us += clock_us() - start;
+	return s;
 }
 
 enum status attempts_time_effects(struct attempts *a, candil_EffectReport *reports, uint32_t count, struct error *err)
@@ -96,9 +97,9 @@ enum status attempts_time_effects(struct attempts *a, candil_EffectReport *repor
 	if (!a->technique->time_effects)
 		return STATUS_OK;
 	const enum status s = a->technique->time_effects(a->work, reports, count, err);
-	const double more = pixels_of(asked(a)) / pixels_of(a->size);
+	// A picture of a few tiles tells shares, but not what all tiles together take.
 	for (uint32_t i = 0; i < count && !is_whole(a); i++)
-		reports[i].cost_us = (int64_t)((double)reports[i].cost_us * more);
+		reports[i].has_cost_us = false;
 	return s;
 }
 
@@ -119,51 +120,76 @@ static void keep_stages(struct attempts *a, const struct frame *f)
 	}
 }
 
-// About how many pixels the next attempt is to have, as the one under way takes sample_us for a sample of all of its own.
-static double next_pixels(const struct attempts *a, double sample_us)
+// Microseconds that a sample of each pixel more takes, as the attempt under way takes `us` for all of its own: by it and the
+// one before it, or if there was none as if nothing were the same for all sizes.
+static double each_us(const struct attempts *a, double us)
+{
+	const double all = us / pixels_of(a->size), more = pixels_of(a->size) - a->before.pixels;
+	return a->before.pixels > 0 ? fmin(fmax((us - a->before.us) / more, 0), all) : all;
+}
+
+// The size of the next attempt, as the one under way takes `us`; no more than that has: there is no time for another.
+static struct size next_size(const struct attempts *a, double us)
 {
 	const uint64_t now = clock_us();
 	const double left_us = a->plan->end_us > now ? (double)(a->plan->end_us - now) : 0;
-	const double has = pixels_of(a->size), us = fmax(sample_us, 1);
-	const double part = us >= TRUSTED_US || us * pixels_of(asked(a)) / has <= PART * left_us ? PART : PART_UNSURE;
-	return has * fmin(part * left_us / us, GROWTH_MOST);
+	const double has = pixels_of(a->size), each = each_us(a, us), most = fmin(GROWTH_MOST * has, pixels_of(asked(a)));
+	const bool guessed = !(a->before.pixels > 0);
+	if (us + each * (most - has) <= PART * left_us)
+		return size_with(a, most);
+	const double part_us = (guessed ? PART_GUESSED : PART) * left_us;
+	if (us >= part_us)
+		return a->size;
+	const double fit = has + (part_us - us) / each; // `each` is above 0, or all would fit
+	return size_with(a, fmin(guessed ? fmax(fit, GROWTH_GUESSED * has) : fit, most));
+}
+
+// What was sure before is so no more: there is something better.
+static void replace_sure(struct attempts *a, struct frame *f)
+{
+	if (a->sure)
+		keep_stages(a, a->sure);
+	frame_destroy(a->sure);
+	a->sure = f;
 }
 
 // The attempt has a sample of every pixel. Is another worth while? Then what this one came to is kept, and the next is to be
 // begun.
 static enum status go_on(struct attempts *a, const struct step_result *result, struct error *err)
 {
-	const struct size next = size_with(a, next_pixels(a, result->sample_us));
+	const double us = fmax(result->sample_us, 1), has = pixels_of(a->size);
+	const struct size next = a->is_last ? a->size : next_size(a, us);
+	const bool whole = next.width == a->plan->width && next.height == a->plan->height;
 	struct frame *f;
-	a->has_sample = true;
-	frame_destroy(a->sure);
-	a->sure = NULL;
-	a->is_last = a->is_last || pixels_of(next) < GROWTH_LEAST * pixels_of(a->size);
-	if (a->is_last)
+	if (a->is_last || pixels_of(next) < (whole ? 1 : GROWTH_LEAST) * has) {
+		replace_sure(a, NULL);
+		a->has_sample = a->is_last = true;
 		return STATUS_OK;
+	}
 	const enum status s = a->technique->read(a->work, &f, err);
 	if (s != STATUS_OK)
 		return s;
-	keep_stages(a, f);
-	a->sure = f;
+	replace_sure(a, f);
 	a->technique->end(a->work);
 	a->work = NULL;
+	a->before.pixels = has;
+	a->before.us = us;
 	a->size = next;
-	a->is_last = is_whole(a);
-	a->has_sample = false;
+	a->is_last = whole;
+	a->spent_us = 0;
 	return STATUS_OK;
 }
 
 // What a step of a job with a deadline means for the picture that was asked for.
-static void judge(const struct attempts *a, struct step_result *result)
+static void judge(struct attempts *a, struct step_result *result)
 {
 	const uint64_t now = clock_us();
 	const bool over = now >= a->plan->end_us;
 	if (!a->has_sample) {
 		result->samples_done = 0;
 		result->finished = result->reached = false;
-		// The first one goes on without an end: what is left of it is less than a tile of the picture takes.
-		result->late = (result->late || over) && (!is_first(a) || !result->drawing);
+		// The first one goes on to its sample: what is left of it is about what a tile of the picture takes.
+		result->late = result->late || (over && !(is_first(a) && result->drawing));
 	} else if (!is_whole(a)) {
 		result->late = result->late || result->finished || over;
 		result->finished = result->reached = false;
@@ -175,24 +201,19 @@ static void judge(const struct attempts *a, struct step_result *result)
 			 (long long)(now - a->plan->end_us));
 	if (!is_whole(a) || !a->has_sample)
 		result->estimate = ESTIMATE_UNKNOWN;
-	if (!a->is_last)
-		result->fraction = 0;
-}
-
-// What is left of a slice until the end. The first attempt has no end of its own.
-static uint32_t within(const struct attempts *a, uint32_t budget_us)
-{
-	const uint64_t now = clock_us();
-	if (!is_timed(a) || now + budget_us <= a->plan->end_us)
-		return budget_us;
-	return a->plan->end_us > now ? (uint32_t)(a->plan->end_us - now) : 1;
+	// Making what is made of the scene is the first attempt's work; drawing is the last one's.
+	if (a->is_last || !result->drawing)
+		a->fraction = fmax(a->fraction, result->fraction);
+	result->fraction = a->fraction;
 }
 
 enum status attempts_step(struct attempts *a, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status s = a->work ? STATUS_OK : attempts_begin(a, err);
+	const uint64_t start = clock_us();
 	if (s == STATUS_OK)
-		s = a->technique->step(a->work, within(a, budget_us), result, err);
+		s = a->technique->step(a->work, budget_us, result, err);
+	a->spent_us += clock_us() - start;
 	if (s != STATUS_OK)
 		return s;
 	if (!is_timed(a)) {
@@ -210,34 +231,48 @@ bool attempts_ready(const struct attempts *a)
 	return a->has_sample || a->sure;
 }
 
-enum status attempts_read(struct attempts *a, struct frame **frame, struct error *err)
+bool attempts_scaled(const struct attempts *a)
 {
-	struct frame *f = a->sure;
-	if (a->has_sample) {
-		const enum status s = a->technique->read(a->work, &f, err);
-		if (s != STATUS_OK)
-			return s;
-	} else if (!f) {
-		return error_set(err, STATUS_INTERNAL, "there is no picture to read");
-	} else {
+	return attempts_ready(a) && !(a->has_sample && is_whole(a));
+}
+
+// The frame as the attempts have it, and its account.
+static enum status read_frame(struct attempts *a, struct frame **frame, struct error *err)
+{
+	enum status s = STATUS_OK;
+	if (a->has_sample)
+		s = a->technique->read(a->work, frame, err);
+	else if (!a->sure)
+		s = error_set(err, STATUS_INTERNAL, "there is no picture to read");
+	if (s != STATUS_OK)
+		return s;
+	if (!a->has_sample) {
+		*frame = a->sure;
 		a->sure = NULL;
-		f->stage_count = 0;
-		f->cold_us = 0;
+		frame_add_stage(*frame, "size", a->spent_us); // of the attempt that came to nothing
 	}
 	for (uint32_t i = 0; i < a->stage_count; i++)
-		frame_add_stage(f, a->stages[i].name, a->stages[i].us);
-	if (f->width != a->plan->width || f->height != a->plan->height) {
-		f->estimate = ESTIMATE_UNKNOWN;
-		frame_add_note(f, "there was time for %u x %u pixels alone: they are scaled, and their error is not known",
-			       f->width, f->height);
-		const enum status s = frame_scale(f, a->plan->width, a->plan->height, err);
-		if (s != STATUS_OK) {
-			frame_destroy(f);
-			return s;
-		}
-	}
-	*frame = f;
+		frame_add_stage(*frame, a->stages[i].name, a->stages[i].us);
 	return STATUS_OK;
+}
+
+enum status attempts_read(struct attempts *a, struct frame **frame, struct error *err)
+{
+	struct frame *f;
+	const bool scaled = attempts_scaled(a);
+	enum status s = read_frame(a, &f, err);
+	if (s == STATUS_OK && scaled) {
+		f->estimate = ESTIMATE_UNKNOWN;
+		frame_add_note(f, "there was time for %u x %u pixels alone: they are scaled, and their error is not known%s",
+			       f->width, f->height,
+			       a->plan->target_error > 0 ? ", so no target is known to be reached" : "");
+		s = frame_scale(f, a->plan->width, a->plan->height, err);
+		if (s != STATUS_OK)
+			frame_destroy(f);
+	}
+	if (s == STATUS_OK)
+		*frame = f;
+	return s;
 }
 
 void attempts_end(struct attempts *a)

@@ -19,14 +19,19 @@ struct attempts {
 	struct devices *devices;
 	struct resident_scene *scene;
 	const struct plan *plan; // as asked
-	struct technique_job *work; // the attempt under way; NULL: it is to be begun
+	struct technique_job *work; // the attempt under way; NULL: it is to be begun, by the next step
 	struct size {
 		uint32_t width, height; // pixels
 	} size; // of that attempt
 	bool has_sample; // it has a sample of every pixel
 	bool is_last; // no other comes after it
+	uint64_t spent_us; // on it
+	struct {
+		double pixels, us; // how many it had, and what a sample of them took; 0: there was none
+	} before; // the attempt before it
+	double fraction; // of the work on the picture, 0…1
 	struct frame *sure; // owned: what the attempt before it came to, while it has no sample itself; NULL: nothing
-	struct frame_stage stages[FRAME_STAGES_MAX]; // what attempts before it took
+	struct frame_stage stages[FRAME_STAGES_MAX]; // what attempts took that are shown by none
 	uint32_t stage_count;
 };
 
@@ -37,7 +42,7 @@ void attempts_init(struct attempts *attempts, const struct technique *technique,
 // Begin the first one, as technique.h's `begin`: after STATUS_MEMORY it can be called again.
 enum status attempts_begin(struct attempts *attempts, struct error *err);
 
-// technique.h's `time_effects`, for the picture as asked.
+// technique.h's `time_effects`. Under a deadline it tells shares alone.
 enum status attempts_time_effects(struct attempts *attempts, candil_EffectReport *reports, uint32_t count,
 				  struct error *err);
 
@@ -45,8 +50,9 @@ enum status attempts_time_effects(struct attempts *attempts, candil_EffectReport
 // scene was not there yet, or some pixel had no sample and the request wants all. Of what is scaled no error is known.
 enum status attempts_step(struct attempts *attempts, uint32_t budget_us, struct step_result *result, struct error *err);
 
-// Is there a picture to read?
+// Is there a picture to read? And has it fewer pixels than were asked for, to be scaled up?
 bool attempts_ready(const struct attempts *attempts);
+bool attempts_scaled(const struct attempts *attempts);
 
 // technique.h's `read`: a picture of the size that was asked for, whatever it was made of (frame->made_width and
 // made_height). There must be one. One that is of an earlier attempt can be read once.

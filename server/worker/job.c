@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/log.h"
 #include "server/base/room_need.h"
 #include "server/worker/devices.h"
 #include "server/worker/plan/effects.h"
@@ -134,14 +135,22 @@ uint64_t job_refused_for(const struct stock *s, const struct job *job)
 enum status job_step(struct stock *s, struct job *job, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status r;
+	const bool software = s->devices->vk->info.software, begins = !job->attempts.work;
+	const uint64_t bytes = software && begins ? job->technique->bytes(s->devices, job->scene, &job->plan) : 0;
 	stock_allow_compiling(s, job->compile);
 	do {
 		s->devices->vk->wanted = 0;
-		r = room_need(ROOM_WORK_BYTES, "the job", err);
+		r = room_need(ROOM_WORK_BYTES + bytes, "the job", err);
 		if (r == STATUS_OK)
 			r = attempts_step(&job->attempts, budget_us, result, err);
 	} while (r == STATUS_MEMORY && stock_make_room(s));
-	return r;
+	if (r == STATUS_OK || r == STATUS_DEVICE || !attempts_scaled(&job->attempts))
+		return r;
+	// Under a deadline there is something to show, if not more.
+	log_line(LOG_INFO, "job %u: no larger picture: %s", job->id, err->text);
+	*result = STEP_RESULT_NOTHING;
+	result->late = true;
+	return STATUS_OK;
 }
 
 // Steps that compile nothing: some stand between those that do, to enter a stage.

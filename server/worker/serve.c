@@ -127,6 +127,7 @@ static enum status on_step(struct server *s, const struct ipc_step *m)
 	answer.reached = result.reached;
 	answer.late = result.late;
 	answer.ready = job && attempts_ready(&job->attempts);
+	answer.scaled = job && attempts_scaled(&job->attempts);
 	answer.fraction = result.fraction;
 	answer.estimate = result.estimate;
 	answer.device_us = clock_us() - start;

@@ -56,6 +56,7 @@ static const struct {
     {IPC_STEPPED, offsetof(struct ipc_stepped, reached)},
     {IPC_STEPPED, offsetof(struct ipc_stepped, late)},
     {IPC_STEPPED, offsetof(struct ipc_stepped, ready)},
+    {IPC_STEPPED, offsetof(struct ipc_stepped, scaled)},
     {IPC_STEPPED, offsetof(struct ipc_stepped, fraction)},
     {IPC_STEPPED, offsetof(struct ipc_stepped, estimate.relmse)},
     {IPC_STEPPED, offsetof(struct ipc_stepped, estimate.kind)},

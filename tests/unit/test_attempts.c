@@ -23,7 +23,7 @@ uint64_t __wrap_clock_us(void);
 #define START 1000000u
 
 static double now;
-static double tile_us, setup_us, begin_us; // what things take
+static double tile_us, fixed_us, setup_us, begin_us; // what things take; fixed_us: a sample, whatever its pixels are
 static unsigned begun, refuse; // attempts, and how many of them get no memory
 static double target; // that the latest attempt was given
 
@@ -56,6 +56,11 @@ static enum status stand_in_begin(struct devices *devices, struct resident_scene
 	return STATUS_OK;
 }
 
+static bool is_late(const struct technique_job *j)
+{
+	return (j->sample > 0 || !j->plan.first_sure) && !plan_fits(&j->plan, (uint64_t)now, tile_us);
+}
+
 // As pt does it: as many tiles as fit the piece, one at least.
 static enum status stand_in_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
@@ -67,7 +72,11 @@ static enum status stand_in_step(struct technique_job *j, uint32_t budget_us, st
 		return STATUS_OK;
 	}
 	const double until = now + budget_us;
-	while (now < until && j->sample < j->plan.samples && plan_fits(&j->plan, (uint64_t)now, tile_us)) {
+	while (now < until && j->sample < j->plan.samples && !is_late(j)) {
+		if (j->tile == 0) {
+			now += fixed_us;
+			j->work_us += fixed_us;
+		}
 		const double piece_us = plan_piece_us(&j->plan, (uint64_t)now, until - now);
 		const uint32_t left = j->tiles - j->tile;
 		const uint32_t tiles = piece_us < tile_us          ? 1
@@ -86,7 +95,7 @@ static enum status stand_in_step(struct technique_job *j, uint32_t budget_us, st
 	result->samples_done = j->sample;
 	result->sample_us = j->sample > 0 ? j->work_us / j->sample : 0;
 	result->finished = j->sample == j->plan.samples;
-	result->late = !result->finished && !plan_fits(&j->plan, (uint64_t)now, tile_us);
+	result->late = !result->finished && is_late(j);
 	result->estimate.relmse = 1;
 	result->fraction = 0.5;
 	return STATUS_OK;
@@ -111,7 +120,7 @@ static void stand_in_end(struct technique_job *j)
 }
 
 static const struct technique stand_in = {
-    .begin = stand_in_begin, .step = stand_in_step, .read = stand_in_read, .end = stand_in_end};
+    .sides_are_code = true, .begin = stand_in_begin, .step = stand_in_step, .read = stand_in_read, .end = stand_in_end};
 
 struct outcome {
 	struct step_result last;
@@ -184,6 +193,7 @@ static struct plan plan_of(uint32_t width, uint32_t height, double left_us)
 static void costs(double tile, double setup, double begin)
 {
 	tile_us = tile;
+	fixed_us = 0;
 	setup_us = setup;
 	begin_us = begin;
 	refuse = 0;
@@ -220,9 +230,28 @@ static void test_without_it_is_scaled(void **state)
 	costs(100, 1000, 10);
 	const struct outcome o = render(&plan, true);
 	assert_true(o.last.late && o.ready && o.samples >= 1);
-	// At least a third of the time went into the picture's first sample.
-	assert_true((double)o.width * o.height / TILE * tile_us > 30e3);
+	// More than half of the time went into the picture's first sample.
+	assert_true((double)o.width * o.height / TILE * tile_us > 55e3);
 	assert_true(fabs((double)o.width / o.height - 640.0 / 360) < 0.05);
+}
+
+static void test_what_fits_is_whole(void **state)
+{
+	(void)state;
+	struct plan plan = plan_of(640, 360, 500e3); // a sample takes 360 ms
+	costs(100, 1000, 10);
+	assert_int_equal(render(&plan, true).width, 640);
+	plan = plan_of(512, 512, 600e3); // 410 ms
+	assert_int_equal(render(&plan, true).width, 512);
+	// Where most of a sample is the same for all sizes: triangles that are drawn, or a device's own pace.
+	plan = plan_of(512, 512, 250e3);
+	costs(2, 1000, 10);
+	fixed_us = 50e3;
+	assert_int_equal(render(&plan, true).width, 512);
+	plan = plan_of(1920, 1080, 20e3);
+	costs(0.15, 0, 10);
+	fixed_us = 1e3;
+	assert_int_equal(render(&plan, false).width, 1920);
 }
 
 static void test_the_first_is_shown_at_worst(void **state)
@@ -318,11 +347,12 @@ static void test_no_overrun(void **state)
 		const double left = exp(rand() * 13.0 / RAND_MAX);
 		const struct plan plan = plan_of(width, height, left);
 		costs(exp(1 + rand() * 8.0 / RAND_MAX), 0, rand() % 2 ? 0 : 20);
+		fixed_us = rand() % 2 ? 0 : exp(rand() * 9.0 / RAND_MAX);
 		const struct outcome o = render(&plan, i % 2);
 		assert_true(o.ready);
 		// On a software device the first picture may have up to four times a tile's pixels: of sizes that fit.
-		const double first = fmax(left, begin_us + 5 * tile_us) - left;
-		assert_true(o.over_us <= first + tile_us + begin_us + 1);
+		const double first = fmax(left, begin_us + fixed_us + 5 * tile_us) - left;
+		assert_true(o.over_us <= first + fixed_us + tile_us + begin_us + 1);
 		scaled += o.width < width;
 		whole += o.width == width && o.height == height;
 	}
@@ -373,6 +403,7 @@ int main(void)
 	    cmocka_unit_test(test_without_a_deadline_there_is_one),
 	    cmocka_unit_test(test_with_time_it_is_whole),
 	    cmocka_unit_test(test_without_it_is_scaled),
+	    cmocka_unit_test(test_what_fits_is_whole),
 	    cmocka_unit_test(test_the_first_is_shown_at_worst),
 	    cmocka_unit_test(test_what_is_made_of_the_scene_must_be_there),
 	    cmocka_unit_test(test_whole_or_nothing),

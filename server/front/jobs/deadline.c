@@ -7,7 +7,9 @@
 #define LEARN 0.25 // weight of the latest image
 #define SPREAD_FIRST 0.25 // of the first image's time, until there is another
 #define SURPRISE 4.0 // spreads that an image may be late by: what is beyond is the machine's doing, and not learned
-#define FIRST_US 0.05 // a byte, until there was an image to learn from
+#define FIRST_US 0.01 // a byte, until there was an image to learn from
+#define FIRST_US_PNG 0.05
+#define FIRST_PART 0.5 // of the time that is left, at most, likewise
 #define SHORTEST_US 1000u // of a slice
 #define LATE_US (LIMIT_LATE_MS * 1000ull)
 #define HANDOVER_MOST 4.0 // times that handing over may take what was foreseen, before the worker is taken to hang
@@ -39,31 +41,41 @@ static const struct handover *learned(const struct jobs *jobs, const struct job 
 
 // Microseconds from READ to the last byte, from the nearest size that is known: a larger picture takes longer in proportion,
 // a smaller one no longer.
-static double handover_us(const struct jobs *jobs, const struct job *job)
+// *guessed: none is.
+static double handover_us(const struct jobs *jobs, const struct job *job, bool *guessed)
 {
 	const struct handover *known = learned(jobs, job);
 	const unsigned size = size_of(job);
+	*guessed = false;
 	for (unsigned away = 0; away < HANDOVER_SIZES; away++) {
 		if (away <= size && known[size - away].us > 0)
 			return ldexp(known[size - away].us + known[size - away].spread, (int)away);
 		if (size + away < HANDOVER_SIZES && known[size + away].us > 0)
 			return known[size + away].us + known[size + away].spread;
 	}
-	return FIRST_US * (double)image_estimate(&job->render);
+	*guessed = true;
+	const double first_us = job->render.format == candil_Format_FORMAT_PNG ? FIRST_US_PNG : FIRST_US;
+	return first_us * (double)image_estimate(&job->render);
 }
 
 void job_set_end(const struct jobs *jobs, struct job *job)
 {
-	const uint64_t reserve = (uint64_t)handover_us(jobs, job);
+	const uint64_t now = clock_us();
+	const double left = job->deadline_us > now ? (double)(job->deadline_us - now) : 0;
+	bool guessed;
+	double reserve = handover_us(jobs, job, &guessed);
+	if (guessed)
+		reserve = fmin(reserve, FIRST_PART * left);
 	if (job->deadline_us < UINT64_MAX)
-		job->end_us = job->deadline_us > reserve ? job->deadline_us - reserve : 1; // 0 is no end
+		job->end_us = left > reserve ? job->deadline_us - (uint64_t)reserve : 1; // 0 is no end
 }
 
 void jobs_learn_handover(struct jobs *jobs, const struct job *job)
 {
-	if (job->read_us == 0)
-		return; // it was not read
 	struct handover *h = &jobs->handovers[technique_of(job)][job->render.format][size_of(job)];
+	// What was not read tells nothing, and what was scaled, which is less work to encode, little.
+	if (job->read_us == 0 || (job->scaled && h->us > 0))
+		return;
 	const double made = (double)(job->encoded_us - job->read_us), sent = (double)(clock_us() - job->encoded_us);
 	// A client that reads slowly is no reason to trace less for others.
 	const double took = made + fmin(sent, made);
@@ -92,8 +104,12 @@ uint32_t job_slice_us(const struct jobs *jobs, const struct job *job)
 	const uint64_t now = clock_us();
 	uint64_t left = left_us(job, now);
 	for (unsigned i = 0; i < jobs->count; i++) {
-		const uint64_t other = left_us(jobs->job[i], now);
-		left = other < left ? other : left;
+		const struct job *other = jobs->job[i];
+		// To others one that is past its end is in a hurry in either case.
+		const uint64_t others = other == job || other->state != JOB_ACTIVE ? UINT64_MAX
+					: other->end_us > now                      ? other->end_us - now
+										   : 0;
+		left = others < left ? others : left;
 	}
 	if (left >= jobs->slice_us)
 		return jobs->slice_us;
@@ -114,6 +130,7 @@ static uint64_t later(uint64_t a, uint64_t b)
 static uint64_t give_up_us(const struct jobs *jobs, const struct job *job)
 {
 	const uint64_t quiet_us = worker_quiet_us(jobs->worker);
+	bool guessed;
 	const uint64_t patience_us = quiet_us < UINT64_MAX ? quiet_us + LATE_US : UINT64_MAX;
 	if (job->deadline_us == UINT64_MAX)
 		return UINT64_MAX;
@@ -126,7 +143,8 @@ static uint64_t give_up_us(const struct jobs *jobs, const struct job *job)
 		return job->ready && jobs->stepping != job->id ? UINT64_MAX : later(job->deadline_us, patience_us);
 	case JOB_READING:
 		// Large pictures take the encoder long, and nothing is heard meanwhile.
-		return later(job->deadline_us, job->read_us + LATE_US + (uint64_t)(HANDOVER_MOST * handover_us(jobs, job)));
+		return later(job->deadline_us,
+			     job->read_us + LATE_US + (uint64_t)(HANDOVER_MOST * handover_us(jobs, job, &guessed)));
 	case JOB_FINISHED: // waits for its client, or for others'
 	case JOB_SENDING:
 		break;
@@ -144,9 +162,12 @@ static const char *why_given_up(const struct job *job)
 	if (job->state == JOB_WAITING && !job->compiling)
 		return "the job could be begun: allow more time, or ask when less is under way";
 	if (job->render.whole && job->state == JOB_ACTIVE && !job->ready)
-		return "every pixel had a sample: allow more time, or leave out `whole` for a picture of fewer pixels";
+		return "every pixel had a sample: allow more time, leave out `whole` for a picture of fewer pixels, or "
+		       "render "
+		       "once without a deadline, so that what is made of the scene is there";
 	if (!job->ready)
-		return "there was a picture: allow more time, or have its code compiled before (candild --warm)";
+		return "there was a picture: allow more time, or have its code compiled and what is made of the scene there "
+		       "before (candild --warm, or once without a deadline)";
 	return "the worker gave the picture that it has: it is slow or hangs, ask when less is under way";
 }
 

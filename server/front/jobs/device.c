@@ -187,6 +187,7 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 	job->device_us += device_us;
 	job->samples_done = stepped->samples_done;
 	job->ready = stepped->ready != 0;
+	job->scaled = stepped->scaled != 0;
 	job->fraction = stepped->fraction;
 	job->estimate = stepped->estimate;
 	job->reached = stepped->reached != 0;
@@ -213,6 +214,9 @@ void jobs_stepped(struct jobs *jobs, uint32_t id, const struct ipc_stepped *step
 		return;
 	}
 	job->late = stepped->late != 0;
+	// An attempt that was lost with its worker may have come further.
+	if (job->late && job->samples_done == 0 && job_send_last(jobs, job))
+		return;
 	if (job->late && !job->ready) {
 		jobs_fail_late(jobs, job);
 		return;

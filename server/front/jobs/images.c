@@ -1,5 +1,6 @@
 #include "server/front/jobs/images.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -120,8 +121,11 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 static void account_without_worker(const struct jobs *jobs, struct job *job)
 {
 	candil_Done *done = &job->done;
+	const candil_ImageFrame *frame = &job->final.frame;
 	const struct estimate *own = &job->final.estimate;
-	const struct estimate *e = own->kind == candil_ErrorKind_ERROR_KIND_UNKNOWN ? &job->predicted : own;
+	job->scaled = frame->made_width != frame->width || frame->made_height != frame->height;
+	const bool foreseen = own->kind == candil_ErrorKind_ERROR_KIND_UNKNOWN && !job->scaled;
+	const struct estimate *e = foreseen ? &job->predicted : own;
 	*done = (candil_Done){.samples = job->final.frame.samples,
 			      .estimated_relmse = e->relmse,
 			      .relmse_low = e->low,
@@ -130,6 +134,10 @@ static void account_without_worker(const struct jobs *jobs, struct job *job)
 	snprintf(done->device, sizeof done->device, "%s", jobs->worker->ready.device);
 	snprintf(done->notes[done->notes_count++], sizeof done->notes[0],
 		 "the worker did not give the picture in time: this is the last intermediate one");
+	if (job->scaled)
+		snprintf(done->notes[done->notes_count++], sizeof done->notes[0],
+			 "it is made of %" PRIu32 " x %" PRIu32 " pixels, scaled, and their error is not known",
+			 frame->made_width, frame->made_height);
 }
 
 bool job_send_last(struct jobs *jobs, struct job *job)

@@ -11,7 +11,7 @@ void job_begin_again(struct jobs *jobs, struct job *job)
 	job->preview_due = false;
 	job->preview_samples = 0;
 	job->samples_done = 0;
-	job->ready = false;
+	job->ready = job->scaled = false;
 	job->fraction = 0;
 	job->estimate = ESTIMATE_UNKNOWN;
 	job->late = job->reached = false;

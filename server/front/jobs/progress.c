@@ -51,8 +51,9 @@ void job_tell_progress(const struct jobs *jobs, struct job *job)
 	*told_us = now;
 	if (!session_has_room(job->session, LIMIT_CHUNK_BYTES))
 		return;
-	const struct estimate *e =
-	    job->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN ? &job->predicted : &job->estimate;
+	// What is foreseen is the whole picture's error.
+	const bool foreseen = job->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN && !job->scaled;
+	const struct estimate *e = foreseen ? &job->predicted : &job->estimate;
 	candil_Progress progress = {.samples_done = job->samples_done,
 				    .samples = job->render.samples,
 				    .fraction = fraction_of(job, now),

@@ -58,7 +58,7 @@ struct job {
 	uint64_t end_us; // when sampling has to end for that
 	bool spared; // a quote or a pilot kept it from beginning: its deadline does not fail it before
 	bool late; // it ends because of its deadline
-	bool scaled; // its final image was made of fewer pixels than were asked for
+	bool scaled; // its picture is made of fewer pixels than were asked for
 	bool reached; // it ends because its target error is reached
 	uint64_t read_us; // when its last image was asked for
 	uint64_t device_us; // that it had

@@ -30,6 +30,7 @@ static uint64_t hash_view(const candil_Render *render, bool camera)
 	r.scene[0] = r.environment.scene[0] = 0;
 	r.technique = candil_Technique_TECHNIQUE_AUTO;
 	r.options_count = 0;
+	r.whole = false;
 	r.width = r.height = r.samples = r.first_sample = r.deadline_ms = r.progress_ms = r.aovs = 0;
 	r.seed = 0;
 	r.target_error = r.exposure_ev = 0;

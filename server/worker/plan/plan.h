@@ -62,6 +62,7 @@ struct plan {
 	double target_error; // end once the estimated relMSE is at most this; 0: never
 	bool deadline; // the job may be ended any time after its first sample, which is done and reported first
 	uint64_t end_us; // clock_us() by which sampling has to end; 0: no matter when
+	bool first_sure; // its first sample is finished whatever end_us is
 	bool whole; // by then the picture has a sample of every pixel that was asked for, or there is none
 	uint32_t depth; // the most scattering events of a path
 	uint32_t effects; // bits 1 << candil_Effect of those that are simulated

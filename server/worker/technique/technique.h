@@ -106,6 +106,10 @@ struct technique {
 	// A background is seen by the camera, and lights no surface, unless it is default light.
 	bool sky_is_seen_alone;
 
+	// On a software driver its code is another for pictures whose sides are powers of two, or whose halves are
+	// (server/base/side.h).
+	bool sides_are_code;
+
 	// Change plan->effects once all of them are decided. `allowed`: bits 1 << candil_Effect of those that the request
 	// does not switch off. NULL: nothing to change.
 	void (*settle)(struct plan *plan, uint32_t allowed);

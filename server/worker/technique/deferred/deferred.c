@@ -106,7 +106,8 @@ static double fraction(struct deferred *d)
 // Whether there is no time for another piece before the end.
 static bool deferred_is_late(struct deferred *d)
 {
-	return !finished(d) && !plan_fits(&d->plan, clock_us(), deferred_current(d)->unit_us);
+	return !finished(d) && (d->sample > 0 || !d->plan.first_sure) &&
+	       !plan_fits(&d->plan, clock_us(), deferred_current(d)->unit_us);
 }
 
 enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_result *result, struct error *err)

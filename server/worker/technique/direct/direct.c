@@ -123,6 +123,7 @@ const struct technique technique_direct = {.number = candil_Technique_TECHNIQUE_
 					   .cannot = direct_cannot,
 					   .simulates = direct_simulates,
 					   .sky_is_seen_alone = true,
+					   .sides_are_code = true,
 					   .bytes = direct_bytes,
 					   .advise = direct_advise,
 					   .begin = direct_begin,

@@ -215,7 +215,7 @@ static double fraction_of(const struct technique_job *j, bool reached)
 // takes by itself.
 static bool pt_is_late(const struct technique_job *j)
 {
-	return !plan_fits(&j->plan, clock_us(), 2 * j->tile_us * j->batch);
+	return (j->sample > 0 || !j->plan.first_sure) && !plan_fits(&j->plan, clock_us(), 2 * j->tile_us * j->batch);
 }
 
 static enum status pt_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)

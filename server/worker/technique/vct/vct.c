@@ -359,6 +359,7 @@ const struct technique technique_vct = {.number = candil_Technique_TECHNIQUE_VCT
 					.effects = DEFERRED_EFFECTS | 1u << candil_Effect_EFFECT_BOUNCES |
 						   1u << candil_Effect_EFFECT_GLASS,
 					.cannot = vct_cannot,
+					.sides_are_code = true,
 					.settle = vct_settle,
 					.notes = deferred_notes,
 					.bytes = vct_bytes,
