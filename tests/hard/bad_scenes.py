@@ -2,15 +2,11 @@
 The loader itself must neither crash nor hang on any of them."""
 import json
 import os
-import subprocess
-import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, os.path.join(os.environ["CANDIL_SOURCE"], "tests", "scenes"))
-import bad  # noqa: E402
-
-LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
+import bad
+from loader import describe
 
 # What is not simply invalid.
 CODES = {
@@ -93,14 +89,9 @@ EXPECTED = {
 }
 
 
-def describe(path):
-    command = [LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--images"]
-    return subprocess.run(command, capture_output=True, timeout=120, text=True)
-
-
 class BadScenes(unittest.TestCase):
     def check_refused(self, name, path):
-        done = describe(path)
+        done = describe(path, timeout=120)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertEqual(done.stdout, "")
         sentences = [line for line in done.stderr.splitlines() if line.startswith("candil-loader: ")]
@@ -110,7 +101,7 @@ class BadScenes(unittest.TestCase):
         self.assertGreater(len(sentence), 15)
 
     def check_mended(self, name, path):
-        done = describe(path)
+        done = describe(path, timeout=120)
         self.assertEqual(done.returncode, 0, done.stderr)
         info = json.loads(done.stdout)
         numbers, words = EXPECTED[name]

@@ -12,9 +12,9 @@ import zlib
 
 import bad
 import make
+from loader import LOADER, describe
 from render import CANDIL, Daemon
 
-LOADER = os.path.join(os.environ["CANDIL_BUILD"], "libexec", "candil", "candil-loader")
 SANITIZED = os.environ.get("CANDIL_SANITIZE", "0") not in ("0", "")
 HANG_SECONDS = 100  # far beyond what any of this takes: a loader that is not done by then is taken to hang
 
@@ -47,8 +47,7 @@ class Loader(unittest.TestCase):
 
     def load(self, path, **options):
         """(info, None, None) or (None, code, sentence)"""
-        done = subprocess.run([LOADER, "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--images"],
-                              capture_output=True, timeout=HANG_SECONDS, text=True, **options)
+        done = describe(path, timeout=HANG_SECONDS, **options)
         if done.returncode == 0:
             return json.loads(done.stdout), None, None
         self.assertEqual(done.returncode, 1, done.stderr)
