@@ -4,6 +4,7 @@ import tempfile
 import unittest
 
 import make
+import rooms
 import wire
 from render import Daemon
 from wire import pb
@@ -80,6 +81,17 @@ class Cold(unittest.TestCase):
             log = daemon.read_log()
             self.assertIn("compiler of", log)
             self.assertIn("the worker compiles", log)
+
+    def test_scenes_of_all_sizes_need_the_same(self):
+        """One whose nodes are 64 bytes, and others whose are kilobytes: what the driver keeps of the first is enough for them."""
+        kept = []
+        for subdivisions in (None, 2, 3):
+            path = rooms.plane(self.scenes.name, 1) if subdivisions is None else make.furnace(self.scenes.name, 1, subdivisions)
+            with self.daemon() as daemon:
+                daemon.candil("render", path, "-o", os.path.join(daemon.folder, "x.exr"), "--size", "16x16", "--spp", "1")
+            kept.append(sorted(name for _, _, names in os.walk(os.path.join(self.cache.name, "mesa_shader_cache")) for name in names))
+        self.assertGreater(len(kept[0]), 1)
+        self.assertEqual(kept[1:], kept[:1] * 2)
 
     def test_a_refusal_for_code_is_not_the_next_ones(self):
         """Code that a job had to wait for is forgotten with it: what is wrong with another request is told at once."""

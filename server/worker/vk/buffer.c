@@ -53,14 +53,25 @@ static enum status allocate(struct buffer *b, struct device *d, enum buffer_home
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "binding memory", err);
 }
 
+// llvmpipe compiles a shader once more for texel buffers (pipeline.h) whose size is a power of two or has a second byte of
+// 0, which it takes for the levels of a texture. No buffer is such, so that the code for one scene is that for all.
+static uint64_t made_for_one_code(const struct device *d, uint64_t bytes)
+{
+	uint64_t made = bytes;
+	while ((made & (made - 1)) == 0 || (made >> 8 & 0xff) == 0)
+		made += 64;
+	return made <= d->limits.maxStorageBufferRange ? made : bytes;
+}
+
 enum status buffer_init(struct buffer *b, struct device *d, uint64_t bytes, enum buffer_home home, struct error *err)
 {
 	memset(b, 0, sizeof *b);
 	if (home == BUFFER_DEVICE && bytes > d->limits.maxStorageBufferRange)
 		return error_set(err, STATUS_MEMORY, "a buffer of %llu MiB is more than this device can bind (%u MiB)",
 				 (unsigned long long)(bytes >> 20), d->limits.maxStorageBufferRange >> 20);
+	const uint64_t made = home == BUFFER_DEVICE ? made_for_one_code(d, bytes) : bytes;
 	const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-					 .size = bytes,
+					 .size = made,
 					 .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
 						  VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
 						  VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
@@ -68,6 +79,7 @@ enum status buffer_init(struct buffer *b, struct device *d, uint64_t bytes, enum
 	if (r != VK_SUCCESS)
 		return device_error(r, "creating a buffer", err);
 	b->bytes = bytes;
+	b->made = made;
 	enum status s = allocate(b, d, home, err);
 	if (s != STATUS_OK)
 		buffer_finish(b, d);

@@ -11,6 +11,7 @@ struct buffer {
 	VkBuffer handle;
 	VkDeviceMemory memory;
 	uint64_t bytes; // asked for
+	uint64_t made; // that it has: at least as many
 	uint64_t allocated; // taken from the budget
 	void *map; // host address, or NULL where the host cannot see it
 };

@@ -226,7 +226,7 @@ static enum status make_pool(struct binding_set *set, struct device *d, const st
 static enum status make_view(VkBufferView *view, struct device *d, const struct buffer *b, struct error *err)
 {
 	const uint64_t most = (uint64_t)d->limits.maxTexelBufferElements * PIPELINE_TEXEL_BYTES;
-	const uint64_t whole = b->bytes / PIPELINE_TEXEL_BYTES * PIPELINE_TEXEL_BYTES;
+	const uint64_t whole = b->made / PIPELINE_TEXEL_BYTES * PIPELINE_TEXEL_BYTES;
 	const VkBufferViewCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
 					     .buffer = b->handle,
 					     .format = VK_FORMAT_R32G32B32A32_UINT,
@@ -248,7 +248,7 @@ enum status binding_set_init(struct binding_set *set, struct device *d, struct p
 	enum status s = make_pool(set, d, p, err);
 	for (uint32_t i = 0; s == STATUS_OK && i < count; i++) {
 		const struct buffer *b = buffers[i] && buffers[i]->handle ? buffers[i] : filler;
-		ranges[i] = (VkDescriptorBufferInfo){.buffer = b->handle, .range = VK_WHOLE_SIZE};
+		ranges[i] = (VkDescriptorBufferInfo){.buffer = b->handle, .range = b->bytes};
 		writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
 						   .dstSet = set->set,
 						   .dstBinding = i,
