@@ -137,10 +137,10 @@ static struct size next_size(const struct attempts *a, double us)
 	const bool guessed = !(a->before.pixels > 0);
 	if (us + each * (most - has) <= PART * left_us)
 		return size_with(a, most);
-	const double part_us = (guessed ? PART_GUESSED : PART) * left_us;
-	if (us >= part_us)
+	if (us >= PART * left_us)
 		return a->size;
-	const double fit = has + (part_us - us) / each; // `each` is above 0, or all would fit
+	// `each` is above 0, or all would fit.
+	const double fit = has + ((guessed ? PART_GUESSED : PART) * left_us - us) / each;
 	return size_with(a, fmin(guessed ? fmax(fit, GROWTH_GUESSED * has) : fit, most));
 }
 
