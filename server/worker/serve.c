@@ -180,7 +180,8 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 
 static bool make_room_for_pilot(void *user)
 {
-	return stock_make_room(user);
+	struct server *s = user;
+	return stock_make_room(&s->stock);
 }
 
 static bool pilot_is_ended(void *user)
