@@ -3,7 +3,9 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <stdio.h>
+#include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -39,17 +41,19 @@ bool temporary_open(struct temporary *t, int at, const char *path, mode_t mode)
 	*t = (struct temporary){.fd = -1, .folder = openat(at, path, O_PATH | O_DIRECTORY | O_CLOEXEC)};
 	if (t->folder < 0)
 		return false;
-	if (open_unnamed(t, mode))
-		return true;
-	for (unsigned i = 0; i < TRIES && t->fd < 0; i++) {
+	const bool unnamed = open_unnamed(t, mode);
+	for (unsigned i = 0; !unnamed && i < TRIES && t->fd < 0; i++) {
 		make_name(t, i);
 		t->fd = openat(t->folder, t->name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
 		if (t->fd < 0 && errno != EEXIST)
 			break;
 	}
-	if (t->fd < 0)
+	if (t->fd < 0) {
 		t->name[0] = '\0';
-	return t->fd >= 0;
+		return false;
+	}
+	(void)flock(t->fd, LOCK_EX | LOCK_NB); // where there are no locks, nobody can get one and remove it
+	return true;
 }
 
 bool temporary_keep(const struct temporary *t, const struct stat *replaced)
@@ -57,33 +61,38 @@ bool temporary_keep(const struct temporary *t, const struct stat *replaced)
 	return fchown(t->fd, replaced->st_uid, replaced->st_gid) == 0 && fchmod(t->fd, replaced->st_mode & 0777) == 0;
 }
 
-// Is it a file that a process of this user has left here, which was killed in the moment before the rename? Another
-// namespace's process is not to be seen: what is young may be its.
-static bool is_stale(const struct temporary *t, const char *name)
+// Remove what has a temporary's name, if it is a file of this user's that is old and nobody's any more. Whose it is holds a
+// lock on it, on this machine or another.
+static void remove_if_stale(const struct temporary *t, const char *name)
 {
-	char path[32];
-	struct stat about;
-	long pid;
+	struct stat about, named;
 	int end = 0;
-	if (sscanf(name, ".candil-%ld-%*u.tmp%n", &pid, &end) != 1 || end == 0 || name[end])
-		return false;
-	snprintf(path, sizeof path, "/proc/%ld", pid);
-	return access(path, F_OK) != 0 && access("/proc/self", F_OK) == 0 &&
-	       fstatat(t->folder, name, &about, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(about.st_mode) &&
-	       about.st_uid == geteuid() && time(NULL) - about.st_mtime > TEMPORARY_STALE_SECONDS;
+	if (sscanf(name, ".candil-%*[0-9]-%*[0-9].tmp%n", &end) != 0 || end == 0 || name[end])
+		return;
+	const int fd = openat(t->folder, name, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+	// Who had the lock before may have moved or removed it, and the name may be another's by now.
+	if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0 && fstat(fd, &about) == 0 && S_ISREG(about.st_mode) &&
+	    about.st_uid == geteuid() && time(NULL) - about.st_mtime > TEMPORARY_STALE_SECONDS &&
+	    fstatat(t->folder, name, &named, AT_SYMLINK_NOFOLLOW) == 0 && named.st_ino == about.st_ino &&
+	    named.st_dev == about.st_dev)
+		unlinkat(t->folder, name, 0);
+	if (fd >= 0)
+		close(fd);
 }
 
-// A file system has no rename that takes a file without a name, so a kill may leave one. Whoever replaces a file in the same
-// folder takes them away.
+// A file system has no rename that takes a file without a name, so a kill may leave one. Each process takes them away where
+// it first replaces a file. To list a large folder for every picture of a sweep would be slow.
 static void remove_stale(const struct temporary *t)
 {
+	static atomic_flag looked = ATOMIC_FLAG_INIT;
+	if (atomic_flag_test_and_set(&looked))
+		return;
 	const int fd = openat(t->folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 	DIR *dir = fd < 0 ? NULL : fdopendir(fd);
 	if (!dir && fd >= 0)
 		close(fd);
 	for (const struct dirent *e; dir && (e = readdir(dir));)
-		if (is_stale(t, e->d_name))
-			unlinkat(t->folder, e->d_name, 0);
+		remove_if_stale(t, e->d_name);
 	if (dir)
 		closedir(dir);
 }

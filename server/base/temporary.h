@@ -1,12 +1,14 @@
 // A file on its way to its name: it is written without one, so that nothing of it is left behind if the program is killed,
 // and then appears under its name whole, in the place of what was there. Where the file system has no such files it is
 // written beside its place, as .candil-PID-N.tmp, and what takes another's place has that name for a moment. A kill may
-// leave it; who next replaces a file there removes it, once it is an hour old. Any thread. Failures are told by errno.
+// leave it; the next process of this user whose first replaced file is there removes it, once it is a week old and if nobody
+// has it open any more. Any thread. Failures are told by errno.
 //
 // Example:
 //	struct temporary t;
-//	bool good = temporary_open(&t, AT_FDCWD, "folder", 0666) && write(t.fd, "text", 4) == 4 && temporary_place(&t,
-//"name"); 	temporary_finish(&t);
+//	bool good = temporary_open(&t, AT_FDCWD, "folder", 0666) && write(t.fd, "text", 4) == 4;
+//	good = good && temporary_place(&t, -1, "name");
+//	temporary_finish(&t);
 #ifndef CANDIL_BASE_TEMPORARY_H
 #define CANDIL_BASE_TEMPORARY_H
 
@@ -15,11 +17,13 @@
 
 struct temporary {
 	int folder; // the temporary's own; -1: none
-	int fd; // to write to; -1: none
+	int fd; // to write to, locked (flock); -1: none
 	char name[48]; // in the folder; "": it has none
 };
 
-#define TEMPORARY_STALE_SECONDS 3600 // since it was written, from when on what a kill has left goes
+// Since it was written, from when on what a kill has left goes. A lock tells what is still in use; this is for what lies
+// where locks do not reach other machines, and longer than a render takes.
+#define TEMPORARY_STALE_SECONDS 604800
 
 #define TEMPORARY_NONE \
 	{ \

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -176,38 +177,51 @@ static bool is_there(const char *name)
 
 static void test_what_a_kill_has_left_goes(void **state)
 {
-	char ours[64], path[64];
+	char path[64];
 	struct error err;
+	struct temporary used;
 	const time_t old = TEMPORARY_STALE_SECONDS + 10;
 	(void)state;
-	// No process has the number: it is above the kernel's largest.
-	const char *const stays[] = {".candil-99999999-1.tmp", ".candil-99999999-0.tmp.png", "candil-99999999-0.tmp", ours};
-	snprintf(ours, sizeof ours, ".candil-%ld-7.tmp", (long)getpid());
-	for (unsigned i = 0; i < 4; i++)
+	// No process that is to be seen has the number: it is above the kernel's largest.
+	const char *const stays[] = {".candil-99999999-1.tmp", ".candil-99999999-0.tmp.png", "candil-99999999-0.tmp",
+				     ".candil--5-0.tmp",       ".candil-+5-0.tmp",           ".candil- 5-0.tmp"};
+	const unsigned count_stays = sizeof stays / sizeof *stays;
+	for (unsigned i = 0; i < count_stays; i++)
 		leave(stays[i], i == 0 ? 0 : old);
 	leave(".candil-99999999-0.tmp", old);
+	// One that somebody writes for very long, whose process is not to be seen.
+	const struct timespec at[2] = {{.tv_sec = time(NULL) - old}, {.tv_sec = time(NULL) - old}};
+	assert_true(temporary_open(&used, AT_FDCWD, folder, 0600) && futimens(used.fd, at) == 0);
+	if (used.name[0]) {
+		assert_int_equal(renameat(used.folder, used.name, used.folder, ".candil-99999999-2.tmp"), 0);
+		snprintf(used.name, sizeof used.name, ".candil-99999999-2.tmp");
+	}
 	snprintf(path, sizeof path, "%s/stale", folder);
 	assert_int_equal(replace_file(path, 0600, "a", 1, &err), STATUS_OK);
 	assert_int_equal(replace_file(path, 0600, "b", 1, &err), STATUS_OK);
 	assert_false(is_there(".candil-99999999-0.tmp"));
-	for (unsigned i = 0; i < 4; i++) {
+	assert_true(!used.name[0] || is_there(used.name));
+	temporary_finish(&used);
+	for (unsigned i = 0; i < count_stays; i++) {
 		assert_true(is_there(stays[i]));
-		snprintf(path, sizeof path, "%s/%s", folder, stays[i]);
-		unlink(path);
+		clear(stays[i]);
 	}
-	assert_true(is_there("stale"));
-	snprintf(path, sizeof path, "%s/stale", folder);
-	unlink(path);
+	// A process looks once, not for each picture of a sweep.
+	leave(".candil-99999999-0.tmp", old);
+	assert_int_equal(replace_file(path, 0600, "c", 1, &err), STATUS_OK);
+	assert_true(is_there(".candil-99999999-0.tmp"));
+	clear(".candil-99999999-0.tmp");
+	clear("stale");
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(test_what_a_kill_has_left_goes), // first: a process looks once
 	    cmocka_unit_test(test_it_takes_the_place_of_what_is_there),
 	    cmocka_unit_test(test_what_is_not_placed_goes),
 	    cmocka_unit_test(test_a_planted_link_is_not_followed),
 	    cmocka_unit_test(test_replaced_files_keep_their_mode),
-	    cmocka_unit_test(test_what_a_kill_has_left_goes),
 	};
 	if (!mkdtemp(folder))
 		return EXIT_FAILURE;
@@ -215,8 +229,13 @@ int main(void)
 	refuses = at < 0; // then both rounds are the second
 	if (at >= 0)
 		close(at);
-	int failed = cmocka_run_group_tests_name("without a name", tests, NULL, NULL);
-	failed += cmocka_run_group_tests_name("with a name", tests, has_names, NULL);
+	int failed;
+	const pid_t pid = fork(); // for what a process does once
+	if (pid == 0)
+		_exit(cmocka_run_group_tests_name("without a name", tests, NULL, NULL));
+	if (pid < 0 || waitpid(pid, &failed, 0) != pid)
+		return EXIT_FAILURE;
+	failed = failed != 0 || cmocka_run_group_tests_name("with a name", tests, has_names, NULL) != 0;
 	rmdir(folder);
 	return failed;
 }
