@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <link.h>
+#include <pwd.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -86,7 +87,39 @@ static bool next_folder(const char **list, const char *origin, char folder[PATH_
 	const size_t mark = !strncmp(text, "$ORIGIN", 7) ? 7 : !strncmp(text, "${ORIGIN}", 9) ? 9 : 0;
 	const int written = snprintf(folder, PATH_MAX, "%s%.*s", mark ? origin : "", (int)(length - mark), text + mark);
 	*list = *end ? end + 1 : end;
-	return folder[0] == '/' && written > 1 && written < PATH_MAX; // the root would be all files
+	return folder[0] == '/' && written < PATH_MAX;
+}
+
+// Is `home` the real folder, or does it lie beneath it?
+static bool has_home(const char *folder, const char *home)
+{
+	char real[PATH_MAX];
+	const size_t length = strlen(folder);
+	return home && realpath(home, real) && !strncmp(real, folder, length) && (!real[length] || real[length] == '/');
+}
+
+// Would the real folder be far more than libraries? The root, what lies right beneath it, homes, and what homes lie in. The
+// account's home is taken from the file: other sources of accounts may start threads, which the fence would not hold.
+static bool is_wide(const char *folder)
+{
+	bool wide = strrchr(folder, '/') == folder || (!strncmp(folder, "/home/", 6) && !strchr(folder + 6, '/')) ||
+		    has_home(folder, getenv("HOME"));
+	FILE *accounts = wide ? NULL : fopen("/etc/passwd", "re");
+	for (const struct passwd *p; accounts && !wide && (p = fgetpwent(accounts));)
+		wide = p->pw_uid == getuid() && has_home(folder, p->pw_dir);
+	if (accounts)
+		fclose(accounts);
+	return wide;
+}
+
+// false: there is no such folder, or it is more than may be read.
+static bool allow_folder(struct landlock *l, const char *folder)
+{
+	char real[PATH_MAX];
+	if (!realpath(folder, real) || is_wide(real))
+		return false;
+	landlock_allow(l, real, USE_READ);
+	return true;
 }
 
 // What the object needs and finds in the folder is looked into likewise.
@@ -112,7 +145,7 @@ static void visit_object(struct search *s, const struct object *o, const char *o
 	for (const char *list = o->strings + name; *list;) {
 		if (!next_folder(&list, origin, folder))
 			continue;
-		landlock_allow(s->landlock, folder, USE_READ);
+		(void)allow_folder(s->landlock, folder);
 		visit_needed(s, o, folder, depth);
 	}
 }
@@ -135,9 +168,13 @@ static void visit(struct search *s, const char *path, unsigned depth)
 	close(fd);
 	if (!o.bytes || o.bytes == MAP_FAILED)
 		return;
-	*strrchr(real, '/') = 0;
-	if (real[0])
+	char *slash = strrchr(real, '/');
+	*slash = 0;
+	if (!allow_folder(s->landlock, real)) {
+		*slash = '/';
 		landlock_allow(s->landlock, real, USE_READ);
+		*slash = 0;
+	}
 	if (read_object(&o))
 		visit_object(s, &o, real, depth);
 	munmap((void *)(uintptr_t)o.bytes, o.size);

@@ -26,6 +26,9 @@ static const struct {
     {NULL, NULL, "/etc:/usr/local/etc"},
 };
 
+// Where EGL's loader looks.
+static const char vendors[] = "/etc/glvnd/egl_vendor.d:/usr/share/glvnd/egl_vendor.d";
+
 static const char *const folders[] = {"icd.d", "implicit_layer.d", "explicit_layer.d"};
 
 // A path in a manifest may begin at the manifest's folder; a bare name is the linker's to find.
@@ -106,6 +109,7 @@ void manifests_allow(struct landlock *l)
 	char path[PATH_MAX];
 	for (size_t i = 0; i < sizeof variables / sizeof variables[0]; i++)
 		allow_each(l, getenv(variables[i]), allow_manifests);
+	allow_each(l, vendors, allow_manifests);
 	for (size_t i = 0; i < sizeof bases / sizeof bases[0]; i++) {
 		const char *list = bases[i].variable ? getenv(bases[i].variable) : NULL;
 		if (list && *list) {

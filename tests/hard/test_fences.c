@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <linux/capability.h>
 #include <linux/openat2.h>
 #include <pthread.h>
@@ -43,12 +44,31 @@ enum { SANITIZED = 0, LEAK_CHECK_NEEDS = 0 };
 #endif
 
 static char folder[] = "/tmp/candil-fences-XXXXXX";
-static char cache[sizeof folder + 8]; // the worker's, in it
+static char cache[sizeof folder + 16]; // the worker's, in it
 static char manifest[sizeof folder + 32]; // of a driver
 static const char *const manifest_folders[] = {"share", "share/vulkan", "share/vulkan/icd.d"};
+static const char *const vendors[][2] = {{"/etc/glvnd/egl_vendor.d", LATE_VENDOR},
+					 {"/usr/share/glvnd/egl_vendor.d", LATE_AT_HOME}};
 static struct fence_report here; // what a child's sandbox said of this kernel
 static struct fence_report worker_here;
 static struct fence_report front_here;
+
+int __real_glob(const char *pattern, int flags, int (*failed)(const char *path, int error), glob_t *found);
+int __wrap_glob(const char *pattern, int flags, int (*failed)(const char *path, int error), glob_t *found);
+
+// In each of the folders where EGL's loader looks there is a manifest of this test's.
+int __wrap_glob(const char *pattern, int flags, int (*failed)(const char *path, int error), glob_t *found)
+{
+	char path[sizeof folder + 32];
+	for (int i = 0; i < 2; i++) {
+		snprintf(path, sizeof path, "%s/*.json", vendors[i][0]);
+		if (strcmp(path, pattern) == 0) {
+			snprintf(path, sizeof path, "%s/vendor%d.json", folder, i);
+			return __real_glob(path, flags, failed, found);
+		}
+	}
+	return __real_glob(pattern, flags, failed, found);
+}
 
 static int openat2_as(int dir, const char *path, int flags)
 {
@@ -265,6 +285,7 @@ static bool holds(const struct fence_report *report, enum fence_layer layer)
 {
 	if (!report->layers[layer].holds)
 		printf("left out: this kernel has no %s (%s)\n", fence_layer_name(layer), report->layers[layer].detail);
+	assert_null(strstr(report->layers[layer].detail, "put up, yet")); // the kernel has it, and a rule opens all
 	return report->layers[layer].holds;
 }
 
@@ -436,6 +457,19 @@ static int do_link_driver(int dir)
 	return dlopen(LATE_DRIVER, RTLD_NOW) ? outcome(open(manifest, O_RDONLY)) : 1;
 }
 
+static int do_link_vendors(int dir)
+{
+	(void)dir;
+	return dlopen(LATE_VENDOR, RTLD_NOW) && dlopen(LATE_AT_HOME, RTLD_NOW) ? 0 : 1;
+}
+
+// Of the home folder only the library that lies there is for the worker to see.
+static int try_list_home(int dir)
+{
+	(void)dir;
+	return outcome(open(LATE_HOME, O_RDONLY));
+}
+
 static int do_have_no_privileges(int dir)
 {
 	struct __user_cap_header_struct head = {.version = _LINUX_CAPABILITY_VERSION_3};
@@ -464,8 +498,8 @@ static void worker_calls_are_refused(void **state)
 static void worker_files_are_refused(void **state)
 {
 	static int (*const tries[])(int) = {
-	    try_read_passwd, try_read_passwd_beside, try_read_scene,          try_write_scene,
-	    try_create,      try_create_openat2,     try_parents_environment, try_remove};
+	    try_read_passwd,    try_read_passwd_beside,  try_read_scene, try_write_scene, try_create,
+	    try_create_openat2, try_parents_environment, try_remove,     try_list_home};
 	(void)state;
 	if (!holds(&worker_here, FENCE_LANDLOCK))
 		return;
@@ -476,8 +510,8 @@ static void worker_files_are_refused(void **state)
 
 static void the_worker_can_do_its_work(void **state)
 {
-	static int (*const works[])(int) = {do_keep_shader,  do_thread,      do_pair,        do_read_maps,
-					    do_link_library, do_link_driver, do_memory_file, try_code};
+	static int (*const works[])(int) = {do_keep_shader, do_thread,       do_pair,        do_read_maps, do_link_library,
+					    do_link_driver, do_link_vendors, do_memory_file, try_code};
 	(void)state;
 	for (size_t i = 0; i < sizeof works / sizeof works[0]; i++)
 		if (run_in(enter_worker, works[i]) != 0)
@@ -586,7 +620,8 @@ static void all_of_it_works_outside(void **state)
 					    try_parents_environment,
 					    try_create,
 					    try_create_beside_socket,
-					    try_remove};
+					    try_remove,
+					    try_list_home};
 	(void)state;
 	for (size_t i = 0; i < sizeof tries / sizeof tries[0]; i++)
 		if (outside(tries[i]) != 0)
@@ -625,6 +660,13 @@ static void worker_report(struct fence_report *report)
 	*report = fence.report;
 }
 
+static bool write_manifest(const char *path, const char *library)
+{
+	FILE *out = fopen(path, "we");
+	const bool good = out && fprintf(out, "{\"ICD\": {\"library_path\": \"%s\"}}", library) > 0;
+	return out && fclose(out) == 0 && good;
+}
+
 static int make_folder(void **state)
 {
 	(void)state;
@@ -645,9 +687,14 @@ static int make_folder(void **state)
 		mkdir(manifest, 0700);
 	}
 	snprintf(manifest, sizeof manifest, "%s/share/vulkan/icd.d/late.json", folder);
-	FILE *out = fopen(manifest, "we");
-	if (!out || fprintf(out, "{\"ICD\": {\"library_path\": \"%s\"}}", LATE_DRIVER) < 0 || fclose(out) != 0)
+	if (!write_manifest(manifest, LATE_DRIVER))
 		return 1;
+	for (int i = 0; i < 2; i++) {
+		snprintf(cache, sizeof cache, "%s/vendor%d.json", folder, i);
+		if (!write_manifest(cache, vendors[i][1]))
+			return 1;
+	}
+	setenv("HOME", LATE_HOME, 1);
 	snprintf(cache, sizeof cache, "%s/cache", folder);
 	setenv("MESA_SHADER_CACHE_DIR", cache, 1);
 	learn(loader_report, &here);
@@ -663,6 +710,8 @@ static int remove_folder(void **state)
 	unlinkat(dir, "scene.bin", 0);
 	unlinkat(dir, "spare.bin", 0);
 	unlinkat(dir, "new.bin", 0);
+	unlinkat(dir, "vendor0.json", 0);
+	unlinkat(dir, "vendor1.json", 0);
 	unlinkat(dir, "cache/shader", 0);
 	unlinkat(dir, "cache/below", AT_REMOVEDIR);
 	unlinkat(dir, "cache", AT_REMOVEDIR);
