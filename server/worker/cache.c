@@ -13,10 +13,15 @@
 #define ROOM_BYTES (4 << 20)
 #define INDEX "mesa_shader_cache/index" // beneath the folder
 
-// Not every file system can say beforehand.
+// Does errno tell of no room on the disk, in the quota, or below the limit? Not every file system can say beforehand.
+static bool is_full(void)
+{
+	return errno == ENOSPC || errno == EDQUOT || errno == EFBIG;
+}
+
 static bool reserve(int fd, off_t bytes)
 {
-	return fallocate(fd, 0, 0, bytes) == 0 || errno == EOPNOTSUPP || errno == ENOSYS;
+	return fallocate(fd, 0, 0, bytes) == 0 || !is_full();
 }
 
 static bool fill_index(const char *folder)
@@ -36,9 +41,12 @@ static bool fill_index(const char *folder)
 
 bool cache_has_room(const char *folder)
 {
-	struct temporary temporary;
-	const bool good = temporary_open(&temporary, AT_FDCWD, folder, 0600) && reserve(temporary.fd, ROOM_BYTES);
-	temporary_finish(&temporary);
+	struct temporary t;
+	bool good = temporary_open(&t, AT_FDCWD, folder, 0600);
+	if (good && t.name[0] && unlinkat(t.folder, t.name, 0) == 0) // so that a kill leaves nothing
+		t.name[0] = '\0';
+	good = good ? reserve(t.fd, ROOM_BYTES) : !is_full();
+	temporary_finish(&t);
 	return good && fill_index(folder);
 }
 

@@ -5,8 +5,8 @@
 
 #include <stdbool.h>
 
-// Is there room for a few more shaders and the index, in the quota of this user and below the limit of a file's size? Fills
-// the holes of an index that is there. Leaves no file.
+// Is there room for a few more shaders and the index, in the quota of this user and below the limit of a file's size? What
+// cannot be found out counts as room. Fills the holes of an index that is there. Leaves no file, not even if killed.
 bool cache_has_room(const char *folder);
 
 // Fill the holes of the index that a driver may have made since, while there is room.

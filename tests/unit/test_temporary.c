@@ -1,4 +1,5 @@
-// Files on their way to their names, on a file system that has files without names, and on one that has not.
+// Files on their way to their names, on a file system that has files without names, and on one that has not. So is the file
+// that asks whether there is room for compiled shaders.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,6 +20,7 @@
 
 #include "server/base/replace.h"
 #include "server/base/temporary.h"
+#include "server/worker/cache.h"
 
 static bool refuses; // the file system knows no files without names
 static char folder[] = "/tmp/candil-test-XXXXXX";
@@ -126,6 +128,38 @@ static void test_a_planted_link_is_not_followed(void **state)
 	assert_int_equal(unlink(planted), 0);
 }
 
+static int reserving; // errno of a file system that cannot reserve room
+static unsigned seen; // files in the folder at that moment
+
+int __wrap_fallocate(int fd, int mode, off_t offset, off_t bytes);
+
+int __wrap_fallocate(int fd, int mode, off_t offset, off_t bytes)
+{
+	(void)mode;
+	(void)offset;
+	seen = count();
+	errno = reserving;
+	return fd >= 0 && bytes > 0 && !reserving ? 0 : -1;
+}
+
+static void test_a_cache_is_full_only_where_it_is(void **state)
+{
+	static const struct {
+		int failure;
+		bool room;
+	} cases[] = {{0, true},          {ENOSPC, false}, {EDQUOT, false}, {EFBIG, false},
+		     {EOPNOTSUPP, true}, {EINTR, true},   {EIO, true},     {EINVAL, true}};
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+		reserving = cases[i].failure;
+		seen = 1;
+		assert_int_equal(cache_has_room(folder), cases[i].room);
+		assert_int_equal(seen, 0); // what a kill now would leave
+		assert_int_equal(count(), 0);
+	}
+	assert_true(cache_has_room("/nonexistent")); // nobody knows
+}
+
 static void test_replaced_files_keep_their_mode(void **state)
 {
 	(void)state;
@@ -221,6 +255,7 @@ int main(void)
 	    cmocka_unit_test(test_it_takes_the_place_of_what_is_there),
 	    cmocka_unit_test(test_what_is_not_placed_goes),
 	    cmocka_unit_test(test_a_planted_link_is_not_followed),
+	    cmocka_unit_test(test_a_cache_is_full_only_where_it_is),
 	    cmocka_unit_test(test_replaced_files_keep_their_mode),
 	};
 	if (!mkdtemp(folder))
