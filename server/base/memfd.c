@@ -12,6 +12,7 @@ enum status memfd_create_mapped(const char *name, size_t bytes, int *fd, void **
 	int f = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
 	if (f < 0)
 		return error_errno(err, STATUS_MEMORY, "cannot create shared memory for %s", name);
+	errno = EINVAL; // for sizes that no file has
 	if (bytes == 0 || bytes > INT64_MAX || ftruncate(f, (off_t)bytes) != 0) {
 		if (errno == EFBIG) // shared memory counts as a file
 			error_set(

@@ -1,10 +1,11 @@
-// Datagrams between processes, and descriptors that come along unasked.
+// Datagrams between processes, descriptors that come along unasked, and memory to pass.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 // cmocka wants the four above first
 #include <cmocka.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
@@ -13,6 +14,7 @@
 #include <unistd.h>
 
 #include "server/base/ipc.h"
+#include "server/base/memfd.h"
 
 static void send_with(int socket, const int *fds, size_t count)
 {
@@ -131,6 +133,20 @@ static void a_build_tells_the_size_of_every_message_it_may_get_wrong(void **stat
 	assert_true(strlen(ipc_build()) < sizeof((struct ipc_loaded *)0)->build - 1);
 }
 
+static void a_size_that_no_memory_has_is_not_the_limits_fault(void **state)
+{
+	static const size_t sizes[] = {0, (size_t)INT64_MAX + 1, SIZE_MAX};
+	(void)state;
+	for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+		struct error err;
+		int fd;
+		void *map;
+		errno = EFBIG; // of a call before
+		assert_int_equal(memfd_create_mapped("test", sizes[i], &fd, &map, &err), STATUS_MEMORY);
+		assert_non_null(strstr(err.text, strerror(EINVAL)));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -138,6 +154,7 @@ int main(void)
 	    cmocka_unit_test(one_that_there_is_no_place_for_is_lost_and_not_its_message),
 	    cmocka_unit_test(a_peer_that_goes_with_unread_messages_has_closed),
 	    cmocka_unit_test(a_build_tells_the_size_of_every_message_it_may_get_wrong),
+	    cmocka_unit_test(a_size_that_no_memory_has_is_not_the_limits_fault),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
