@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <sys/stat.h>
 
+#include "protocol/text.h"
 #include "server/base/drivers.h"
 
 void cache_find(struct cache *cache)
@@ -19,11 +20,13 @@ void cache_find(struct cache *cache)
 
 void cache_note(const struct cache *cache, char note[LIMIT_TEXT + 1])
 {
+	char path[121]; // clean, which a path need not be
 	struct stat about;
 	note[0] = 0;
 	if (!cache->path[0] ||
 	    (stat(cache->path, &about) == 0 && about.st_dev == cache->device && about.st_ino == cache->inode))
 		return;
+	text_copy(path, sizeof path, cache->path);
 	snprintf(note, LIMIT_TEXT + 1,
-		 "%.120s was removed or replaced: what is compiled is not kept until candild is started again", cache->path);
+		 "%s was removed or replaced: what is compiled is not kept until candild is started again", path);
 }

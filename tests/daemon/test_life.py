@@ -1,6 +1,7 @@
 """Start, socket, users, signals, private connections; and what the front must not be linked with."""
 import fcntl
 import os
+import re
 import signal
 import socket
 import stat
@@ -217,14 +218,27 @@ class Cache(FakeCase):
     def prepare(self):
         self.cache = os.path.join(self.daemon.folder, "cache")
         self.daemon.environment["MESA_SHADER_CACHE_DIR"] = self.cache
+        self.told = re.escape(self.cache)
 
     def test_who_removes_it_is_told_that_nothing_is_kept(self):
         connection = self.connect()
         self.assertEqual(connection.stats().device_note, "")
         os.rmdir(self.cache)
         for _ in range(2):
-            self.assertRegex(connection.stats().device_note, f"^{self.cache} was removed or replaced: .* until candild is started again$")
+            self.assertRegex(connection.stats().device_note, f"^{self.told} was removed or replaced: .* until candild is started again$")
             os.makedirs(self.cache, exist_ok=True)  # another of its name is not the daemon's to write to
+
+
+class OddCache(Cache):
+    """Its path is no text, and too long to be told whole."""
+
+    def prepare(self):
+        super().prepare()
+        whole = os.path.join(self.daemon.folder, "")
+        whole += "?" + "c" * (118 - len(whole))
+        self.cache = whole.replace("?", "\udcff") + "\u00fc"  # the first of its two bytes is the 120th
+        self.daemon.environment["MESA_SHADER_CACHE_DIR"] = self.cache
+        self.told = re.escape(whole)
 
 
 class LeaveDuringAPilot(FakeCase):
