@@ -203,8 +203,8 @@ static bool worker_looked(void *owner, bool hangs, uint64_t work_us)
 	worker->answer_work_us += work_us;
 	worker->image_work_us += work_us;
 	if (worker->crowded) {
-		watch_forgive(&worker->watch); // it has not been given what it is to work on
-		return true;
+		watch_forgive(&worker->watch); // it may be still, for it has not been given what it is to work on
+		hangs = false;
 	}
 	if (hangs)
 		kill_hanging(worker, "it hung: with an order to carry out it neither worked nor waited for a processor");

@@ -1,5 +1,6 @@
 """Few descriptors: what is accepted never lacks one, what is refused is told, and one that is missing all the same costs one request
 and no worker."""
+import contextlib
 import os
 import resource
 import signal
@@ -15,9 +16,34 @@ from wire import pb
 SIDE = 700  # of an image that its socket does not take at once
 
 
-class OnTheirWay(FakeCase):
+class LateCase(FakeCase):
+    def late(self, connection):
+        """A load whose loader waits."""
+        os.mkfifo(os.path.join(self.scenes, "late.gltf"))
+        load = connection.send_load("late", self.scenes, "late.gltf")
+        wire.wait_for(lambda: connection.stats().loader_pid, "the loader is there")
+        return load
+
+    def write_late(self):
+        with open(os.path.join(self.scenes, "late.gltf"), "w", encoding="ascii") as file:
+            file.write("ok")
+
+
+class OnTheirWay(LateCase):
     """The kernel lets a user have no more descriptors on their way than the sender may have open."""
     most_descriptors = 256
+
+    @contextlib.contextmanager
+    def few(self, pid):
+        """More are on their way than this process may have open."""
+        before = resource.prlimit(pid, resource.RLIMIT_NOFILE)
+        with contextlib.ExitStack() as stack:
+            passed = [stack.enter_context(end) for end in socket.socketpair()]
+            socket.send_fds(passed[0], [b"x"], [0] * 100)
+            resource.prlimit(pid, resource.RLIMIT_NOFILE, (90, before[1]))
+            yield
+        with contextlib.suppress(ProcessLookupError):
+            resource.prlimit(pid, resource.RLIMIT_NOFILE, before)
 
     def test_scenes_wait_until_there_are_fewer(self):
         connection = self.with_box()
@@ -37,6 +63,24 @@ class OnTheirWay(FakeCase):
             end.close()
         self.assertEqual(connection.follow(job)[-1].kind, wire.DONE)
         self.assertEqual(connection.stats().worker_starts, 2)
+
+
+class Spinning(OnTheirWay):
+    """Who spins is no better for a scene that cannot be given to it yet."""
+    arguments = ("--answer", "1")
+    environment = {"FAKE_HANG": "burn", "FAKE_HANG_ON": "step"}
+
+    def test_scenes_wait_until_there_are_fewer(self):
+        connection = self.with_box()
+        load = self.late(connection)
+        job = connection.send(wire.RENDER, render())
+        self.assertEqual(connection.receive_for(job).kind, wire.ACCEPTED)
+        with self.few(self.daemon.process.pid):
+            self.write_late()
+            self.assertEqual(connection.receive_for(load).kind, wire.SCENE_INFO)
+            wire.wait_for(lambda: connection.stats().worker_starts == 2, "the one that spins is ended")
+        done = connection.follow(job)[-1]
+        self.assertEqual((done.kind, done.body.retries), (wire.DONE, 1))
 
 
 class Full(FakeCase):
@@ -185,7 +229,7 @@ class TooFew(unittest.TestCase):
             daemon.start()
 
 
-class Missing(FakeCase):
+class Missing(LateCase):
     """The limit falls while the daemon runs, as if the whole system had none left."""
     environment = {"FAKE_STEP_US": "1000"}
 
@@ -225,12 +269,9 @@ class Missing(FakeCase):
 
     def test_a_scene_that_is_lost_costs_its_load(self):
         connection = self.with_box()
-        os.mkfifo(os.path.join(self.scenes, "late.gltf"))
-        load = connection.send_load("late", self.scenes, "late.gltf")
-        wire.wait_for(lambda: connection.stats().loader_pid, "the loader is there")
+        load = self.late(connection)
         soft = self.allow(3)
-        with open(os.path.join(self.scenes, "late.gltf"), "w", encoding="ascii") as file:
-            file.write("ok")
+        self.write_late()
         self.assert_error(connection.receive_for(load), "memory")
         self.allow(soft)
         connection.load("again", self.scenes, "box.gltf")
