@@ -1,11 +1,13 @@
 #include "server/base/pulse.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -38,6 +40,13 @@ static char state_of(int tasks, const char *thread)
 	return end && end[1] == ' ' ? end[2] : 0;
 }
 
+// Has someone stopped it? Of children alone it can be told.
+static bool is_stopped(pid_t pid)
+{
+	siginfo_t info = {0};
+	return waitid(P_PID, (id_t)pid, &info, WSTOPPED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid;
+}
+
 // Does any thread run or wait for a processor (R), or for a disk (D), or is held by a debugger (t)?
 static bool could_work(pid_t pid)
 {
@@ -47,8 +56,10 @@ static bool could_work(pid_t pid)
 	DIR *tasks = opendir(path);
 	// A loader's threads are seen by root alone where /proc is mounted with hidepid=2, because the loader may not be
 	// traced. What is not known is not held against it: its processor time is, and the bounds of that and of the clock.
+	if (!tasks && errno != ENOENT && errno != EACCES && errno != EPERM)
+		return false;
 	if (!tasks)
-		return access("/proc/self/task", F_OK) == 0 && kill(pid, 0) == 0;
+		return access("/proc/self/task", F_OK) == 0 && kill(pid, 0) == 0 && !is_stopped(pid);
 	for (const struct dirent *entry = readdir(tasks); entry && !found; entry = readdir(tasks)) {
 		const char state = entry->d_name[0] == '.' ? 0 : state_of(dirfd(tasks), entry->d_name);
 		found = state == 'R' || state == 'D' || state == 't';

@@ -125,6 +125,9 @@ however often: only the job that was worked on is blamed, and its scene only for
 slice is done, up to 12.8 s. `tests/daemon/test_losses.py` and `test_hang.py` show the rest with a stand-in worker: eight
 clients beside one with a deadly scene, each answered once; what hangs in each of its states; and who is blamed.
 
+Where `/proc` is mounted with `hidepid`, the daemon cannot see what a loader waits for, because it may not be traced: one that hangs counts as at work
+unless it is stopped, and the bounds of processor time and of the clock alone end it (`LIMIT_LOAD_SECONDS`, `LIMIT_LOAD_CLOCK_SECONDS`).
+
 **{len(rows)} rows.**
 
 | while | what happens | answer | when |

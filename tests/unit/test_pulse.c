@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <sys/mount.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -202,6 +203,12 @@ static void sleep_traceable(void)
 	sleep_for_ever();
 }
 
+static void stop_untraced(void)
+{
+	prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
+	raise(SIGSTOP);
+}
+
 static bool gets_still_and_ends(void (*what)(void))
 {
 	const pid_t pid = begin(what);
@@ -216,7 +223,11 @@ static int look_as_nobody(void)
 	if (unshare(CLONE_NEWNS) != 0 || mount(NULL, "/", NULL, MS_REC | MS_PRIVATE, NULL) != 0 ||
 	    mount("proc", "/proc", "proc", 0, "hidepid=2") != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0)
 		return UNTRIED;
-	return !gets_still_and_ends(sleep_traceable) ? 1 : gets_still_and_ends(sleep_untraced) ? 2 : 0;
+	if (!gets_still_and_ends(sleep_traceable))
+		return 1;
+	if (gets_still_and_ends(sleep_untraced))
+		return 2;
+	return gets_still_and_ends(stop_untraced) ? 0 : 3;
 }
 
 static void who_cannot_be_seen_is_not_said_to_hang(void **state)
@@ -234,13 +245,33 @@ static void who_cannot_be_seen_is_not_said_to_hang(void **state)
 	assert_int_equal(status, 0);
 }
 
+// What the watcher lacks is no sign of work.
+static void who_sleeps_hangs_without_descriptors(void **state)
+{
+	struct rlimit before;
+	(void)state;
+	assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+	const struct rlimit none = {.rlim_cur = 0, .rlim_max = before.rlim_max};
+	const pid_t pid = begin(sleep_for_ever);
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+	const bool still = gets_still(pid);
+	assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+	end(pid);
+	assert_true(still);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(who_sleeps_hangs),           cmocka_unit_test(who_is_stopped_hangs),
-	    cmocka_unit_test(who_has_ended_hangs),        cmocka_unit_test(who_burns_works),
-	    cmocka_unit_test(two_threads_count_as_one),   cmocka_unit_test(who_waits_for_a_processor_works),
-	    cmocka_unit_test(who_waits_for_a_disk_works), cmocka_unit_test(who_cannot_be_seen_is_not_said_to_hang),
+	    cmocka_unit_test(who_sleeps_hangs),
+	    cmocka_unit_test(who_is_stopped_hangs),
+	    cmocka_unit_test(who_has_ended_hangs),
+	    cmocka_unit_test(who_burns_works),
+	    cmocka_unit_test(two_threads_count_as_one),
+	    cmocka_unit_test(who_waits_for_a_processor_works),
+	    cmocka_unit_test(who_waits_for_a_disk_works),
+	    cmocka_unit_test(who_cannot_be_seen_is_not_said_to_hang),
+	    cmocka_unit_test(who_sleeps_hangs_without_descriptors),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
