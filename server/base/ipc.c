@@ -62,14 +62,15 @@ enum status ipc_send(int socket, const void *message, size_t bytes, int fd, stru
 enum status ipc_send_patiently(int socket, const void *message, size_t bytes, int fd, struct error *err)
 {
 	const struct timespec pause = {.tv_nsec = IPC_PAUSE_MS * 1000000};
-	bool told = false;
-	for (;;) {
+	const struct ipc_head waits = {.op = IPC_WAITS};
+	for (unsigned tries = 0;; tries++) {
 		const enum status s = ipc_send(socket, message, bytes, fd, err);
 		if (s == STATUS_OK || errno != ETOOMANYREFS)
 			return s;
-		if (!told)
+		if (tries == 0)
 			log_line(LOG_WARNING, "too many descriptors of this user are on their way: one more waits");
-		told = true;
+		if (tries % IPC_TRIES_TOLD == 0)
+			ipc_send(socket, &waits, sizeof waits, -1, NULL); // a socket that is full has news of it already
 		nanosleep(&pause, NULL);
 	}
 }

@@ -3,10 +3,10 @@
 // `ipc_build` in the first message proves it. The child finds its end at descriptor IPC_FD.
 //
 //   front -> worker   SCENE(fd)  FORGET  BEGIN  STEP  READ  END  PILOT  PILOT_END
-//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  STATE  LOST
-//                     (the encoder's thread sends IMAGE, at any time)
+//   worker -> front   READY      BEGUN   STEPPED  IMAGE(fd)  PILOTED  STATE  LOST  WAITS
+//                     (the encoder's thread sends IMAGE and WAITS, at any time)
 //   front -> compiler SCENE(fd)  BEGIN   (a worker that compiles what the job needs, says nothing and exits)
-//   loader -> front   LOADED(fd)         (the loader's orders are its arguments; it sends one message and exits)
+//   loader -> front   WAITS  LOADED(fd)  (the loader's orders are its arguments; it sends one LOADED and exits)
 #ifndef CANDIL_BASE_IPC_H
 #define CANDIL_BASE_IPC_H
 
@@ -44,6 +44,8 @@ enum ipc_op {
 	IPC_STATE, // struct ipc_state, when it has changed, ahead of the answer to what has changed it
 	// loader -> front
 	IPC_LOADED, // struct ipc_loaded, with the blob as a sealed memfd unless there is an error
+	// both -> front
+	IPC_WAITS, // struct ipc_head: a descriptor waits until fewer of the user's are on their way; the sender may be still
 };
 
 struct ipc_head {
@@ -168,10 +170,12 @@ const char *ipc_build(void);
 // STATUS_IO with errno ETOOMANYREFS: more descriptors of the user are on their way than this process may have open.
 enum status ipc_send(int socket, const void *message, size_t bytes, int fd, struct error *err);
 
-// The same, but wait until there are fewer of them. Not for the front, which never waits.
+// The same, but wait until there are fewer of them, and tell the peer now and then by IPC_WAITS. Not for the front, which
+// never waits.
 enum status ipc_send_patiently(int socket, const void *message, size_t bytes, int fd, struct error *err);
 
 #define IPC_PAUSE_MS 10u // between two tries
+#define IPC_TRIES_TOLD 16u // one IPC_WAITS for so many: often enough for the shortest --hang, a second
 
 // Whether the next datagram is there already and is of this kind. It stays. Any thread.
 bool ipc_next_is(int socket, enum ipc_op op);

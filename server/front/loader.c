@@ -136,10 +136,25 @@ static bool loader_take(struct loader *loader)
 	return came;
 }
 
+// Take one word that its message has to wait, if there is one.
+static bool loader_waits(struct loader *loader)
+{
+	struct ipc_head head;
+	size_t bytes;
+	int fd = -1;
+	if (loader->child.socket < 0 || !ipc_next_is(loader->child.socket, IPC_WAITS))
+		return false;
+	ipc_receive(loader->child.socket, &head, sizeof head, &bytes, &fd, NULL);
+	if (fd >= 0)
+		close(fd);
+	watch_forgive(&loader->watch);
+	return true;
+}
+
 static void loader_spoke(void *owner, uint32_t events)
 {
 	struct loader *loader = owner;
-	if (loader_take(loader))
+	if (loader_waits(loader) || loader_take(loader))
 		return;
 	// The loader hung up, or what it said was no message. Nothing more is read of it; loader_ended will find out how it
 	// ended.
@@ -154,6 +169,8 @@ static void loader_ended(void *owner, uint32_t events)
 	char how[64];
 	struct error err;
 	(void)events;
+	while (loader_waits(loader))
+		continue;
 	if (loader_take(loader))
 		return;
 	if (child_reap(&loader->child, loader->loop, how, sizeof how) == SIGXCPU)

@@ -346,6 +346,8 @@ static void worker_handle(struct worker *worker, size_t bytes, int fd)
 	} else if (is_message(head, bytes, IPC_LOST, sizeof(struct ipc_lost))) {
 		worker->device_lost = ((const struct ipc_lost *)message)->error;
 		text_clean(worker->device_lost.text, sizeof worker->device_lost.text);
+	} else if (is_message(head, bytes, IPC_WAITS, sizeof *head)) {
+		watch_forgive(&worker->watch);
 	} else if (is_message(head, bytes, IPC_STATE, sizeof(struct ipc_state))) {
 		worker->held = *(const struct ipc_state *)message;
 	} else {

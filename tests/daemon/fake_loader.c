@@ -90,6 +90,6 @@ int main(int argc, char *argv[])
 		fd = fake_sparse_memfd(bytes);
 	else if (!refused)
 		fd = fake_memfd(bytes, 0, strcmp(word, "unsealed") != 0);
-	ipc_send(IPC_FD, &loaded, strcmp(word, "nonsense") ? sizeof loaded : 12, fd, NULL);
+	ipc_send_patiently(IPC_FD, &loaded, strcmp(word, "nonsense") ? sizeof loaded : 12, fd, NULL);
 	return 0;
 }

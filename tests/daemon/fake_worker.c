@@ -61,7 +61,7 @@ static FILE *trace;
 
 static void answer(const void *message, size_t bytes, int fd)
 {
-	if (ipc_send(IPC_FD, message, bytes, fd, NULL) != STATUS_OK)
+	if (ipc_send_patiently(IPC_FD, message, bytes, fd, NULL) != STATUS_OK)
 		exit(0);
 }
 

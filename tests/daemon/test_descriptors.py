@@ -65,6 +65,31 @@ class OnTheirWay(LateCase):
         self.assertEqual(connection.stats().worker_starts, 2)
 
 
+class Patient(OnTheirWay):
+    """Who waits with a picture or a scene says so, and does not hang."""
+    arguments = ("--hang", "1")
+
+    def longer_than_that(self):
+        wire.wait_for(lambda: "on their way" in self.daemon.log_text(), "it has tried")
+        time.sleep(1.5)
+
+    def test_scenes_wait_until_there_are_fewer(self):
+        connection = self.with_box()
+        load = self.late(connection)
+        with self.few(connection.stats().loader_pid):
+            self.write_late()
+            self.longer_than_that()
+        self.assertEqual(connection.receive_for(load).kind, wire.SCENE_INFO)
+
+    def test_pictures_do(self):
+        connection = self.with_box()
+        with self.few(wire.wait_for(lambda: connection.stats().device and connection.stats().worker_pid, "the worker is ready")):
+            job = connection.send(wire.RENDER, render())
+            self.longer_than_that()
+        done = connection.follow(job)[-1]
+        self.assertEqual((done.kind, done.body.retries), (wire.DONE, 0))
+
+
 class Spinning(OnTheirWay):
     """Who spins is no better for a scene that cannot be given to it yet."""
     arguments = ("--answer", "1")
