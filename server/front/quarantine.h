@@ -4,7 +4,7 @@
 //
 // A scene and the picture around it are both under suspicion, for none can tell which of them it was. Where all losses of
 // one were beside the same other, only the two together are quarantined; a loss beside something else, or alone, tells that
-// it is this one's fault.
+// it is this one's fault. Then it is quarantined by itself, and those losses count for nothing against what was beside it.
 //
 // For the front's one thread. A blob's hash is as its loader told, so it may be any text.
 #ifndef CANDIL_FRONT_QUARANTINE_H
@@ -15,7 +15,7 @@
 #include "candil.pb.h"
 #include "server/base/error.h"
 
-#define QUARANTINE_SCENES 64u // that are remembered, the latest
+#define QUARANTINE_PAIRS 64u // that are remembered, the latest
 
 // What a worker works on: hashes; "": there is none.
 struct suspects {
@@ -25,16 +25,15 @@ struct suspects {
 // Zeroed: none.
 struct quarantine {
 	struct {
-		char hash[sizeof((candil_SceneInfo *)0)->hash];
-		char beside[sizeof((candil_SceneInfo *)0)->hash]; // the other, in the first loss; "": there was none
-		bool beside_others; // in a later one
-		unsigned losses;
-	} scenes[QUARANTINE_SCENES];
+		char hashes[2][sizeof((candil_SceneInfo *)0)->hash]; // of a scene and what was around it; "": nothing
+		bool guilty[2]; // by itself: the same wherever the hash is
+		unsigned losses; // 0: there is no such pair
+	} pairs[QUARANTINE_PAIRS];
 	unsigned count; // ever
 };
 
-// Have they, or has one of them, ended a worker?
-bool quarantine_knows(const struct quarantine *quarantine, const struct suspects *suspects);
+// Has a scene of this hash ended a worker, whatever was around it?
+bool quarantine_knows(const struct quarantine *quarantine, const char *scene);
 
 // They ended one more. What has no hash is not remembered.
 void quarantine_blame(struct quarantine *quarantine, const struct suspects *suspects);

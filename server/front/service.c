@@ -222,7 +222,8 @@ static void on_worker_piloted(void *owner, uint32_t pilot, const struct ipc_pilo
 }
 
 // Whose fault is it? What a driver tells is the device's. A crash or a hang may be the device's or that of what was worked
-// on: it counts for the scene and the picture around it, and for the device unless one of them has ended a worker before.
+// on: it counts for the scene and the picture around it, and for the device unless the scene has ended a worker before. A
+// picture that many put around their scenes is no excuse for a device that fails under each of them.
 // What a device was given up over has had its share in that.
 static void blame(struct service *service, const struct suspects *suspects, enum worker_fault fault)
 {
@@ -231,7 +232,7 @@ static void blame(struct service *service, const struct suspects *suspects, enum
 	bool by_scene = fault == FAULT_WORK;
 	if (fault == FAULT_NONE)
 		return;
-	if (fault == FAULT_DEVICE || !quarantine_knows(quarantine, suspects))
+	if (fault == FAULT_DEVICE || !quarantine_knows(quarantine, suspects->scene))
 		by_scene |= worker_blame_device(&service->worker);
 	if (!by_scene)
 		return;

@@ -106,6 +106,8 @@ class Surroundings(LossCase):
 
     def with_skies(self):
         connection = self.with_both()
+        self.write("other.gltf", "ok 4099")
+        connection.load("other", self.scenes, "other.gltf")
         for name in ("sky", "dusk"):
             self.write(name + ".exr", f"sky {len(name) + 4100}")
             connection.load(name, self.scenes, name + ".exr")
@@ -136,6 +138,31 @@ class Surroundings(LossCase):
         self.assertEqual(self.outcome(connection, "deadly", seed=DEADLY), "scene-quarantined")
         self.assertEqual(self.outcome(connection, "deadly"), "scene-quarantined")
         self.assertEqual(self.under(connection, "sky", seed=1), "done")
+        # Its losses are none of the surroundings', for which two more are the first.
+        self.assertEqual(self.under(connection, "sky"), "worker-lost")
+        self.assertEqual(self.under(connection, "sky", "other", seed=1), "done")
+
+    def test_surroundings_do_not_answer_for_a_deadly_scene(self):
+        """They were refused before that scene was known to be deadly by itself, and are served again."""
+        connection = self.with_skies()
+        self.assertEqual(self.under(connection, "sky", "deadly"), "worker-lost")
+        self.assertEqual(self.under(connection, "sky"), "scene-quarantined")
+        self.assertEqual(self.under(connection, "sky", "other", seed=1), "scene-quarantined")
+        self.assertEqual(self.outcome(connection, "deadly", seed=DEADLY), "worker-lost")
+        self.assertEqual(self.outcome(connection, "deadly"), "scene-quarantined")
+        self.assertEqual(self.under(connection, "sky", "other", seed=1), "done")
+        # One loss is left, which may have been either's. The next keeps those two apart, and no other.
+        self.assertEqual(self.under(connection, "sky", seed=1), "done")
+        self.assertEqual(self.under(connection, "sky"), "scene-quarantined")
+        self.assertEqual(self.under(connection, "sky", "other", seed=1), "done")
+        self.assertEqual(self.under(connection, "dusk", seed=1), "done")
+
+    def test_the_device_answers_under_the_same_surroundings(self):
+        connection = self.with_skies()
+        self.assertEqual(self.under(connection, "sky", "deadly"), "worker-lost")
+        self.assertEqual(connection.stats().device_losses, 1)
+        self.assertEqual(self.under(connection, "sky"), "scene-quarantined")
+        self.assertEqual(connection.stats().device_losses, 2)
 
     def test_both_are_looked_at_once_they_are_there(self):
         connection = self.with_skies()
