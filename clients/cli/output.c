@@ -2,10 +2,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <libgen.h>
 #include <limits.h>
 #include <poll.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -14,26 +12,11 @@
 #define LOOK_MS 20 // between two looks whether a pipe has a reader
 #define LONG_MS 3600000
 
-static bool open_temporary(struct output *output)
-{
-	char *copy = strdup(output->path);
-	struct stat about;
-	if (!copy)
-		return false;
-	bool good = temporary_open(&output->temporary, AT_FDCWD, dirname(copy), 0666);
-	if (good && stat(output->path, &about) == 0)
-		good = temporary_keep(&output->temporary, &about);
-	if (!good)
-		temporary_finish(&output->temporary);
-	free(copy);
-	return good;
-}
-
 // Open what is no regular file. A pipe without a reader cannot be opened in any other way that an interrupt ends.
-static bool open_special(struct output *output, bool pipe)
+static bool open_special(struct output *output, const char *path, bool pipe)
 {
 	for (;;) {
-		output->fd = open(output->path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+		output->fd = open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
 		if (output->fd >= 0 || errno != ENXIO || !pipe)
 			return output->fd >= 0;
 		if (interrupt_seen())
@@ -52,37 +35,10 @@ bool output_open(struct output *output, const char *path)
 		output->fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
 		return output->fd >= 0;
 	}
-	const bool there = stat(path, &about) == 0;
-	if (there && S_ISDIR(about.st_mode)) {
-		errno = EISDIR;
-		return false;
-	}
+	if (stat(path, &about) != 0 || S_ISREG(about.st_mode) || S_ISDIR(about.st_mode))
+		return place_open(&output->place, path);
 	// Links to pipes and the like lead nowhere that realpath could follow.
-	output->path = there && S_ISREG(about.st_mode) ? realpath(path, NULL) : strdup(path);
-	if (!output->path)
-		return false;
-	if (there && !S_ISREG(about.st_mode))
-		return open_special(output, S_ISFIFO(about.st_mode));
-	// A read-only file could be replaced, but its owner does not want that.
-	if (there && access(output->path, W_OK) != 0)
-		return false;
-	output->can_replace = open_temporary(output);
-	return output->can_replace || there;
-}
-
-bool output_write_all(int fd, const void *data, size_t bytes)
-{
-	const char *next = data;
-	while (bytes > 0) {
-		ssize_t written = write(fd, next, bytes);
-		if (written < 0 && errno == EINTR)
-			continue;
-		if (written < 0)
-			return false;
-		next += written;
-		bytes -= (size_t)written;
-	}
-	return true;
+	return open_special(output, path, S_ISFIFO(about.st_mode));
 }
 
 // Wait until the reader has made room. false: an interrupt came before that, and there is none.
@@ -118,41 +74,14 @@ static bool write_special(int fd, const void *data, size_t bytes)
 	return true;
 }
 
-// Close a descriptor that was written to. false: that failed, or the writing had, and errno says why.
-static bool close_written(int fd, bool good)
-{
-	const int failure = errno;
-	const bool closed = close(fd) == 0;
-	if (!good)
-		errno = failure;
-	return good && closed;
-}
-
-static bool write_over(const char *path, const void *data, size_t bytes)
-{
-	const int fd = open(path, O_WRONLY | O_TRUNC | O_NOFOLLOW | O_CLOEXEC);
-	return fd >= 0 && close_written(fd, output_write_all(fd, data, bytes));
-}
-
-static bool write_temporary(struct output *output, const void *data, size_t bytes)
-{
-	const char *slash = strrchr(output->path, '/');
-	if (output->temporary.fd < 0 && !open_temporary(output))
-		return false;
-	const bool good = output_write_all(output->temporary.fd, data, bytes) &&
-			  temporary_place(&output->temporary, -1, slash ? slash + 1 : output->path);
-	temporary_finish(&output->temporary);
-	return good || (errno == EBUSY && write_over(output->path, data, bytes)); // something is mounted there
-}
-
 bool output_write(struct output *output, const void *data, size_t bytes)
 {
 	bool good;
 	if (output->fd >= 0) {
-		good = close_written(output->fd, write_special(output->fd, data, bytes));
+		good = place_close_written(output->fd, write_special(output->fd, data, bytes));
 		output->fd = -1;
 	} else {
-		good = output->can_replace ? write_temporary(output, data, bytes) : write_over(output->path, data, bytes);
+		good = place_write(&output->place, data, bytes);
 	}
 	output->count += good;
 	return good;
@@ -163,8 +92,7 @@ void output_close(struct output *output)
 	const int failure = errno;
 	if (output->fd >= 0)
 		close(output->fd);
-	temporary_finish(&output->temporary);
-	free(output->path);
+	place_close(&output->place);
 	*output = (struct output)OUTPUT_NONE;
 	errno = failure;
 }

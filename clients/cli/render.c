@@ -46,7 +46,7 @@ static bool render_take_event(void *user, const struct candil_event *event)
 			render->final = event->u.image;
 			return true;
 		}
-		return !render->output.can_replace ||
+		return !render->output.place.can_replace ||
 		       output_write(&render->output, event->u.image.data, event->u.image.bytes);
 	case CANDIL_EVENT_DONE:
 		render->report.done = event->u.done;

@@ -40,8 +40,8 @@ bool study_save(const struct study *study, int folder, const char *name, const v
 {
 	// In the study's own folder, not that of the file: images/ has images alone, whenever it is looked at.
 	struct temporary temporary;
-	const bool good = temporary_open(&temporary, study->lock, ".", 0666) &&
-			  output_write_all(temporary.fd, data, bytes) && temporary_place(&temporary, folder, name);
+	const bool good = temporary_open(&temporary, study->lock, ".", 0666) && place_write_all(temporary.fd, data, bytes) &&
+			  temporary_place(&temporary, folder, name);
 	temporary_finish(&temporary);
 	return good;
 }
@@ -118,7 +118,7 @@ static bool end_torn_line(int fd)
 	const off_t end = lseek(fd, 0, SEEK_END);
 	if (end < 0 || (end > 0 && pread(fd, &last, 1, end - 1) != 1))
 		return false;
-	return last == '\n' || output_write_all(fd, "\n", 1);
+	return last == '\n' || place_write_all(fd, "\n", 1);
 }
 
 enum exit_code study_append(struct study *study, const char *id, json_t *line)
@@ -131,7 +131,7 @@ enum exit_code study_append(struct study *study, const char *id, json_t *line)
 	if (text) {
 		text[bytes] = '\n'; // in the place of the zero
 		fd = openat(study->lock, RUNS_FILE, O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
-		good = fd >= 0 && end_torn_line(fd) && output_write_all(fd, text, bytes + 1) && fdatasync(fd) == 0;
+		good = fd >= 0 && end_torn_line(fd) && place_write_all(fd, text, bytes + 1) && fdatasync(fd) == 0;
 	}
 	const int failure = errno;
 	if (fd >= 0)

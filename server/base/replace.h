@@ -12,4 +12,8 @@
 // of any name beside it is followed. STATUS_IO, STATUS_MEMORY: what was there stays.
 enum status replace_file(const char *path, mode_t mode, const void *data, size_t bytes, struct error *err);
 
+// Write a file that a user has asked for, by the rules of place.h. What is no regular file (a pipe, a device) is written to
+// as it is. STATUS_IO.
+enum status replace_asked(const char *path, const void *data, size_t bytes, struct error *err);
+
 #endif

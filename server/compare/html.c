@@ -153,5 +153,5 @@ enum status html_save(struct html *html, const char *path, struct error *err)
 {
 	if (fflush(html->out) != 0 || ferror(html->out) || html->failed)
 		return error_set(err, STATUS_MEMORY, "no memory for a page");
-	return replace_file(path, 0666, html->text, html->bytes, err);
+	return replace_asked(path, html->text, html->bytes, err);
 }

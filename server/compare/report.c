@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "protocol/status.h"
 #include "server/base/replace.h"
@@ -129,27 +128,6 @@ static void error_codes(float error, uint8_t codes[3])
 		memcpy(codes, error == -1.0f ? masked : broken, 3);
 }
 
-// What is no regular file is written to as it is; of a link what it leads to.
-static enum status save(const char *path, const uint8_t *bytes, size_t size, struct error *err)
-{
-	struct stat about;
-	const bool there = stat(path, &about) == 0, special = there && !S_ISREG(about.st_mode);
-	char *target = there && !special ? realpath(path, NULL) : NULL;
-	enum status s = STATUS_OK;
-	if (special) {
-		FILE *out = fopen(path, "we");
-		const bool good = out && fwrite(bytes, 1, size, out) == size && fflush(out) == 0;
-		if (!good)
-			s = error_errno(err, STATUS_IO, "cannot write %s", path);
-		if (out && fclose(out) != 0 && good)
-			s = error_errno(err, STATUS_IO, "cannot write %s", path);
-	} else {
-		s = replace_file(target ? target : path, 0666, bytes, size, err);
-	}
-	free(target);
-	return s;
-}
-
 // An image library's own writing to a file does not tell of a full disk.
 static enum status write_png(const char *path, uint32_t width, uint32_t height, const uint8_t *codes, struct error *err)
 {
@@ -157,7 +135,7 @@ static enum status write_png(const char *path, uint32_t width, uint32_t height, 
 	size_t size = 0;
 	enum status s = picture_encode("png", width, height, codes, &bytes, &size, err);
 	if (s == STATUS_OK)
-		s = save(path, bytes, size, err);
+		s = replace_asked(path, bytes, size, err);
 	free(bytes);
 	return s;
 }

@@ -11,10 +11,11 @@ import numpy as np
 import images
 
 PROGRAM = pathlib.Path(os.environ["CANDIL_BUILD"]) / "libexec" / "candil" / "candil-compare"
+NOBODY = 65534
 
 
-def run(*arguments):
-    return subprocess.run([str(PROGRAM), *map(str, arguments)], capture_output=True, text=True, timeout=120)
+def run(*arguments, **more):
+    return subprocess.run([str(PROGRAM), *map(str, arguments)], capture_output=True, text=True, timeout=120, **more)
 
 
 class Compare(unittest.TestCase):
@@ -174,6 +175,40 @@ class Compare(unittest.TestCase):
         self.assertEqual((done.returncode, json.loads(done.stdout)["exit"]), (1, 1))
         done = run(self.path("b.exr"), self.path("b.exr"), "--mask-above", "-1")
         self.assertEqual(done.returncode, 1)
+
+    def test_files_that_are_there(self):
+        """What cannot be replaced is written over; what its owner wants to keep is kept."""
+        images.write(self.path("b.exr"), self.b)
+        # Root may write anywhere: it becomes somebody else.
+        somebody = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.geteuid() == 0 else {}
+        os.chmod(self.folder.name, 0o755)
+        locked, shared = self.path("locked"), self.path("shared")
+        for folder, mode in ((locked, 0o666), (shared, 0o444)):
+            folder.mkdir()
+            for name in ("e.png", "p.html"):
+                (folder / name).write_text("before")
+                (folder / name).chmod(mode)
+        locked.chmod(0o555)
+        shared.chmod(0o777)
+        self.addCleanup(locked.chmod, 0o700)
+        for option, name in (("--error-image", "e.png"), ("--side-by-side", "e.png"), ("--html", "p.html")):
+            inode = (locked / name).stat().st_ino
+            done = run(self.path("b.exr"), self.path("b.exr"), option, locked / name, **somebody)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual((locked / name).stat().st_ino, inode)
+            self.assertIn((locked / name).read_bytes()[:5], (b"\x89PNG\r", b"<!DOC"))
+            done = run(self.path("b.exr"), self.path("b.exr"), option, shared / name, **somebody)
+            self.assertEqual(done.returncode, 1, done)
+            self.assertIn("Permission denied", done.stderr)
+            self.assertEqual((shared / name).read_text(), "before")
+        # Of a link what it leads to, and the link itself if it leads nowhere.
+        for name, whole in (("b.exr", True), ("nothing", False)):
+            link = self.path("to-" + name)
+            link.symlink_to(name)
+            self.assertEqual(run(self.path("b.exr"), self.path("b.exr"), "--error-image", link).returncode, 0)
+            self.assertEqual((link.is_symlink(), self.path(name).exists()), (whole, whole))
+            self.assertEqual(link.read_bytes()[:4], b"\x89PNG")
+            images.write(self.path("b.exr"), self.b)
 
     def test_usage(self):
         for arguments in ([], ["a"], ["a", "b", "c"], ["a", "b", "--mask-above", "bright"], ["a", "b", "--what"]):

@@ -98,6 +98,21 @@ class FullDisk(unittest.TestCase):
         self.daemon.candil("sweep", "box", "-o", self.path("turn.{index}.exr"), "--orbit", "4,20,0.3", *size)
         self.daemon.candil("render", "box", "-o", out, *size)
 
+    def test_files_that_are_mounted(self):
+        """The kernel lets nothing take their place: they are written over."""
+        out, one = self.path("out.exr"), os.path.join(self.daemon.folder, "one")
+        self.daemon.candil("render", "box", "-o", out, "--size", "16x16", "--spp", "1")
+        for command, option in ((("render", "box", "--format", "png", "--size", "16x16", "--spp", "1"), "-o"),
+                                (("compare", out, out), "--error-image"), (("compare", out, out), "--html")):
+            for path in (one, self.path("two")):
+                with open(path, "wb") as file:
+                    file.write(b"before")
+            subprocess.run(["mount", "--bind", one, self.path("two")], check=True)
+            self.addCleanup(subprocess.run, ["umount", "-l", self.path("two")], check=True)
+            self.daemon.candil(*command, option, self.path("two"))
+            with open(one, "rb") as file:
+                self.assertIn(file.read(4).lower(), (b"\x89png", b"<!do"), command)
+
     def test_study(self):
         plan = os.path.join(self.daemon.folder, "plan")
         with open(plan, "w", encoding="utf-8") as file:
