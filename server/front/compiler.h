@@ -4,8 +4,9 @@
 // finds the code. One that was ended from outside, or found no memory, has compiled nothing, and the worker compiles for
 // itself.
 //
-// What it takes of the device is within the memory budget: of what the worker leaves when it starts it has one part in
-// LIMIT_COMPILERS, and its picture is the least that needs the same code.
+// What it takes of the device has a bound: one part in LIMIT_COMPILERS of what the worker leaves of the memory budget when
+// it starts. The worker may take that, too, while it compiles, so that all together may have nearly twice the budget. Its
+// picture is the least that needs the same code, so that it seldom takes much.
 //
 // For the front's one thread (loop.h).
 #ifndef CANDIL_FRONT_COMPILER_H
