@@ -25,8 +25,10 @@ static bool load(const char *folder, const char *file, const char *blob)
 {
 	static candil_SceneInfo info;
 	static struct scene_remarks remarks;
-	struct error err;
+	struct error err = {0};
 	int fd;
+	memset(&info, 0, sizeof info);
+	memset(&remarks, 0, sizeof remarks);
 	struct load_options options = {.file = file,
 				       .dir = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC),
 				       .metres_per_unit = 1,

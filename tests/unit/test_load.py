@@ -8,6 +8,9 @@ import struct
 import subprocess
 import unittest
 
+import numpy as np
+
+import images
 import make
 from loaded import FLAGS, LOADER, POWER, WANTS_IMAGES, LoadCase
 from writers import Gltf, Obj, look_at, png, quad, save
@@ -44,6 +47,29 @@ class Load(LoadCase):
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(said, done.stderr)
         self.assertEqual(self.load(with_image, "--images")[0]["textures"], 1)
+
+    def test_formats_in_the_sandbox(self):
+        """What load_many says of each the loader itself says, too, with all that its sandbox refuses."""
+        names = ["a.png", "a.jpg", "a.bmp", "a.tif", "a.tga"]
+        for name in names:
+            images.write(os.path.join(self.folder, name), np.full((8, 8, 3), .5, np.float32))
+        save(self.folder, "all.mtl", "".join(f"newmtl {name}\nmap_Kd {name}\n" for name in names).encode())
+        faces = "".join(f"usemtl {name}\nf 1/1 2/1 3/1\n" for name in names)
+        pictures = save(self.folder, "all.obj", ("mtllib all.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n" + faces).encode())
+        broken = save(self.folder, "broken.glb", b"glTF")
+        for path, textures in ((make.furnace(self.folder), 0), (make.furnace_glb(self.folder), 0), (make.cornell_obj(self.folder), 0),
+                               (make.textured_quad(self.folder), 1), (pictures, len(names)), (broken, None)):
+            with self.subTest(path):
+                loaded, said = self.try_load(path)
+                command = [LOADER, "--describe", "--dir", self.folder, "--file", os.path.basename(path)]
+                done = subprocess.run(command, capture_output=True, timeout=120, text=True)
+                if textures:
+                    self.assertEqual(done.returncode, WANTS_IMAGES, done)
+                    done = subprocess.run([*command, "--images"], capture_output=True, timeout=120, text=True)
+                self.assertEqual((done.returncode, done.stdout or done.stderr), (0 if loaded else 1, said))
+                self.assertEqual(loaded, textures is not None)
+                if loaded:
+                    self.assertEqual((json.loads(said)["textures"], json.loads(said)["warnings"]), (textures, []))
 
     def test_every_scene_loads_without_a_warning(self):
         for name, write in make.SCENES.items():
