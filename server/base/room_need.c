@@ -1,6 +1,6 @@
 #include "server/base/room_need.h"
 
-#include <unistd.h>
+#include <sched.h>
 
 #include "server/base/room.h"
 
@@ -17,8 +17,9 @@ enum status room_need(uint64_t bytes, const char *what, struct error *err)
 
 enum status room_need_device(struct error *err)
 {
-	const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-	const uint64_t most = ROOM_DEVICE_THREADS, threads = processors > 0 ? (uint64_t)processors : 1;
+	cpu_set_t set;
+	const unsigned most = ROOM_DEVICE_THREADS;
+	const unsigned threads = sched_getaffinity(0, sizeof set, &set) == 0 ? (unsigned)CPU_COUNT(&set) : most;
 	return room_need(ROOM_DEVICE_BYTES + ROOM_DEVICE_THREAD_BYTES * (threads < most ? threads : most),
 			 "a device and its driver", err);
 }

@@ -7,9 +7,11 @@
 
 #include "server/base/error.h"
 
-// Measured with Mesa's software drivers, which take most; each of their threads has a stack and an arena of malloc's.
-#define ROOM_DEVICE_BYTES (1ull << 30) // a Vulkan device, the codec and a first picture
-#define ROOM_DEVICE_THREAD_BYTES (64ull << 20) // more for each processor
+// Measured with Mesa's drivers; what others take is not known. Each thread of a software driver has a stack and an arena of
+// malloc's.
+#define ROOM_DRIVERS_BYTES (448ull << 20) // all drivers of Vulkan linked, and their devices listed
+#define ROOM_DEVICE_BYTES (768ull << 20) // then a software device, the codec and a first picture
+#define ROOM_DEVICE_THREAD_BYTES (64ull << 20) // more for each processor that this process may use
 #define ROOM_DEVICE_THREADS 32u // at most
 #define ROOM_GL_BYTES (512ull << 20) // OpenGL beside it
 #define ROOM_WORK_BYTES (256ull << 20) // a driver's compiler, beside what a job has on the device
@@ -17,7 +19,7 @@
 // STATUS_MEMORY, with a sentence that says what to do, if so many bytes are not left for `what`.
 enum status room_need(uint64_t bytes, const char *what, struct error *err);
 
-// The same for a device.
+// The same for a software device.
 enum status room_need_device(struct error *err);
 
 #endif

@@ -140,13 +140,14 @@ static bool copy_blob(int fd, FILE *out)
 	return good && n == 0 && fflush(out) == 0;
 }
 
-// Without the room for the decoder nothing is read; else the file is. A limit of address space may be why memory was short,
-// unless it is the one that every loader has (sandbox.c).
+// Without the room for the decoder nothing is read, and what is said is said already; else the file is. A limit of address
+// space may be why memory was short, unless it is the one that every loader has (sandbox.c).
 static void load(struct arguments *a, struct ipc_loaded *loaded, int *fd)
 {
 	*fd = -1;
-	if (loaded->error.code == STATUS_OK)
-		loaded->error.code = load_scene(&a->load, &loaded->info, &loaded->remarks, fd, &loaded->error);
+	if (loaded->error.code != STATUS_OK)
+		return;
+	loaded->error.code = load_scene(&a->load, &loaded->info, &loaded->remarks, fd, &loaded->error);
 	if (loaded->error.code == STATUS_MEMORY && room_limit_mib() < LIMIT_LOADER_BYTES >> 20)
 		room_advise(loaded->error.text, sizeof loaded->error.text);
 }

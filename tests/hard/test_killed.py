@@ -108,6 +108,7 @@ class Killed(unittest.TestCase):
                     done = run(mebibytes, *command)
                     self.assertEqual(done.returncode, 6, done)
                     self.assertRegex(done.stderr, r"ulimit -v.*\(memory\)")
+                    self.assertEqual(done.stderr.splitlines()[-1].count("ulimit -v"), 1, done)
                     self.assertEqual(sorted(os.listdir(daemon.folder)), before)
 
 

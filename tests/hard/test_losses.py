@@ -428,7 +428,7 @@ class Table(Losses):
 
     def assert_says_limit(self, reply, limit):
         self.assertEqual(reply.body.name, "memory", reply)
-        self.assertIn("ulimit -v", reply.body.message)
+        self.assertEqual(reply.body.message.count("ulimit -v"), 1, reply)
         self.assertIn(limit, reply.body.message)
 
     def other_room(self):

@@ -18,7 +18,7 @@ enum status device_error(VkResult result, const char *what, struct error *err)
 {
 	bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
 	error_set(err, memory ? STATUS_MEMORY : STATUS_DEVICE, "%s failed on the device (VkResult %d)", what, (int)result);
-	if (memory && err)
+	if (result == VK_ERROR_OUT_OF_HOST_MEMORY && err)
 		room_advise(err->text, sizeof err->text);
 	return memory ? STATUS_MEMORY : STATUS_DEVICE;
 }
@@ -46,7 +46,7 @@ static enum status instance_create(VkInstance *instance, struct error *err)
 	static const char *const layers[] = {"VK_LAYER_KHRONOS_validation"};
 	static const char *const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
 	const bool validate = validation_wanted();
-	if (room_need_device(err) != STATUS_OK)
+	if (room_need(ROOM_DRIVERS_BYTES, "the drivers of Vulkan", err) != STATUS_OK)
 		return STATUS_MEMORY;
 	const VkApplicationInfo app = {
 	    .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "candil", .apiVersion = VK_API_VERSION_1_2};
@@ -145,6 +145,8 @@ static void describe(VkPhysicalDevice physical, uint32_t index, struct device_in
 	info->type = type_name(p.properties.deviceType);
 	info->api = p.properties.apiVersion;
 	info->software = p.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+	if (info->software)
+		(void)room_need_device(&info->room);
 	vkGetPhysicalDeviceMemoryProperties(physical, &memory);
 	for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
 		if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT &&
@@ -233,6 +235,8 @@ enum status device_choose(const struct device_info *infos, uint32_t count, const
 			best_avoided = avoided;
 		}
 	}
+	if (best >= 0 && infos[best].room.code != STATUS_OK)
+		return error_set(err, infos[best].room.code, "%s", infos[best].room.text);
 	if (best >= 0) {
 		*others -= !best_avoided;
 		*chosen = (uint32_t)best;

@@ -32,6 +32,7 @@ struct device_info {
 	bool packets; // a subgroup has a width that a packet can be (4, 8 or 16 lanes)
 	bool usable;
 	char why_not[LIMIT_TEXT + 1]; // what it lacks, when not usable
+	struct error room; // STATUS_MEMORY: a limit of address space leaves too little for it
 };
 
 // Which device the user wants. Zeroed: the best, with the default budget.
@@ -73,7 +74,8 @@ struct device {
 enum status device_list(struct device_info infos[DEVICE_MAX], uint32_t *count, struct error *err);
 
 // Choose a device: *chosen is its place in `infos`, `why` (LIMIT_TEXT + 1 bytes) the reason in words, *others as in struct
-// device. STATUS_DEVICE if none of them is what the options ask for and usable.
+// device. STATUS_DEVICE if none of them is what the options ask for and usable; STATUS_MEMORY if there is no room for the
+// one.
 enum status device_choose(const struct device_info *infos, uint32_t count, const struct device_options *options,
 			  uint32_t *chosen, uint32_t *others, char *why, struct error *err);
 
