@@ -18,8 +18,9 @@
 
 #define GROWTH_LEAST 2.0 // in pixels, from one attempt to the next: else the next is not worth what it takes
 #define GROWTH_GUESSED 8.0 // at least, by one measurement
-#define GROWTH_MOST 64.0 // if the next attempt is late for its first sample, the one before it is shown
-#define PART 0.8 // of the time that is left, for the first sample of every pixel
+#define GROWTH_MOST 16.0 // if the next attempt is late for its first sample, the one before it is shown
+#define NEARLY_SAME 2.0 // times what a sample takes: a picture that takes no more than that is made at once
+#define PART 0.75 // of the time that is left, for the first sample of every pixel
 #define PART_GUESSED 0.5 // the same, by one measurement
 
 static double pixels_of(struct size size)
@@ -133,8 +134,11 @@ static struct size next_size(const struct attempts *a, double us)
 {
 	const uint64_t now = clock_us();
 	const double left_us = a->plan->end_us > now ? (double)(a->plan->end_us - now) : 0;
-	const double has = pixels_of(a->size), each = each_us(a, us), most = fmin(GROWTH_MOST * has, pixels_of(asked(a)));
+	const double has = pixels_of(a->size), each = each_us(a, us), all = pixels_of(asked(a));
 	const bool guessed = !(a->before.pixels > 0);
+	// Where nearly all is the same for all sizes, steps to get there would cost as much as the whole.
+	const bool at_once = !guessed && us + each * (all - has) <= NEARLY_SAME * us;
+	const double most = at_once ? all : fmin(GROWTH_MOST * has, all);
 	if (us + each * (most - has) <= PART * left_us)
 		return size_with(a, most);
 	if (us >= PART * left_us)
@@ -236,6 +240,32 @@ bool attempts_scaled(const struct attempts *a)
 	return attempts_ready(a) && !(a->has_sample && is_whole(a));
 }
 
+// The attempt under way came to some of its tiles: the rest of its picture is that of the one before it. false: to none.
+static bool patch(struct attempts *a, struct frame **frame)
+{
+	struct frame *f = NULL;
+	struct error ignored;
+	bool good = a->work && a->technique->read(a->work, &f, &ignored) == STATUS_OK && f->ahead > 0;
+	if (good) {
+		const uint32_t width = a->sure->width, height = a->sure->height;
+		good = frame_scale(a->sure, f->width, f->height, &ignored) == STATUS_OK;
+		f->made_width = width;
+		f->made_height = height;
+	}
+	if (!good) {
+		frame_destroy(f);
+		return false;
+	}
+	const double tiles = (double)((f->width + TILE_SIDE - 1) / TILE_SIDE) * ((f->height + TILE_SIDE - 1) / TILE_SIDE);
+	frame_add_note(f, "%.3g %% of the picture, from the top, are made of %u x %u pixels", 100 * f->ahead / tiles,
+		       f->width, f->height);
+	frame_fill(f, a->sure, TILE_SIDE);
+	f->samples = a->sure->samples;
+	replace_sure(a, NULL);
+	*frame = f;
+	return true;
+}
+
 // The frame as the attempts have it, and its account.
 static enum status read_frame(struct attempts *a, struct frame **frame, struct error *err)
 {
@@ -246,7 +276,7 @@ static enum status read_frame(struct attempts *a, struct frame **frame, struct e
 		s = error_set(err, STATUS_INTERNAL, "there is no picture to read");
 	if (s != STATUS_OK)
 		return s;
-	if (!a->has_sample) {
+	if (!a->has_sample && !patch(a, frame)) {
 		*frame = a->sure;
 		a->sure = NULL;
 		frame_add_stage(*frame, "size", a->spent_us); // of the attempt that came to nothing

@@ -160,22 +160,22 @@ bool job_is_given_up(const struct jobs *jobs, const struct job *job, uint64_t no
 static const char *why_given_up(const struct job *job)
 {
 	if (job->state == JOB_WAITING && !job->compiling)
-		return "the job could be begun: allow more time, or ask when less is under way";
+		return "the job could not be begun: allow more time, or ask when less is under way";
 	if (job->render.whole && job->state == JOB_ACTIVE && !job->ready)
-		return "every pixel had a sample: allow more time, leave out `whole` for a picture of fewer pixels, or "
-		       "render "
-		       "once without a deadline, so that what is made of the scene is there";
+		return "not every pixel could have a sample: allow more time, leave out `whole` for a picture of fewer "
+		       "pixels, or "
+		       "render once without a deadline, so that what is made of the scene is there";
 	if (!job->ready)
-		return "there was a picture: allow more time, or have its code compiled and what is made of the scene there "
+		return "there could be no picture: allow more time, or have its code compiled and what is made of the scene "
+		       "there "
 		       "before (candild --warm, or once without a deadline)";
-	return "the worker gave the picture that it has: it is slow or hangs, ask when less is under way";
+	return "the worker has not given the picture that it has: it is slow or hangs, ask when less is under way";
 }
 
 void jobs_fail_late(struct jobs *jobs, struct job *job)
 {
 	struct error err;
-	error_set(&err, STATUS_DEADLINE, "the deadline of %u ms passed before %s", job->render.deadline_ms,
-		  why_given_up(job));
+	error_set(&err, STATUS_DEADLINE, "within the deadline of %u ms %s", job->render.deadline_ms, why_given_up(job));
 	jobs_fail(jobs, job, &err);
 }
 

@@ -45,6 +45,7 @@ struct frame {
 	uint32_t *id; // 1: material index + 1; 0: nothing hit
 
 	uint32_t samples; // of a pixel, in this picture
+	uint32_t ahead; // if samples is 0: tiles of the picture, from its first on, that have one all the same
 	struct estimate estimate; // of its error
 	bool diagram; // it shows something else than light: what is missed or dark in it is no mistake
 	bool *met; // 1 a pixel, as radiance: a sample met a surface

@@ -26,6 +26,20 @@ static float mix(float a, float b, float share)
 	return a + share * (b - a);
 }
 
+// Take over all but the radiance of one pixel.
+static void take_rest(const struct frame *from, uint64_t at, struct frame *to, uint64_t i)
+{
+	to->met[i] = from->met[at];
+	if (from->depth)
+		to->depth[i] = from->depth[at];
+	if (from->normal)
+		memcpy(to->normal + 3 * i, from->normal + 3 * at, 3 * sizeof *to->normal);
+	if (from->albedo)
+		memcpy(to->albedo + 3 * i, from->albedo + 3 * at, 3 * sizeof *to->albedo);
+	if (from->id)
+		to->id[i] = from->id[at];
+}
+
 static void scale_pixel(const struct frame *from, const struct place *x, const struct place *y, struct frame *to, uint64_t i)
 {
 	const uint64_t above = (uint64_t)y->low * from->width, below = (uint64_t)y->high * from->width;
@@ -35,15 +49,7 @@ static void scale_pixel(const struct frame *from, const struct place *x, const s
 		to->radiance[3 * i + c] =
 		    mix(mix(r[3 * (above + x->low) + c], r[3 * (above + x->high) + c], x->share),
 			mix(r[3 * (below + x->low) + c], r[3 * (below + x->high) + c], x->share), y->share);
-	to->met[i] = from->met[nearest];
-	if (from->depth)
-		to->depth[i] = from->depth[nearest];
-	if (from->normal)
-		memcpy(to->normal + 3 * i, from->normal + 3 * nearest, 3 * sizeof *to->normal);
-	if (from->albedo)
-		memcpy(to->albedo + 3 * i, from->albedo + 3 * nearest, 3 * sizeof *to->albedo);
-	if (from->id)
-		to->id[i] = from->id[nearest];
+	take_rest(from, nearest, to, i);
 }
 
 enum status frame_scale(struct frame *f, uint32_t width, uint32_t height, struct error *err)
@@ -63,4 +69,17 @@ enum status frame_scale(struct frame *f, uint32_t width, uint32_t height, struct
 	}
 	frame_take_pixels(f, large);
 	return STATUS_OK;
+}
+
+void frame_fill(struct frame *f, const struct frame *from, uint32_t side)
+{
+	const uint32_t tiles_x = (f->width + side - 1) / side;
+	for (uint32_t y = 0; y < f->height; y++)
+		for (uint32_t x = 0; x < f->width; x++) {
+			const uint64_t i = (uint64_t)y * f->width + x;
+			if (y / side * tiles_x + x / side < f->ahead)
+				continue;
+			memcpy(f->radiance + 3 * i, from->radiance + 3 * i, 3 * sizeof *f->radiance);
+			take_rest(from, i, f, i);
+		}
 }

@@ -9,4 +9,8 @@
 // and made_height stay. On failure the frame is as it was: STATUS_MEMORY.
 enum status frame_scale(struct frame *frame, uint32_t width, uint32_t height, struct error *err);
 
+// Fill what lies behind the first frame->ahead tiles of a frame, of `side` pixels each way, from another one of the same
+// size, with the same AOVs.
+void frame_fill(struct frame *frame, const struct frame *from, uint32_t side);
+
 #endif

@@ -143,7 +143,8 @@ struct technique {
 	// caller may make room and call again.
 	enum status (*step)(struct technique_job *job, uint32_t budget_us, struct step_result *result, struct error *err);
 
-	// Make a frame in host memory of the samples so far. *frame is the caller's, who frees it with frame_destroy. The
+	// Make a frame in host memory of the samples so far, or if not all pixels have one, of those that do
+	// (frame->ahead). *frame is the caller's, who frees it with frame_destroy. The
 	// job can go on afterwards: a preview is a read before the end.
 	enum status (*read)(struct technique_job *job, struct frame **frame, struct error *err);
 

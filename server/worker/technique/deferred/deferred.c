@@ -192,6 +192,7 @@ static uint32_t tiles_ahead(const struct deferred *d)
 static void deferred_account(struct deferred *d, struct frame *f, uint64_t resolve_us)
 {
 	f->samples = d->sample;
+	f->ahead = d->sample == 0 ? tiles_ahead(d) : 0;
 	f->non_finite_samples = d->non_finite;
 	f->rays = d->rays;
 	if (d->upload_us)

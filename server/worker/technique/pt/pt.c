@@ -324,6 +324,7 @@ static void note_estimate(const struct technique_job *j, struct frame *f)
 static void pt_account(const struct technique_job *j, struct frame *f)
 {
 	f->samples = j->sample;
+	f->ahead = j->sample == 0 ? j->tile : 0;
 	f->estimate = j->estimate;
 	note_estimate(j, f);
 	f->non_finite_samples = j->non_finite;
@@ -356,7 +357,7 @@ static enum status pt_read(struct technique_job *j, struct frame **frame, struct
 	resolver_init(&resolver, j->plan.first_sample, j->sample, j->tile, j->batch);
 	for (uint32_t i = 0; s == STATUS_OK && i < j->band_count; i++)
 		s = pt_read_band(j, &j->bands[i], &resolver, f, err);
-	if (s == STATUS_OK && (j->error_sample != j->sample || j->tile > 0))
+	if (s == STATUS_OK && j->sample > 0 && (j->error_sample != j->sample || j->tile > 0))
 		s = pt_error_measure(j, err);
 	if (s == STATUS_OK)
 		s = read_met(j, f, err);
