@@ -258,9 +258,13 @@ static void frames_beyond_the_limit_are_refused(void **state)
 		frame_add_metadata(f, "a key that is longer than its thirty-one bytes", "%0200u", i);
 	assert_int_equal(f->metadata_count, FRAME_METADATA_MAX);
 	assert_int_equal(strlen(f->metadata[0].key), sizeof f->metadata[0].key - 1);
-	for (unsigned i = 0; i < 2 * FRAME_STAGES_MAX; i++)
-		frame_add_stage(f, "stage", i);
+	char name[] = "stage a";
+	for (unsigned i = 0; i < 2 * FRAME_STAGES_MAX; i++, name[6]++)
+		frame_add_stage(f, name, i);
 	assert_int_equal(f->stage_count, FRAME_STAGES_MAX);
+	frame_add_stage(f, "stage c", 40); // grows
+	assert_int_equal(f->stage_count, FRAME_STAGES_MAX);
+	assert_int_equal(f->stages[2].us, 42);
 	frame_destroy(f);
 	frame_destroy(NULL);
 }

@@ -690,8 +690,9 @@ static int make_folder(void **state)
 	if (!write_manifest(manifest, LATE_DRIVER))
 		return 1;
 	for (int i = 0; i < 2; i++) {
-		snprintf(cache, sizeof cache, "%s/vendor%d.json", folder, i);
-		if (!write_manifest(cache, vendors[i][1]))
+		char vendor[sizeof folder + 32];
+		snprintf(vendor, sizeof vendor, "%s/vendor%d.json", folder, i);
+		if (!write_manifest(vendor, vendors[i][1]))
 			return 1;
 	}
 	setenv("HOME", LATE_HOME, 1);

@@ -10,6 +10,11 @@ from render import CANDIL, Daemon
 from wire import wait_for
 
 
+def worked_ticks(pid):
+    with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+        return sum(map(int, file.read().rsplit(")", 1)[1].split()[11:13]))
+
+
 class Killed(unittest.TestCase):
     def start(self, daemon, *arguments):
         return subprocess.Popen([CANDIL, "--connect", daemon.socket, *arguments], stdin=subprocess.DEVNULL,
@@ -58,7 +63,9 @@ class Killed(unittest.TestCase):
         daemon.candil("load", make.cornell(daemon.folder), "--name", "box")
         job = self.start(daemon, "load", make.slow_to_load(daemon.folder), "--name", "big")
         loader = wait_for(lambda: daemon.stats()["loader_pid"], "the loader is there")
-        worker = wait_for(lambda: daemon.stats()["worker_pid"], "the worker is there")
+        worker = wait_for(lambda: (lambda s: s["device"] and s["worker_pid"])(daemon.stats()), "the worker is there")
+        # Who is stopped before it has linked its libraries has not asked for that signal yet.
+        wait_for(lambda: worked_ticks(loader) >= 10, "the loader is at work")
         for child in loader, worker:
             os.kill(child, signal.SIGSTOP)
         daemon.process.kill()

@@ -18,8 +18,9 @@ struct resident_scene;
 // From this contrast of the surroundings on, light paths begin there. Measured: tests/bench/RESULTS.md.
 #define PLAN_SKY_CONTRAST 16.0
 
-// Share of the time until the end that a piece of work is sized to.
-#define PLAN_PIECE 0.6
+// Share of the time until the end that a piece of work is sized to: some tiles take several times what those before them
+// did.
+#define PLAN_PIECE 0.25
 
 // Bytes for a technique's settings. Each technique asserts that its own fit.
 #define PLAN_SETTINGS_BYTES 256u
