@@ -254,7 +254,7 @@ class Losses(unittest.TestCase):
     def in_pilot(self, scene):
         pid = self.worker()
         stop(pid)
-        quote = pb.Quote(render=request(scene, technique=pb.TECHNIQUE_AUTO, target_error=1e-9), pilot_ms=200)
+        quote = pb.Quote(render=request(scene, target_error=1e-9), pilot_ms=200)
         job = self.client.send(wire.QUOTE, quote)
         self.settled()
         return pid, job
