@@ -344,7 +344,9 @@ class Losses(unittest.TestCase):
 
 def children_of(pid):
     with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
-        return len(file.read().split())
+        children = file.read().split()
+    # The leak checker traces a loader at its end. One that is killed then is hidden from its parent, who cannot collect it.
+    return sum(not SANITIZE or state_of(child) != "Z" for child in children)
 
 
 class Table(Losses):
