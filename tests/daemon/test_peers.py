@@ -10,6 +10,8 @@ SAMPLES = 20
 
 
 class PeersCase(FakeCase):
+    arguments = ("--hang", "600")  # a loader that is to wait for ever is not to be found out while a busy machine takes its time
+
     def prepare(self):
         self.trace_file = os.path.join(self.daemon.folder, "trace")
         self.daemon.environment["FAKE_TRACE"] = self.trace_file
