@@ -4,7 +4,6 @@
 #include "server/worker/attempts.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
@@ -110,14 +109,7 @@ static void keep_stages(struct attempts *a, const struct frame *f)
 	for (uint32_t i = 0; i < f->stage_count; i++) {
 		const enum stage_kind kind = stage_kind(f->stages[i].name);
 		const char *name = kind == STAGE_COLD || kind == STAGE_SETUP ? f->stages[i].name : "size";
-		uint32_t at = 0;
-		while (at < a->stage_count && strcmp(a->stages[at].name, name) != 0)
-			at++;
-		if (at == FRAME_STAGES_MAX)
-			continue;
-		if (at == a->stage_count)
-			memcpy(a->stages[a->stage_count++].name, name, strlen(name) + 1);
-		a->stages[at].us += f->stages[i].us;
+		frame_stages_add(a->stages, &a->stage_count, name, f->stages[i].us);
 	}
 }
 
@@ -294,7 +286,7 @@ enum status attempts_read(struct attempts *a, struct frame **frame, struct error
 	if (s == STATUS_OK && scaled) {
 		f->estimate = ESTIMATE_UNKNOWN;
 		frame_add_note(f, "there was time for %u x %u pixels alone: they are scaled, and their error is not known%s",
-			       f->width, f->height,
+			       f->made_width, f->made_height,
 			       a->plan->target_error > 0 ? ", so no target is known to be reached" : "");
 		s = frame_scale(f, a->plan->width, a->plan->height, err);
 		if (s != STATUS_OK)

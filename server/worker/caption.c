@@ -66,7 +66,7 @@ void caption_metadata(const struct devices *devices, const struct job *job, stru
 		frame_add_metadata(f, "environment_hash", "%016llx%016llx",
 				   (unsigned long long)job->environment->blob->hash[1],
 				   (unsigned long long)job->environment->blob->hash[0]);
-	if (f->made_width != f->width || f->made_height != f->height)
+	if (frame_is_scaled(f))
 		frame_add_metadata(f, "made_of", "%ux%u", f->made_width, f->made_height);
 	if (p->default_light)
 		frame_add_metadata(f, "default_light", "%g", DEFAULT_LIGHT_RADIANCE);

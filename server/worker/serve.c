@@ -158,8 +158,7 @@ static enum status on_read(struct server *s, const struct ipc_read *m)
 			end(s, m->head.job);
 		return answer_front(s, &failure, sizeof failure);
 	}
-	const bool scaled = frame->made_width != frame->width || frame->made_height != frame->height;
-	if (frame->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN && !scaled)
+	if (frame->estimate.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN && !frame_is_scaled(frame))
 		frame->estimate = m->predicted;
 	caption_stages(job, clock_us() - start, m->final != 0, frame);
 	caption_metadata(s->stock.devices, job, frame);

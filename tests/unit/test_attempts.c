@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -179,6 +180,9 @@ static struct outcome render(const struct plan *plan, bool software)
 		const bool scaled = f->made_width != f->width || f->made_height != f->height;
 		assert_true(scaled ? f->note_count > 0 : f->note_count == 0);
 		out.patched = f->note_count > 1;
+		char told[64];
+		snprintf(told, sizeof told, "time for %u x %u pixels alone", f->made_width, f->made_height);
+		assert_true(!scaled || strstr(f->notes[f->note_count - 1], told));
 		assert_true(!scaled || f->estimate.relmse < 0);
 		out.width = f->made_width;
 		out.height = f->made_height;

@@ -163,12 +163,10 @@ static const char *why_given_up(const struct job *job)
 		return "the job could not be begun: allow more time, or ask when less is under way";
 	if (job->render.whole && job->state == JOB_ACTIVE && !job->ready)
 		return "not every pixel could have a sample: allow more time, leave out `whole` for a picture of fewer "
-		       "pixels, or "
-		       "render once without a deadline, so that what is made of the scene is there";
+		       "pixels, or render once without a deadline, so that what is made of the scene is there";
 	if (!job->ready)
 		return "there could be no picture: allow more time, or have its code compiled and what is made of the scene "
-		       "there "
-		       "before (candild --warm, or once without a deadline)";
+		       "there before (candild --warm, or once without a deadline)";
 	return "the worker has not given the picture that it has: it is slow or hangs, ask when less is under way";
 }
 

@@ -27,6 +27,11 @@ void image_init(struct image *image)
 	*image = (struct image){.fd = -1};
 }
 
+bool image_is_scaled(const candil_ImageFrame *frame)
+{
+	return frame->made_width != frame->width || frame->made_height != frame->height;
+}
+
 void image_set(struct image *image, int fd, const candil_ImageFrame *frame)
 {
 	*image = (struct image){.place = image->place, .estimate = image->estimate, .fd = fd, .frame = *frame};

@@ -29,6 +29,9 @@ uint64_t image_estimate(const candil_Render *render);
 // There is none, and it has no place.
 void image_init(struct image *image);
 
+// Was it made of other pixels than it has?
+bool image_is_scaled(const candil_ImageFrame *frame);
+
 // Take over the memfd of an image that is to be sent. There must be none. The place and the
 // estimate stay.
 void image_set(struct image *image, int fd, const candil_ImageFrame *frame);

@@ -103,7 +103,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	frame.index = job->index;
 	if (final) {
 		job->done = image->done;
-		job->scaled = frame.made_width != frame.width || frame.made_height != frame.height;
+		job->scaled = image_is_scaled(&frame);
 		job->encoded_us = clock_us();
 		job->state = JOB_SENDING;
 		take_over(jobs, job, &job->final, fd, &frame);
@@ -123,7 +123,7 @@ static void account_without_worker(const struct jobs *jobs, struct job *job)
 	candil_Done *done = &job->done;
 	const candil_ImageFrame *frame = &job->final.frame;
 	const struct estimate *own = &job->final.estimate;
-	job->scaled = frame->made_width != frame->width || frame->made_height != frame->height;
+	job->scaled = image_is_scaled(frame);
 	const bool foreseen = own->kind == candil_ErrorKind_ERROR_KIND_UNKNOWN && !job->scaled;
 	const struct estimate *e = foreseen ? &job->predicted : own;
 	*done = (candil_Done){.samples = job->final.frame.samples,

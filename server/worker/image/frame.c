@@ -95,20 +95,24 @@ void frame_add_metadata(struct frame *frame, const char *key, const char *format
 	va_end(args);
 }
 
-void frame_add_stage(struct frame *frame, const char *name, uint64_t us)
+void frame_stages_add(struct frame_stage stages[FRAME_STAGES_MAX], uint32_t *count, const char *name, uint64_t us)
 {
 	uint32_t at = 0;
-	while (at < frame->stage_count && strcmp(frame->stages[at].name, name) != 0)
+	while (at < *count && strcmp(stages[at].name, name) != 0)
 		at++;
 	if (at == FRAME_STAGES_MAX)
 		return;
-	struct frame_stage *s = &frame->stages[at];
-	if (at == frame->stage_count) {
-		snprintf(s->name, sizeof s->name, "%s", name);
-		s->us = 0;
-		frame->stage_count++;
+	if (at == *count) {
+		snprintf(stages[at].name, sizeof stages[at].name, "%s", name);
+		stages[at].us = 0;
+		++*count;
 	}
-	s->us += us;
+	stages[at].us += us;
+}
+
+void frame_add_stage(struct frame *frame, const char *name, uint64_t us)
+{
+	frame_stages_add(frame->stages, &frame->stage_count, name, us);
 	if (!strcmp(name, FRAME_STAGE_OPEN) || !strcmp(name, FRAME_STAGE_COMPILE))
 		frame->cold_us += us;
 }

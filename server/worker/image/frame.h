@@ -74,6 +74,12 @@ enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct 
 // Free a frame. NULL is allowed.
 void frame_destroy(struct frame *frame);
 
+// Was it made of other pixels than it has?
+static inline bool frame_is_scaled(const struct frame *frame)
+{
+	return frame->made_width != frame->width || frame->made_height != frame->height;
+}
+
 // Give `frame` the pixels of `from`, with its width and height, in the place of its own, and free `from`.
 void frame_take_pixels(struct frame *frame, struct frame *from);
 
@@ -81,6 +87,8 @@ void frame_take_pixels(struct frame *frame, struct frame *from);
 void frame_add_metadata(struct frame *frame, const char *key, const char *format, ...) __attribute__((format(printf, 3, 4)));
 // A stage that is there already grows. One that a device spends once counts as cold, too.
 void frame_add_stage(struct frame *frame, const char *name, uint64_t us);
+// The same for a list of stages alone.
+void frame_stages_add(struct frame_stage stages[FRAME_STAGES_MAX], uint32_t *count, const char *name, uint64_t us);
 void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit);
 void frame_add_note(struct frame *frame, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
