@@ -1,0 +1,34 @@
+// Elements of radiosity: the two sides of every patch, and the arrays by which shaders find them (shared/radiosity.h).
+// Element i is the front of patch i, element i + patches.count its back. Host only, any thread.
+#ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_ELEMENTS_H
+#define CANDIL_WORKER_TECHNIQUE_RADIOSITY_ELEMENTS_H
+
+#include "server/worker/technique/radiosity/patches.h"
+#include "shaders/shared/radiosity.h"
+
+// All elements of a scene, as their arrays in host memory, which are uploaded as they are.
+struct elements {
+	struct patches patches;
+	uint32_t count; // 2 · patches.count
+	struct radiosity_face *faces; // by face: patches.faces.count
+	uint32_t *triangles; // by triangle: its word
+	uint32_t triangle_count;
+	struct radiosity_patch *shapes; // by patch
+};
+
+// Memory that elements_init needs for a scene of so many triangles and patches, in bytes, at most.
+uint64_t elements_bytes(uint32_t triangles, uint32_t patches);
+
+// Cut a scene and make its arrays. The view's sections must outlive the elements, which elements_finish frees. Fails as
+// patches_init; `elements` is empty then.
+enum status elements_init(struct elements *elements, const struct blob_view *scene, const struct patch_options *options,
+			  struct error *err);
+
+// Free them. Elements that are all zero are fine.
+void elements_finish(struct elements *elements);
+
+// The element at barycentrics uv (of corners 1 and 2) of a triangle, as shaders/radiosity/element.glsl finds it; NONE: the
+// triangle has no area.
+uint32_t elements_at(const struct elements *elements, uint32_t triangle, const double uv[2], bool front);
+
+#endif

@@ -1,0 +1,73 @@
+// Form factors of a scene's elements as a sparse matrix in device memory: row i, column j holds F_ij, the share of light
+// that leaves element i (spread evenly over it, by Lambert's law over directions) and arrives at element j, on its way also
+// by mirrors (extended form factors: Sillion and Puech 1989, "A general two-pass method integrating specular and diffuse
+// reflection"). By reciprocity it is what radiosity gathers with: H_i = Σ_j F_ij B_j. Vulkan; device's thread only.
+//
+// Rows come in any order, a batch at a time, and only those that somebody asks for: a row that was never put is empty. They
+// lie in blocks of at most FACTORS_BLOCK_BYTES, each a buffer, because devices bind no more (maxStorageBufferRange). What a
+// row holds does not depend on the batch that it came with. Columns of a row ascend.
+#ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_H
+#define CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_H
+
+#include "server/base/error.h"
+#include "server/worker/vk/buffer.h"
+
+#define FACTORS_BLOCK_BYTES (128u << 20)
+
+// A block of consecutive entries, those of a row side by side.
+struct factors_block {
+	struct buffer columns; // uint
+	struct buffer values; // float
+	uint32_t entries; // in use
+};
+
+// Where a row is.
+struct factors_row {
+	uint32_t block; // NONE: it was never put
+	uint32_t first, count; // entries of the block
+	float escaped; // share of light that meets nothing: the background's
+	float cut; // share that a limit of mirror bounces cut off
+};
+
+// The matrix. Owned by its maker.
+struct factors {
+	struct device *device;
+	uint32_t side; // rows, and columns
+	struct factors_row *rows; // host
+	struct factors_block *blocks;
+	uint32_t block_count;
+	uint64_t entries; // of all rows
+};
+
+// Make an empty matrix. STATUS_MEMORY. On failure nothing is left.
+enum status factors_init(struct factors *factors, struct device *device, uint32_t side, struct error *err);
+
+// Free it. Zeroed is fine.
+void factors_finish(struct factors *factors);
+
+// What a row is put with.
+struct factors_put {
+	uint32_t element;
+	float escaped, cut;
+};
+
+// Take `count` rows out of a dense buffer on the device: row k of it, `side` words of fixed point (`unit` of them are a
+// factor of 1), becomes the row rows[k].element, which must be empty. What is not zero is kept, and these rows of the buffer
+// are zero afterwards, ready for the next batch. STATUS_MEMORY: there is no room, and nothing of the batch was taken;
+// STATUS_DEVICE.
+enum status factors_put_dense(struct factors *factors, const struct buffer *dense, double unit,
+			      const struct factors_put *rows, uint32_t count, struct error *err);
+
+// Put one row from host memory, its columns ascending; it replaces one that was there. Fails as factors_put_dense.
+enum status factors_put_row(struct factors *factors, const struct factors_put *row, const uint32_t *columns,
+			    const float *values, uint32_t count, struct error *err);
+
+// Copy a row to host memory: *columns and *values, which the caller frees, have factors->rows[i].count elements (NULL:
+// none).
+enum status factors_read_row(const struct factors *factors, uint32_t i, uint32_t **columns, float **values,
+			     struct error *err);
+
+// Device memory of it now, in bytes.
+uint64_t factors_bytes(const struct factors *factors);
+
+#endif

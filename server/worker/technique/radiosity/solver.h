@@ -1,0 +1,46 @@
+// Solves for the light of all elements on the device: B = M + ρ H, H = D + F B, in each of three channels, which share F.
+// B is radiosity, M emitted exitance, D irradiance straight from lights that are no elements, H irradiance, all W/m²; ρ is
+// diffuse reflectance. Vulkan; device's thread only. A solution is the same to the bit whatever the slices.
+#ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_SOLVER_H
+#define CANDIL_WORKER_TECHNIQUE_RADIOSITY_SOLVER_H
+
+#include "server/worker/technique/radiosity/factors.h"
+
+// The words of radiosity.solver.
+enum solver_way {
+	SOLVER_JACOBI, // H ← D + F B of the iteration before
+	SOLVER_GAUSS_SEIDEL, // the same block by block of rows, each with what those before it have found
+	SOLVER_GRADIENT, // conjugate gradient on the symmetrised system (areas times factors)
+};
+
+// What is to be solved. The arrays are the caller's, 3 floats for each element, and are copied.
+struct solver_problem {
+	const struct factors *factors; // must outlive the solver
+	const float *exitance; // M
+	const float *albedo; // ρ
+	const float *irradiance; // D
+	const float *area; // of each element, m²
+	enum solver_way way;
+	double residual; // end once the largest change of B, over the largest B, is at most this
+	uint32_t iterations; // that it may take
+};
+
+struct solver;
+
+// Begin. STATUS_BAD_ARGUMENT: ρ times the row sums of F is 1 or more in a room that nothing leaves, so that there is no
+// solution; the sentence says so. STATUS_MEMORY, STATUS_DEVICE.
+enum status solver_create(const struct solver_problem *problem, struct device *device, struct solver **solver,
+			  struct error *err);
+void solver_destroy(struct solver *solver);
+
+// Work for about budget_us, at least one piece.
+enum status solver_step(struct solver *solver, uint32_t budget_us, struct error *err);
+
+bool solver_finished(const struct solver *solver);
+double solver_residual(const struct solver *solver); // so far
+uint32_t solver_iterations(const struct solver *solver); // done
+
+// Copy H to host memory, 3 floats for each element.
+enum status solver_read(const struct solver *solver, float *irradiance, struct error *err);
+
+#endif
