@@ -6,13 +6,15 @@
 #include "shared/radiosity.h"
 
 // The place (u, v), 0…1, of a quad whose affine place is (x, y), with x along c1 - c0 and y along c3 - c0. It solves
-// x = u (1 + a v), y = v (1 + b u), where a = x2 - 1 and b = y2 - 1.
+// x = u (1 + a v), y = v (1 + b u), where a = x2 - 1 and b = y2 - 1: a v² + k v - y = 0, of which a convex quad has the root
+// with 2 a v + k > 0. Its two forms subtract nothing large; k < 0 implies a > 0.
 vec2 quad_place(radiosity_face f, vec2 p)
 {
 	float a = f.x2 - 1.0;
 	float b = f.y2 - 1.0;
 	float k = 1.0 + b * p.x - a * p.y;
-	float v = 2.0 * p.y / max(k + sqrt(max(k * k + 4.0 * a * p.y, 0.0)), 1e-20);
+	float root = sqrt(max(k * k + 4.0 * a * p.y, 0.0));
+	float v = k < 0.0 ? (root - k) / (2.0 * a) : 2.0 * p.y / max(k + root, 1e-20);
 	return vec2(p.x / max(1.0 + a * v, 1e-20), v);
 }
 

@@ -3,6 +3,8 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_ELEMENTS_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_ELEMENTS_H
 
+#include <stdbool.h>
+
 #include "server/worker/technique/radiosity/patches.h"
 #include "shaders/shared/radiosity.h"
 
