@@ -1,0 +1,44 @@
+// The passes over the patches of radiosity that shade: what patches are made of (radiosity/patch_surface.comp.glsl), and
+// what lights do to them (radiosity/patch_light.comp.glsl). Shared by C and GLSL.
+#ifndef CANDIL_SHARED_PATCH_PASS_H
+#define CANDIL_SHARED_PATCH_PASS_H
+
+#include "shared/bindings.h"
+#include "shared/radiosity.h"
+
+#define BIND_PATCH_TRIANGLES (BIND_RADIOSITY_OWN) // two triangles' ids for each face; the second NONE: it is a triangle
+#define BIND_PATCH_LIGHT (BIND_RADIOSITY_OWN + 1) // light: three floats for each element, irradiance, W/m²
+#define BIND_PATCH_SKY (BIND_RADIOSITY_OWN + 2) // light: struct environment_texel
+#define BIND_PATCH_SKY_ROWS (BIND_RADIOSITY_OWN + 3) // light: struct environment_row
+
+#define SPEC_PATCH_COUNT 34 // patches
+#define SPEC_PATCH_SKY 35 // light: the environment is a picture
+#define SPEC_PATCH_DISCS 36 // light: some directional light is a disc
+#define SPEC_PATCH_BOUNCES 37 // light: bounces at mirrors by which the sky is seen
+#define SPEC_PATCH_END 38
+
+#define PATCH_GROUP 64 // invocations of a workgroup, a patch each
+
+// A metal whose microfacets have an α (the square of the perceptual roughness) of at most this is a mirror.
+#define PATCH_MIRROR_ALPHA 0.0025
+
+// Points of a patch at which its material is looked at: one where nothing varies, some where colours of vertices do; where
+// textures do, so many for each texel of the largest, between two bounds. All are powers of two.
+#define PATCH_POINTS_COLOURED 256
+#define PATCH_POINTS_TEXEL 64
+#define PATCH_POINTS_TEXTURED 512
+#define PATCH_POINTS_MOST 2048
+
+// What a dispatch does, for patches `first` to first + count - 1.
+struct patch_push {
+	uint first;
+	uint count;
+	uint light; // light: its number; NONE: the sky
+	uint point; // light: the first of the points in this dispatch
+	uint points; // light: how many
+	uint all; // light: of all dispatches
+	uint back; // light, sky: which side, 0 or 1
+};
+LAYOUT_ASSERT(patch_push, 28)
+
+#endif
