@@ -1,5 +1,5 @@
 // A pass over tiles: what the camera sees of lamps, background and unlit surfaces, and the direct light on all other
-// surfaces.
+// surfaces. A program that takes surfaces for something else defines LIGHT_SURFACE, a function in the place of pixel_surface.
 #ifndef DIRECT_LIGHT_PIXEL_GLSL
 #define DIRECT_LIGHT_PIXEL_GLSL
 
@@ -7,6 +7,10 @@
 #include "deferred/pixel.glsl"
 #ifdef DIRECT_SKY
 #include "common/sky_map.glsl"
+#endif
+
+#ifndef LIGHT_SURFACE
+#define LIGHT_SURFACE pixel_surface
 #endif
 
 void light_pixel()
@@ -26,7 +30,7 @@ void light_pixel()
 #endif
 		return;
 	}
-	surface s = pixel_surface(v);
+	surface s = LIGHT_SURFACE(v);
 	if (EFFECT_UNLIT && s.unlit) {
 		pixel_add(pixel, s.emission + s.base);
 		return;

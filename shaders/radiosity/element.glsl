@@ -1,5 +1,6 @@
 // Which element of radiosity a place on the scene belongs to: the inverse of patches_get (patches.h). The includer declares
-// radiosity_faces[] (struct radiosity_face) and radiosity_triangles[] (uint), and the number of patches as PATCH_COUNT.
+// radiosity_faces[] (struct radiosity_face) and radiosity_triangles[] (uint), and the number of patches as PATCH_COUNT; or it
+// defines RADIOSITY_PLACES_ONLY, and finds faces by itself.
 #ifndef RADIOSITY_ELEMENT_GLSL
 #define RADIOSITY_ELEMENT_GLSL
 
@@ -55,6 +56,7 @@ uint patch_at(radiosity_face f, vec2 place, out vec2 inside)
 	return f.first + row * row + 2u * column + (head ? 1u : 0u);
 }
 
+#ifndef RADIOSITY_PLACES_ONLY
 // The element of a place on a triangle; NONE: the triangle has no area.
 uint element_at(uint id, vec2 uv, bool front)
 {
@@ -66,5 +68,6 @@ uint element_at(uint id, vec2 uv, bool front)
 	uint i = patch_at(f, face_place(word, f, uv), inside);
 	return front ? i : i + PATCH_COUNT;
 }
+#endif
 
 #endif

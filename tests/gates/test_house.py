@@ -13,7 +13,7 @@ BUILD = os.environ["CANDIL_BUILD"]
 MEANT_CIRCLES = [{"server/worker/technique/voxel/voxel_build.c", "server/worker/technique/voxel/voxels.c"}]
 
 # A technique that stands on another's floor.
-STANDS_ON = {"vct": {"direct"}}
+STANDS_ON = {"radiosity": {"direct"}, "vct": {"direct"}}
 
 # Lists that name every technique, from the checkout's root.
 LISTS = {"protocol/names.h", "protocol/candil.proto", "server/worker/technique/techniques.c", "shaders/CMakeLists.txt"}

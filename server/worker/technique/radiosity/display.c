@@ -1,0 +1,151 @@
+#include "server/worker/technique/radiosity/display.h"
+
+#include <epoxy/gl.h>
+#include <string.h>
+
+#include "server/worker/devices.h"
+#include "shaders/gl/radiosity_gather_comp.h"
+#include "shaders/gl/radiosity_light_comp.h"
+#include "shaders/gl/radiosity_show_comp.h"
+#include "shaders/shared/radiosity_show.h"
+
+static const struct gl_source show_source = {.name = "show", .compute = source_radiosity_show_comp};
+static const struct gl_source light_source = {.name = "light", .compute = source_radiosity_light_comp};
+static const struct gl_source gather_source = {.name = "gather", .compute = source_radiosity_gather_comp};
+
+#define LEFT_OUT \
+	(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_GLASS | 1u << candil_Effect_EFFECT_CLEARCOAT)
+
+struct plan display_plan(const struct plan *plan)
+{
+	struct plan p = *plan;
+	p.effects &= ~LEFT_OUT;
+	return p;
+}
+
+bool display_traces(const struct display_options *o)
+{
+	return o->gather > 0 || (o->bounces > 0 && !o->plain);
+}
+
+// ---- the passes ---------------------------------------------------------------------------------------------------------
+
+static void bind(const struct display *d)
+{
+	display_field_bind(d->field->values.texture ? d->field : &d->none);
+	if (d->sky)
+		sky_map_bind(d->sky);
+}
+
+static void bind_show(void *user, const struct deferred_area *area)
+{
+	(void)area;
+	bind(user);
+}
+
+static void bind_gather(void *user, const struct deferred_area *area)
+{
+	const struct display_rays *rays = user;
+	(void)area;
+	bind(rays->display);
+	glUniform3ui(RADIOSITY_RAYS, rays->first, rays->end, rays->display->options.gather);
+}
+
+static struct deferred_pass *add_pass(struct display *d, const struct gl_source *source)
+{
+	struct deferred_pass *pass = &d->passes[d->pass_count++];
+	*pass = (struct deferred_pass){.source = source, .stage = source->name, .bind = bind_show, .user = d};
+	gl_define(&pass->defines, "RADIOSITY_BOUNCES", "%u", d->options.plain ? 0 : d->options.bounces);
+	gl_define(&pass->defines, "RADIOSITY_CORNERS", "%s", d->options.corners ? "true" : "false");
+	gl_define(&pass->defines, "RADIOSITY_PLAIN", "%s", d->options.plain ? "true" : "false");
+	if (d->sky && !d->options.plain)
+		gl_define(&pass->defines, "RADIOSITY_SKY", "true");
+	return pass;
+}
+
+// Direct light's own passes. Where mirrors are, what they reflect is no part of it.
+static enum status add_light(struct display *d, struct devices *devices, struct resident_scene *scene,
+			     const struct plan *plan, struct error *err)
+{
+	const struct plan shown = display_plan(plan);
+	const enum status s = lighting_init(&d->lighting, devices, scene, &shown, &d->options.light, err);
+	if (s != STATUS_OK)
+		return s;
+	d->pass_count = d->lighting.pass_count;
+	memcpy(d->passes, d->lighting.passes, d->pass_count * sizeof *d->passes);
+	if (d->options.bounces == 0)
+		return STATUS_OK;
+	d->passes[0].source = &light_source;
+	gl_define(&d->passes[0].defines, "RADIOSITY_BOUNCES", "%u", d->options.bounces);
+	return STATUS_OK;
+}
+
+static void add_gathers(struct display *d)
+{
+	const uint32_t rays = d->options.gather, wanted = (rays - 1) / DISPLAY_GATHER_RAYS + 1;
+	const uint32_t count = wanted < DISPLAY_GATHER_PASSES ? wanted : DISPLAY_GATHER_PASSES;
+	for (uint32_t i = 0; i < count; i++) {
+		d->rays[i] = (struct display_rays){.display = d,
+						   .first = (uint32_t)((uint64_t)rays * i / count),
+						   .end = (uint32_t)((uint64_t)rays * (i + 1) / count)};
+		struct deferred_pass *pass = add_pass(d, &gather_source);
+		pass->bind = bind_gather;
+		pass->user = &d->rays[i];
+	}
+}
+
+enum status display_init(struct display *d, struct devices *devices, struct resident_scene *scene, const struct plan *plan,
+			 const struct display_options *options, const struct display_field *field, struct error *err)
+{
+	static const struct elements no_elements;
+	struct gl_device *device;
+	*d = (struct display){.options = *options, .field = field};
+	enum status s = devices_gl(devices, &device, err);
+	if (s == STATUS_OK)
+		s = display_field_init(&d->none, device, &no_elements, NULL, options->corners, err);
+	if (s == STATUS_OK && plan_has_sky(plan))
+		s = sky_map_get(plan->environment.scene, device, &d->sky, err);
+	if (s == STATUS_OK && options->gather > 0)
+		s = add_light(d, devices, scene, plan, err);
+	if (s != STATUS_OK) {
+		display_finish(d);
+		return s;
+	}
+	if (options->gather > 0)
+		add_gathers(d);
+	else
+		add_pass(d, &show_source);
+	return STATUS_OK;
+}
+
+void display_finish(struct display *d)
+{
+	lighting_finish(&d->lighting);
+	display_field_finish(&d->none);
+	*d = (struct display){0};
+}
+
+// ---- before them --------------------------------------------------------------------------------------------------------
+
+enum status display_step(struct display *d, struct gl_timer *timer, uint32_t budget_us, struct error *err)
+{
+	return lighting_step(&d->lighting, timer, budget_us, err);
+}
+
+bool display_ready(const struct display *d)
+{
+	return lighting_ready(&d->lighting);
+}
+
+uint64_t display_compile_us(const struct display *d)
+{
+	return d->lighting.compile_us;
+}
+
+uint64_t display_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+		       const struct display_options *o)
+{
+	const struct plan shown = display_plan(plan);
+	return display_field_bytes(0, 0, 0, o->corners) +
+	       (o->gather > 0 ? lighting_bytes(devices, scene, &shown, &o->light) : 0);
+}
