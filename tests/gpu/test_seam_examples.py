@@ -25,6 +25,7 @@ PROLOGUE = """
 #include "server/worker/devices.h"
 #include "server/worker/image/frame.h"
 #include "server/worker/plan/make.h"
+#include "server/worker/technique/radiosity/rays.h"
 #include "server/worker/technique/technique.h"
 #include "server/worker/trace/trace.h"
 #include "tests/support/load_scene.h"
@@ -120,6 +121,8 @@ RULES = [
     Rule("server/worker/technique/technique.h", **ON_DEVICE, begin="\t(void)devices, (void)scene;\n",
          main=DEVICE_MAIN.replace("FIRST", "1")),
     Rule("server/worker/trace/trace.h", **ON_DEVICE, begin="\tstruct device *device = devices->vk;\n",
+         main=DEVICE_MAIN.replace("FIRST", "0")),
+    Rule("server/worker/technique/radiosity/rays.h", **ON_DEVICE, begin="\tstruct device *device = devices->vk;\n",
          main=DEVICE_MAIN.replace("FIRST", "0")),
 ]
 
