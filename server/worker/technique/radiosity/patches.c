@@ -89,11 +89,10 @@ static enum status choose_edge(struct patches *p, const struct patch_options *o,
 					 (unsigned long long)count, PATCHES_MOST, edge_for(p, PATCHES_MOST) * 1.001);
 		return STATUS_OK;
 	}
-	if (o->count > PATCHES_MOST || o->count < p->faces.count)
-		return error_set(err, STATUS_LIMIT,
-				 "%u patches are asked for; the scene has %u faces, and at most %u can be", o->count,
-				 p->faces.count, PATCHES_MOST);
-	p->edge = edge_for(p, o->count);
+	if (o->count > PATCHES_MOST)
+		return error_set(err, STATUS_LIMIT, "%u patches are asked for, and at most %u can be", o->count,
+				 PATCHES_MOST);
+	p->edge = edge_for(p, o->count > p->faces.count ? o->count : p->faces.count);
 	return STATUS_OK;
 }
 

@@ -26,7 +26,7 @@
 // How fine a scene is cut: by `edge`, or where that is 0 by `count`.
 struct patch_options {
 	double edge; // metres, above 0: a patch's sides are no longer
-	uint32_t count; // as many patches or somewhat less
+	uint32_t count; // as many patches or somewhat less, but at least one a face
 };
 
 // How a face is cut.
@@ -60,7 +60,7 @@ struct patch {
 uint64_t patches_bytes(uint32_t triangles);
 
 // Cut a scene. The view's sections must outlive the patches, which patches_finish frees. STATUS_LIMIT: there would be more
-// than PATCHES_MOST, or `count` is less than there are faces; the sentence tells what would do. STATUS_BAD_ARGUMENT: an edge
+// than PATCHES_MOST; the sentence tells what would do. STATUS_BAD_ARGUMENT: an edge
 // that is no length, or neither is given; and as patch_faces_init. `patches` is empty then.
 enum status patches_init(struct patches *patches, const struct blob_view *scene, const struct patch_options *options,
 			 struct error *err);
