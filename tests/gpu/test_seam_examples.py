@@ -37,6 +37,7 @@ RADIOSITY = """
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "server/worker/technique/radiosity/corners.h"
 #include "server/worker/technique/radiosity/patches.h"
 #include "tests/support/load_scene.h"
 """
@@ -113,10 +114,11 @@ RULES = [
     Rule("server/worker/scenes/shelf.h", **DEVICE, prologue="", parameter="void", begin="", main=MAIN),
     Rule("server/worker/technique/radiosity/form_factor.h", **DEVICE, prologue=RADIOSITY, parameter="void", begin="",
          main=MAIN),
-    Rule("server/worker/technique/radiosity/patches.h", **DEVICE, prologue=RADIOSITY,
-         parameter="const struct blob_header *blob, size_t bytes",
-         begin="\tstruct blob_view view;\n\tblob_view_init(&view, blob);\n"
-               "\tconst struct blob_view *scene = &view;\n\t(void)bytes;\n", main=BLOB_MAIN),
+    *[Rule(f"server/worker/technique/radiosity/{name}.h", **DEVICE, prologue=RADIOSITY,
+           parameter="const struct blob_header *blob, size_t bytes",
+           begin="\tstruct blob_view view;\n\tblob_view_init(&view, blob);\n"
+                 "\tconst struct blob_view *scene = &view;\n\t(void)bytes;\n", main=BLOB_MAIN)
+      for name in ("patches", "corners")],
     Rule("server/front/channel.h", **FRONT, prologue="", parameter="void", begin="", main=MAIN),
     Rule("server/worker/technique/technique.h", **ON_DEVICE, begin="\t(void)devices, (void)scene;\n",
          main=DEVICE_MAIN.replace("FIRST", "1")),

@@ -1,0 +1,142 @@
+#include "server/worker/technique/radiosity/corner_places.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAME (4 * FLT_EPSILON) // of the largest coordinate of a face: what two roundings and a matrix may move a corner by
+#define NEAR 64u // places near one that are compared with it
+
+// A corner and where it is.
+struct point {
+	float at[3];
+	uint32_t corner;
+};
+
+static int by_place(const void *a, const void *b)
+{
+	const struct point *p = a, *q = b;
+	for (int c = 0; c < 3; c++)
+		if (p->at[c] != q->at[c])
+			return p->at[c] < q->at[c] ? -1 : 1;
+	return p->corner < q->corner ? -1 : p->corner > q->corner;
+}
+
+double corner_places_reach(const struct corner_places *p, uint32_t patch)
+{
+	const struct patches *patches = &p->elements->patches;
+	const struct patch_face *face = &patches->faces.list[p->elements->shapes[patch].face];
+	double most = 0;
+	for (uint32_t k = 0; k < 4 && face->corner[k] != NONE; k++)
+		for (int c = 0; c < 3; c++)
+			most = fmax(most, fabs((double)patches->vertices[face->corner[k]].position[c]));
+	return SAME * most;
+}
+
+// The corners of all patches by their places. Returns their number.
+static uint32_t sort_points(const struct elements *e, struct point *points, uint32_t *of)
+{
+	uint32_t n = 0;
+	for (uint32_t i = 0; i < e->patches.count; i++) {
+		const struct radiosity_patch *patch = &e->shapes[i];
+		const uint32_t corners = e->faces[patch->face].v ? 4 : 3;
+		of[4 * i + 3] = NONE;
+		for (uint32_t k = 0; k < corners; k++, n++) {
+			points[n].corner = 4 * i + k;
+			for (uint32_t c = 0; c < 3; c++)
+				points[n].at[c] = patch->corner[3 * k + c] + 0.0f; // -0 becomes 0
+		}
+	}
+	qsort(points, n, sizeof *points, by_place);
+	return n;
+}
+
+static void number_places(struct corner_places *p, const struct point *points, uint32_t n)
+{
+	for (uint32_t i = 0; i < n; i++) {
+		if (i == 0 || memcmp(points[i].at, points[i - 1].at, sizeof points[i].at) != 0) {
+			memcpy(p->at[p->count], points[i].at, sizeof points[i].at);
+			p->same[p->count] = p->count;
+			p->reach[p->count++] = 0;
+		}
+		const uint32_t place = p->count - 1;
+		p->of[points[i].corner] = place;
+		p->reach[place] = fmaxf(p->reach[place], (float)corner_places_reach(p, points[i].corner / 4));
+	}
+}
+
+uint64_t corner_places_bytes(uint32_t patches)
+{
+	const uint64_t corners = 4 * (uint64_t)patches;
+	return corners * (sizeof(struct point) + 6 * sizeof(float)) + corner_tree_bytes(patches) * 4 + 5;
+}
+
+enum status corner_places_init(struct corner_places *p, const struct elements *elements, struct error *err)
+{
+	const uint64_t corners = 4 * (uint64_t)elements->patches.count;
+	enum status s = STATUS_OK;
+	*p = (struct corner_places){.elements = elements};
+	struct point *points = malloc(corners * sizeof *points + 1);
+	p->at = malloc(corners * sizeof *p->at + 1);
+	p->reach = malloc(corners * sizeof *p->reach + 1);
+	p->same = malloc(corners * sizeof *p->same + 1);
+	p->of = malloc(corners * sizeof *p->of + 1);
+	if (!points || !p->at || !p->reach || !p->same || !p->of)
+		s = error_set(err, STATUS_MEMORY, "out of memory");
+	if (s == STATUS_OK) {
+		number_places(p, points, sort_points(elements, points, p->of));
+		s = corner_tree_init(&p->tree, (const float(*)[3])p->at, p->count, err);
+	}
+	free(points);
+	if (s != STATUS_OK)
+		corner_places_finish(p);
+	return s;
+}
+
+// The place that stands for another, halving the way to it for the next time.
+static uint32_t stands_for(uint32_t *same, uint32_t i)
+{
+	while (same[i] != i) {
+		same[i] = same[same[i]];
+		i = same[i];
+	}
+	return i;
+}
+
+static void join(uint32_t *same, uint32_t a, uint32_t b)
+{
+	a = stands_for(same, a);
+	b = stands_for(same, b);
+	same[a > b ? a : b] = a < b ? a : b;
+}
+
+void corner_places_weld(struct corner_places *p, uint32_t count, uint64_t *left)
+{
+	struct corner_hit hits[NEAR];
+	for (; p->welded < p->count && count > 0; p->welded++, count--) {
+		const uint32_t i = p->welded;
+		struct corner_segment here = {.reach = (double)p->reach[i]};
+		for (int c = 0; c < 3; c++)
+			here.from[c] = (double)p->at[i][c];
+		const uint32_t found = corner_tree_find(&p->tree, &here, hits, NEAR, left);
+		for (uint32_t k = 0; k < found; k++)
+			join(p->same, i, hits[k].point);
+	}
+	if (p->welded < p->count)
+		return;
+	for (uint32_t i = 0; i < p->count; i++)
+		p->same[i] = stands_for(p->same, i);
+	for (uint64_t i = 0; i < 4 * (uint64_t)p->elements->patches.count; i++)
+		p->of[i] = p->of[i] == NONE ? NONE : p->same[p->of[i]];
+}
+
+void corner_places_finish(struct corner_places *p)
+{
+	corner_tree_finish(&p->tree);
+	free(p->of);
+	free(p->same);
+	free(p->reach);
+	free(p->at);
+	*p = (struct corner_places){0};
+}
