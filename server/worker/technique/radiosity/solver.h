@@ -10,7 +10,7 @@
 enum solver_way {
 	SOLVER_JACOBI, // H ← D + F B of the iteration before
 	SOLVER_GAUSS_SEIDEL, // the same block by block of rows, each with what those before it have found
-	SOLVER_GRADIENT, // conjugate gradient on the symmetrised system (areas times factors)
+	SOLVER_GRADIENT, // conjugate gradients on the system that is symmetric by reciprocity (solver_parts.h)
 };
 
 // What is to be solved. The arrays are the caller's, 3 floats for each element, and are copied.
@@ -21,26 +21,31 @@ struct solver_problem {
 	const float *irradiance; // D
 	const float *area; // of each element, m²
 	enum solver_way way;
-	double residual; // end once the largest change of B, over the largest B, is at most this
-	uint32_t iterations; // that it may take
+	double residual; // end once ρ (D + F B - H), over the largest B, is at most this in every channel
+	uint32_t iterations; // that it may take: products with F, without those that test whether there is a solution
 };
 
 struct solver;
 
-// Begin. STATUS_BAD_ARGUMENT: ρ times the row sums of F is 1 or more in a room that nothing leaves, so that there is no
-// solution; the sentence says so. STATUS_MEMORY, STATUS_DEVICE.
+// Compile what a way needs, where that was not done before. STATUS_MEMORY, STATUS_DEVICE.
+enum status solver_compile(struct device *device, enum solver_way way, struct error *err);
+
+// Begin; it compiles what solver_compile did not. STATUS_BAD_ARGUMENT: a number is negative or none. STATUS_MEMORY,
+// STATUS_DEVICE. The matrix must stay as it is while the solver lives.
 enum status solver_create(const struct solver_problem *problem, struct device *device, struct solver **solver,
 			  struct error *err);
 void solver_destroy(struct solver *solver);
 
-// Work for about budget_us, at least one piece.
+// Work for about budget_us, at least one piece. STATUS_BAD_ARGUMENT: ρ times the row sums of F is 1 or more in a room that
+// nothing leaves, so that there is no solution; the sentence says so. A ρ of 1 is no such thing where light gets away or is
+// absorbed elsewhere.
 enum status solver_step(struct solver *solver, uint32_t budget_us, struct error *err);
 
 bool solver_finished(const struct solver *solver);
-double solver_residual(const struct solver *solver); // so far
+double solver_residual(const struct solver *solver); // so far: above the one asked for if it ended without reaching it
 uint32_t solver_iterations(const struct solver *solver); // done
 
-// Copy H to host memory, 3 floats for each element.
+// Copy H to host memory, 3 floats for each element. Before the end it is what has been found so far.
 enum status solver_read(const struct solver *solver, float *irradiance, struct error *err);
 
 #endif
