@@ -14,12 +14,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "server/base/clock.h"
 #include "server/base/ipc.h"
 
 // Descriptors for the child are first copied to numbers from here on, above those at which the child expects them, so that
 // none overwrites another.
 #define SAFE_FD 16
 #define LAST_WAIT_MS 1000
+#define HIDDEN_US 100000 // from one look at a child that has ended and is hidden to the next
 
 void child_init(struct child *child)
 {
@@ -134,27 +136,19 @@ static void child_drop_fd(struct loop *loop, int *fd)
 	*fd = -1;
 }
 
-int child_reap(struct child *child, struct loop *loop, char *how, size_t capacity)
+// Collect it if that is possible now. false: not yet, though it has ended: whoever traces it (a debugger, a leak checker's
+// thread) is told of its end first, and hides it from its parent until then (ptrace(2)). `info` is zeroed if there is
+// nothing to tell.
+static bool child_wait(const struct child *child, siginfo_t *info)
 {
-	siginfo_t info = {0};
-	int signal_number = 0;
-	snprintf(how, capacity, "ended");
-	if (child->pid > 0 && waitid(P_PIDFD, (id_t)child->pidfd, &info, WEXITED | WNOHANG) == 0) {
-		signal_number = info.si_code == CLD_EXITED ? 0 : info.si_status;
-		if (info.si_code == CLD_EXITED)
-			snprintf(how, capacity, "exited with status %d", info.si_status);
-		else
-			snprintf(how, capacity, "killed by signal %d", info.si_status);
-	}
-	child_drop_fd(loop, &child->socket);
-	child_drop_fd(loop, &child->pidfd);
-	child->pid = 0;
-	return signal_number;
+	*info = (siginfo_t){0};
+	return waitid(P_PIDFD, (id_t)child->pidfd, info, WEXITED | WNOHANG) != 0 || info->si_pid == child->pid;
 }
 
 struct abandoned {
 	struct child child;
 	struct children *children;
+	struct loop_timer timer; // until the next look, while it is hidden
 	struct abandoned *next;
 };
 
@@ -163,34 +157,54 @@ void children_init(struct children *children, struct loop *loop)
 	*children = (struct children){.loop = loop};
 }
 
-static void child_collect(void *owner, uint32_t events)
+// Close what there is of it, collected or not.
+static void child_forget(struct abandoned *gone)
 {
-	struct abandoned *gone = owner;
-	struct abandoned **link = &gone->children->first;
-	char how[64];
-	(void)events;
+	struct children *children = gone->children;
+	struct abandoned **link = &children->first;
 	while (*link != gone)
 		link = &(*link)->next;
 	*link = gone->next;
-	gone->children->count--;
-	child_reap(&gone->child, gone->children->loop, how, sizeof how);
+	children->count--;
+	loop_timer_stop(children->loop, &gone->timer);
+	child_drop_fd(children->loop, &gone->child.pidfd);
 	free(gone);
+}
+
+static void child_look(void *owner)
+{
+	struct abandoned *gone = owner;
+	siginfo_t info;
+	if (child_wait(&gone->child, &info)) {
+		child_forget(gone);
+		return;
+	}
+	// Its pidfd stays readable, so the loop would call without a pause.
+	loop_forget(gone->children->loop, gone->child.pidfd);
+	loop_timer_set(gone->children->loop, &gone->timer, clock_us() + HIDDEN_US, child_look, gone);
+}
+
+static void child_collect(void *owner, uint32_t events)
+{
+	(void)events;
+	child_look(owner);
 }
 
 void children_finish(struct children *children)
 {
 	while (children->first) {
-		struct pollfd ended = {.fd = children->first->child.pidfd, .events = POLLIN};
+		struct abandoned *gone = children->first;
+		struct pollfd ended = {.fd = gone->child.pidfd, .events = POLLIN};
+		siginfo_t ignored;
 		poll(&ended, 1, LAST_WAIT_MS);
-		child_collect(children->first, 0);
+		child_wait(&gone->child, &ignored);
+		child_forget(gone);
 	}
 }
 
-void child_abandon(struct child *child, struct children *children)
+// Let go of one that has ended or is about to.
+static void child_leave(struct child *child, struct children *children)
 {
-	if (child->pid <= 0)
-		return;
-	child_kill(child);
 	child_drop_fd(children->loop, &child->socket);
 	loop_forget(children->loop, child->pidfd);
 	struct abandoned *gone = calloc(1, sizeof *gone);
@@ -204,4 +218,34 @@ void child_abandon(struct child *child, struct children *children)
 		free(gone);
 	}
 	child_init(child);
+}
+
+int child_reap(struct child *child, struct children *children, char *how, size_t capacity)
+{
+	siginfo_t info;
+	int signal_number = 0;
+	snprintf(how, capacity, "ended");
+	if (child->pid > 0 && !child_wait(child, &info)) {
+		child_leave(child, children);
+		return 0;
+	}
+	if (child->pid > 0 && info.si_pid > 0) {
+		signal_number = info.si_code == CLD_EXITED ? 0 : info.si_status;
+		if (info.si_code == CLD_EXITED)
+			snprintf(how, capacity, "exited with status %d", info.si_status);
+		else
+			snprintf(how, capacity, "killed by signal %d", info.si_status);
+	}
+	child_drop_fd(children->loop, &child->socket);
+	child_drop_fd(children->loop, &child->pidfd);
+	child->pid = 0;
+	return signal_number;
+}
+
+void child_abandon(struct child *child, struct children *children)
+{
+	if (child->pid <= 0)
+		return;
+	child_kill(child);
+	child_leave(child, children);
 }

@@ -30,7 +30,7 @@ struct children {
 void children_init(struct children *children, struct loop *loop);
 
 // Collect those that are left, and wait for them. They have been killed, so this takes moments; one that does not end within
-// a second is left to whoever collects orphans.
+// a second, or is traced and so hidden from its parent, is left to whoever collects orphans.
 void children_finish(struct children *children);
 
 void child_init(struct child *child);
@@ -47,8 +47,9 @@ void child_kill(const struct child *child);
 bool child_is_stopped(const struct child *child);
 
 // After pidfd became readable: collect it and close both descriptors (forgotten in `loop` first). `how` gets its end in
-// words, "killed by signal 9" or "exited with status 1". Returns the signal, 0 if it was none.
-int child_reap(struct child *child, struct loop *loop, char *how, size_t capacity);
+// words, "killed by signal 9" or "exited with status 1". Returns the signal, 0 if it was none. One that is traced is hidden
+// from its parent until its tracer knows: it has "ended", by no signal that is known, and is left to `children`.
+int child_reap(struct child *child, struct children *children, char *how, size_t capacity);
 
 // Kill it and let go of it: the loop collects it whenever it has ended. Nothing if there is none. Never waits.
 void child_abandon(struct child *child, struct children *children);

@@ -29,7 +29,7 @@ static void compiler_ended(void *owner, uint32_t events)
 	char how[64];
 	const uint64_t code = c->code;
 	(void)events;
-	const int signal_number = child_reap(&c->child, c->worker->loop, how, sizeof how);
+	const int signal_number = child_reap(&c->child, c->worker->children, how, sizeof how);
 	const char *failure = worker_is_own_fault(signal_number) ? how : works_without_end(c) ? "without an end" : NULL;
 	watch_end(&c->watch);
 	log_line(LOG_INFO, "compiler of %016llx: %s", (unsigned long long)code, how);

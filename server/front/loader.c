@@ -173,7 +173,7 @@ static void loader_ended(void *owner, uint32_t events)
 		continue;
 	if (loader_take(loader))
 		return;
-	if (child_reap(&loader->child, loader->loop, how, sizeof how) == SIGXCPU)
+	if (child_reap(&loader->child, loader->children, how, sizeof how) == SIGXCPU)
 		error_set(
 		    &err, STATUS_SCENE_LIMIT,
 		    "the scene takes more than %u s of processor time to read: make it smaller, the file may be broken",

@@ -439,7 +439,7 @@ static void worker_ended(void *owner, uint32_t events)
 	const bool lost = worker->device_lost.code != STATUS_OK;
 	const char *killed_for = lost ? worker->device_lost.text : worker->killed_for;
 	enum worker_fault fault = lost ? FAULT_DEVICE : worker->fault;
-	const int signal_number = child_reap(&worker->child, worker->loop, how, sizeof how);
+	const int signal_number = child_reap(&worker->child, worker->children, how, sizeof how);
 	if (!killed_for && (worker_is_own_fault(signal_number) || (signal_number == 0 && worker->state == WORKER_READY)))
 		fault = FAULT_WORK;
 	error_set(&why, STATUS_WORKER_LOST, "%s", killed_for ? killed_for : how);

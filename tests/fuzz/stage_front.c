@@ -189,12 +189,12 @@ static void child_forget(struct child *child, struct loop *loop)
 	child_init(child);
 }
 
-int child_reap(struct child *child, struct loop *loop, char *how, size_t capacity)
+int child_reap(struct child *child, struct children *children, char *how, size_t capacity)
 {
 	const struct puppet *p = child->pid > 0 ? puppet_of(child->pid) : NULL;
 	const int signal_number = p ? p->signal : 0;
 	snprintf(how, capacity, "killed by signal %d", signal_number);
-	child_forget(child, loop);
+	child_forget(child, children->loop);
 	return signal_number;
 }
 

@@ -344,16 +344,7 @@ class Losses(unittest.TestCase):
 
 def children_of(pid):
     with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
-        children = file.read().split()
-    # The leak checker traces a loader at its end. One that is killed then is hidden from its parent, who cannot collect it.
-    return sum(map(is_left, children)) if SANITIZE else len(children)
-
-
-def is_left(pid):
-    try:
-        return state_of(pid) != "Z"
-    except FileNotFoundError:
-        return False  # it has been collected meanwhile
+        return len(file.read().split())
 
 
 class Table(Losses):
