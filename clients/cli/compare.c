@@ -10,11 +10,12 @@
 static enum exit_code run_compare(struct cli *cli, const struct command *self, int argc, char **argv)
 {
 	char path[PROGRAM_PATH];
+	static char name[] = "candil compare"; // the program's messages begin with it
 	char *arguments[64];
 	int count = 0;
 	if (argc > 60)
 		return cli_usage(self, "that is too many arguments");
-	arguments[count++] = path;
+	arguments[count++] = name;
 	for (int i = 1; i < argc; i++)
 		arguments[count++] = argv[i];
 	static char json[] = "--json";
@@ -24,7 +25,7 @@ static enum exit_code run_compare(struct cli *cli, const struct command *self, i
 	if (argc == 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0))
 		return cli_help(self);
 	struct candil_error error;
-	if (!program_has_room("candil-compare", &error))
+	if (!program_has_room(name, &error))
 		return cli_fail(cli, &error, stdout);
 	if (program_libexec("candil-compare", path, sizeof(path)))
 		execv(path, arguments);

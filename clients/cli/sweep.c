@@ -483,10 +483,11 @@ static enum exit_code sweep_say_summary(struct sweep *sweep)
 static enum exit_code read_cameras(struct sweep *sweep)
 {
 	const char *path = sweep->texts.cameras ? sweep->texts.cameras : sweep->texts.keys;
+	const char *option = sweep->texts.cameras ? "--cameras" : "--keys";
 	struct candil_error error = {.code = CANDIL_STATUS_LIMIT};
 	struct candil_camera *cameras;
 	uint32_t count;
-	if (path && !sweep_cameras_read(path, &cameras, &count, &error))
+	if (path && !sweep_cameras_read(path, option, &cameras, &count, &error))
 		return job_fail(&sweep->job, &error);
 	if (sweep->texts.keys) {
 		sweep->cameras = sweep_keys_spread(cameras, count, sweep->count);

@@ -11,13 +11,14 @@
 struct list {
 	struct candil_camera *cameras;
 	uint32_t count, capacity;
+	const char *option; // that the user gave them by
 	struct candil_error *error;
 };
 
 static bool cameras_refuse(struct list *list, const char *what)
 {
 	list->error->code = CANDIL_STATUS_BAD_ARGUMENT;
-	snprintf(list->error->text, sizeof(list->error->text), "camera %u of --cameras: %s", list->count, what);
+	snprintf(list->error->text, sizeof(list->error->text), "camera %u of %s: %s", list->count, list->option, what);
 	return false;
 }
 
@@ -146,9 +147,10 @@ static char *cameras_read_file(const char *path, size_t *bytes, struct candil_er
 	return text;
 }
 
-bool sweep_cameras_read(const char *path, struct candil_camera **cameras, uint32_t *count, struct candil_error *error)
+bool sweep_cameras_read(const char *path, const char *option, struct candil_camera **cameras, uint32_t *count,
+			struct candil_error *error)
 {
-	struct list list = {.error = error};
+	struct list list = {.option = option, .error = error};
 	size_t bytes;
 	char *text = cameras_read_file(path, &bytes, error);
 	if (!text)

@@ -8,8 +8,10 @@
 
 // Read cameras from a file: a JSON array of them, or one after the other. A camera is an array of ten numbers (eye, target,
 // up, vertical angle) or an object {"eye": [x,y,z], "target": [x,y,z], "up": [x,y,z], "vfov": degrees}, up being +Y if it is
-// left out. *cameras is the caller's, to be freed. false: `error` says why.
-bool sweep_cameras_read(const char *path, struct candil_camera **cameras, uint32_t *count, struct candil_error *error);
+// left out. *cameras is the caller's, to be freed. false: `error` says why, and names the `option` that the file was given
+// by.
+bool sweep_cameras_read(const char *path, const char *option, struct candil_camera **cameras, uint32_t *count,
+			struct candil_error *error);
 
 // Parse "N[,DEGREES[,METRES]]": 1 to SWEEP_CAMERAS_MAX, -89 to 89, above 0. false: the text is something else.
 bool sweep_orbit_parse(const char *text, uint32_t *count, double *elevation, double *radius);

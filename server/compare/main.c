@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "server/base/room.h"
 #include "server/compare/gallery.h"
@@ -22,7 +23,7 @@ struct arguments {
 };
 
 static const char usage[] =
-    "usage: candil-compare A B [C...] [--mask-above RADIANCE] [--error-image OUT.png] [--side-by-side OUT.png]\n"
+    "usage: %s A B [C...] [--mask-above RADIANCE] [--error-image OUT.png] [--side-by-side OUT.png]\n"
     "                      [--html OUT.html] [--json]\n"
     "\n"
     "Compare picture A with the reference B: RMSE, relMSE = mean((a-b)^2 / (b^2 + 0.01)), the signed mean difference,\n"
@@ -46,6 +47,13 @@ static bool parse_radiance(const char *text, double *value)
 	return end != text && *end == 0 && !isnan(*value);
 }
 
+// What its messages call it: "candil compare" where that started it, else the file's name.
+static char *own_name(char *started_as)
+{
+	char *slash = strrchr(started_as, '/');
+	return slash ? slash + 1 : started_as;
+}
+
 // Returns 0, or one more than the exit code with which the program must end.
 static int parse(int argc, char **argv, struct arguments *args)
 {
@@ -62,7 +70,7 @@ static int parse(int argc, char **argv, struct arguments *args)
 	int option;
 	while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
 		if (option == 'm' && !parse_radiance(optarg, &args->mask_above)) {
-			fprintf(stderr, "candil-compare: --mask-above needs a number, not \"%s\"\n", optarg);
+			fprintf(stderr, "%s: --mask-above needs a number, not \"%s\"\n", argv[0], optarg);
 			return EXIT_USAGE + 1;
 		}
 		if (option == 'e')
@@ -74,7 +82,7 @@ static int parse(int argc, char **argv, struct arguments *args)
 		if (option == 'j')
 			args->json = true;
 		if (option == 'h') {
-			fputs(usage, stdout);
+			printf(usage, argv[0]);
 			return EXIT_COMPARED + 1;
 		}
 		if (option == '?')
@@ -83,7 +91,8 @@ static int parse(int argc, char **argv, struct arguments *args)
 	args->files = argv + optind;
 	args->count = argc - optind;
 	if (args->count < 2 || (args->count > 2 && !args->html)) {
-		fputs("candil-compare: two pictures are needed, or with --html two or more; see --help\n", stderr);
+		fprintf(stderr, "%s: two pictures are needed, or with --html two or more; see %s --help\n", argv[0],
+			argv[0]);
 		return EXIT_USAGE + 1;
 	}
 	args->a = argv[optind];
@@ -145,6 +154,10 @@ int main(int argc, char **argv)
 {
 	struct arguments args;
 	signal(SIGXFSZ, SIG_IGN); // a file that may not become so large has an error of its own
+	static char unnamed[] = "candil-compare";
+	if (argc < 1)
+		return EXIT_USAGE;
+	argv[0] = argv[0][0] ? own_name(argv[0]) : unnamed; // getopt_long puts it before its sentences
 	int ended = parse(argc, argv, &args);
 	if (ended)
 		return ended - 1;
@@ -153,7 +166,7 @@ int main(int argc, char **argv)
 		const bool memory = err.code == STATUS_MEMORY;
 		if (memory)
 			room_advise(err.text, sizeof err.text);
-		fprintf(stderr, "candil-compare: %s\n", err.text);
+		fprintf(stderr, "%s: %s\n", argv[0], err.text);
 		if (args.json)
 			report_print_failure(&err, memory ? EXIT_MEMORY : EXIT_COULD_NOT);
 		return memory ? EXIT_MEMORY : EXIT_COULD_NOT;

@@ -110,6 +110,21 @@ class Usage(unittest.TestCase):
             said = self.refused(2, "sweep", scene, "-o", "x{index}.png", *option).stderr
             self.assertIn("No such file", said)
 
+    def test_messages_name_what_was_typed(self):
+        scene = write_scene(self.folder.name)
+        with open(os.path.join(self.folder.name, "odd.json"), "w", encoding="ascii") as file:
+            file.write("[1, 2]")
+        for option in (["--cameras", "odd.json"], ["--keys", "odd.json", "--frames", "3"]):
+            said = self.refused(2, "sweep", scene, "-o", "x{index}.png", *option).stderr
+            self.assertIn(f"camera 0 of {option[0]}: ", said)
+        for arguments in (["only.exr"], ["a.exr", "b.exr", "--no-such"], ["a.exr", "b.exr", "--mask-above", "x"]):
+            said = self.refused(2, "compare", *arguments).stderr
+            self.assertTrue(said.startswith("candil compare: "), said)
+            self.assertNotIn("candil-compare", said)
+        said = self.candil("compare", "a.exr", "b.exr")
+        self.assertEqual(said.returncode, 1)
+        self.assertTrue(said.stderr.startswith("candil compare: "), said.stderr)
+
     def test_missing_file_is_a_scene_error(self):
         self.refused(4, "render", "missing.gltf", "-o", "x.png")
         self.refused(4, "render", "./missing", "-o", "x.png")
