@@ -83,6 +83,7 @@ enum status attempts_begin(struct attempts *a, struct error *err)
 	plan.width = a->size.width;
 	plan.height = a->size.height;
 	plan.first_sure = is_timed(a) && is_first(a);
+	plan.forecasts = is_timed(a) ? a->forecasts : NULL;
 	// Its error would be that of another picture.
 	if (!is_whole(a))
 		plan.target_error = 0;

@@ -11,6 +11,8 @@
 #define CANDIL_WORKER_ATTEMPTS_H
 
 #include "server/worker/image/frame.h"
+#include "server/worker/plan/forecast.h"
+#include "server/worker/plan/plan.h"
 #include "server/worker/technique/technique.h"
 
 // What a job has of them.
@@ -29,6 +31,7 @@ struct attempts {
 	struct {
 		double pixels, us; // how many it had, and what a sample of them took; 0: there was none
 	} before; // the attempt before it
+	struct forecast forecasts[PLAN_FORECASTS]; // the technique's, from one attempt to the next
 	double fraction; // of the work on the picture, 0…1
 	struct frame *sure; // owned: what the attempt before it came to, while it has no sample itself; NULL: nothing
 	struct frame_stage stages[FRAME_STAGES_MAX]; // what attempts took that are shown by none

@@ -1,5 +1,5 @@
-// Indirect light at half resolution (every second pixel of every second row). The first quarter of a band's tiles computes
-// it, because an idle lane costs as much as a busy one.
+// Indirect light at half resolution (every second pixel of every second row). Its tiles are those of the half picture, counted
+// from the band's first one, because an idle lane costs as much as a busy one.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 

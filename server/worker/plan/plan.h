@@ -13,14 +13,18 @@
 #include "candil.pb.h"
 #include "protocol/limits.h"
 
+struct forecast; // forecast.h
 struct resident_scene;
 
 // From this contrast of the surroundings on, light paths begin there. Measured: tests/bench/RESULTS.md.
 #define PLAN_SKY_CONTRAST 16.0
 
-// Share of the time until the end that a piece of work is sized to: some tiles take several times what those before them
-// did.
+// Share of the time until the end that a piece of work is sized to: some tiles take several times what was forecast for them
+// (forecast.h), four times here.
 #define PLAN_PIECE 0.25
+
+// The most passes of a technique that are forecast on their own.
+#define PLAN_FORECASTS 12u
 
 // Bytes for a technique's settings. Each technique asserts that its own fit.
 #define PLAN_SETTINGS_BYTES 256u
@@ -64,6 +68,8 @@ struct plan {
 	bool deadline; // the job may be ended any time after its first sample, which is done and reported first
 	uint64_t end_us; // clock_us() by which sampling has to end; 0: no matter when
 	bool first_sure; // its first sample is finished whatever end_us is
+	struct forecast *forecasts; // PLAN_FORECASTS: what attempts at this picture know of the technique's passes, one
+				    // after the other; NULL: there is one attempt
 	bool whole; // by then the picture has a sample of every pixel that was asked for, or there is none
 	uint32_t depth; // the most scattering events of a path
 	uint32_t effects; // bits 1 << candil_Effect of those that are simulated

@@ -25,7 +25,7 @@ static void advance(struct deferred *d, uint32_t units)
 {
 	const uint32_t works = d->aov_done ? d->work_count : 2;
 	d->unit += units;
-	if (d->unit < deferred_units(d, deferred_current(d)))
+	if (d->unit < deferred_units(d, deferred_current(d), d->band))
 		return;
 	d->unit = 0;
 	if (++d->work < works)
@@ -39,22 +39,35 @@ static void advance(struct deferred *d, uint32_t units)
 	d->aov_done = true;
 }
 
+// The cursor's place in the pass's forecast, which goes over all bands.
+static uint32_t place(const struct deferred *d, const struct deferred_work *w)
+{
+	return d->band * deferred_units_most(d, w) + d->unit;
+}
+
 // How many units should take `us`: at least one if there is one. A scene without triangles has none to draw, and what
-// another scene's job left bound must not be drawn in its stead. *cost is their cost together: 1 for a tile; for a triangle
-// deferred_drawable's, because it may cover a point or all of the picture.
+// another scene's job left bound must not be drawn in its stead. *cost is that of triangles together, deferred_drawable's,
+// because one may cover a point or all of the picture.
 static uint32_t affordable(const struct deferred *d, const struct deferred_work *w, double us, double *cost)
 {
-	const uint32_t left = deferred_units(d, w) - d->unit;
-	const uint32_t first = d->plan.end_us > 0 ? FIRST_TILES_TIMED : FIRST_TILES;
-	*cost = w->unit_us > 0 ? us / w->unit_us : w->kind == DEFERRED_DRAW ? FIRST_COST : first;
+	const uint32_t left = deferred_units(d, w, d->band) - d->unit;
 	if (w->kind == DEFERRED_DRAW) {
 		const struct deferred_rows *r = &d->bands[d->band].outer;
+		*cost = w->pixel_us > 0 ? us / w->pixel_us : FIRST_COST;
 		*cost = *cost > LEAST_COST ? *cost : LEAST_COST;
 		return deferred_drawable(&d->plan, d->scene, r->first_row, r->rows, d->unit, left, cost);
 	}
-	const uint32_t n = *cost < 1 ? 1 : *cost < left ? (uint32_t)*cost : left;
-	*cost = n;
-	return n;
+	const uint32_t first = d->plan.end_us > 0 ? FIRST_TILES_TIMED : FIRST_TILES;
+	if (forecast_us(w->forecast, place(d, w), 1) > 0)
+		return forecast_fit(w->forecast, place(d, w), left, us);
+	return first < left ? first : left;
+}
+
+// Microseconds that the shortest piece from the cursor on takes, as far as is known.
+static double least_us(struct deferred *d)
+{
+	const struct deferred_work *w = deferred_current(d);
+	return w->kind == DEFERRED_DRAW ? LEAST_COST * w->pixel_us : forecast_least_us(w->forecast, place(d, w));
 }
 
 static enum status deferred_take_counters(struct deferred *d, struct error *err)
@@ -76,7 +89,7 @@ static enum status deferred_take_counters(struct deferred *d, struct error *err)
 static enum status run_piece(struct deferred *d, double us, struct error *err)
 {
 	struct deferred_work *w = deferred_current(d);
-	double cost;
+	double cost = 0;
 	const uint32_t units = affordable(d, w, us, &cost);
 	const uint64_t start = clock_us();
 	deferred_record(d, units);
@@ -85,9 +98,11 @@ static enum status run_piece(struct deferred *d, double us, struct error *err)
 		s = deferred_take_counters(d, err);
 	const uint64_t us_taken = clock_us() - start;
 	d->work_us += us_taken;
-	if (units > 0) {
+	if (units > 0 && w->kind == DEFERRED_DRAW) {
 		const double measured = (double)us_taken / cost;
-		w->unit_us = w->unit_us > 0 ? 0.5 * (w->unit_us + measured) : measured;
+		w->pixel_us = w->pixel_us > 0 ? 0.5 * (w->pixel_us + measured) : measured;
+	} else if (units > 0) {
+		forecast_add(w->forecast, place(d, w), units, (double)us_taken);
 	}
 	advance(d, units);
 	return s;
@@ -98,7 +113,7 @@ static double fraction(struct deferred *d)
 	if (finished(d))
 		return 1;
 	const double works = d->aov_done ? d->work_count : 2;
-	const uint32_t units = d->work < works ? deferred_units(d, deferred_current(d)) : 0;
+	const uint32_t units = d->work < works ? deferred_units(d, deferred_current(d), d->band) : 0;
 	const double unit = units > 0 ? (double)d->unit / units : 0;
 	return (d->sample + (d->band + (d->work + unit) / works) / d->band_count) / d->plan.samples;
 }
@@ -106,8 +121,7 @@ static double fraction(struct deferred *d)
 // Whether there is no time for another piece before the end.
 static bool deferred_is_late(struct deferred *d)
 {
-	return !finished(d) && (d->sample > 0 || !d->plan.first_sure) &&
-	       !plan_fits(&d->plan, clock_us(), deferred_current(d)->unit_us);
+	return !finished(d) && (d->sample > 0 || !d->plan.first_sure) && !plan_fits(&d->plan, clock_us(), least_us(d));
 }
 
 enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_result *result, struct error *err)
@@ -123,8 +137,8 @@ enum status deferred_step(struct deferred *d, uint32_t budget_us, struct step_re
 		if (d->plan.deadline && begun_at == 0 && d->sample == 1)
 			break;
 		spent = clock_us() - start;
-		// What is left of the budget is less than another unit takes.
-		if (spent >= budget_us || (!finished(d) && (double)(budget_us - spent) < deferred_current(d)->unit_us))
+		// What is left of the budget is less than another piece takes.
+		if (spent >= budget_us || (!finished(d) && (double)(budget_us - spent) < least_us(d)))
 			break;
 	}
 	result->samples_done = d->sample;

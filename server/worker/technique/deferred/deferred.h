@@ -40,6 +40,7 @@ struct deferred_pass {
 	const struct gl_source *source;
 	struct gl_defines defines; // its macros, to which those of the effects are added
 	const char *stage; // the name under which its time is told: a literal
+	bool halved; // its tiles are those of every second pixel of every second row of the area, counted on their own
 	// Bind what the shader needs beside the scene, the job and the bindings of shared/deferred.h. Called before every
 	// dispatch, with the program in use, because other jobs bind what they need in between. NULL: nothing to bind.
 	void (*bind)(void *user, const struct deferred_area *area);

@@ -4,6 +4,7 @@
 #define CANDIL_WORKER_TECHNIQUE_DEFERRED_JOB_H
 
 #include "server/worker/gl/scene.h"
+#include "server/worker/plan/forecast.h"
 #include "server/worker/technique/deferred/deferred.h"
 #include "shaders/shared/scene_params.h"
 
@@ -30,10 +31,12 @@ struct deferred_work {
 	const char *stage;
 	struct gl_program *program; // held
 	const struct deferred_pass *pass; // DEFERRED_SHADE
-	double unit_us; // measured time of a tile, or of a pixel of a triangle's cost (deferred_cover.h); 0: not yet
+	struct forecast *forecast; // of its tiles; NULL: DEFERRED_DRAW
+	double pixel_us; // DEFERRED_DRAW: of a pixel of a triangle's cost (deferred_cover.h); 0: not measured yet
 };
 
 #define DEFERRED_WORKS (DEFERRED_PASSES_MAX + 3)
+_Static_assert(DEFERRED_WORKS + 1 <= PLAN_FORECASTS, "plan.h and deferred.h differ");
 
 // The job.
 struct deferred {
@@ -56,6 +59,7 @@ struct deferred {
 	struct deferred_work works[DEFERRED_WORKS];
 	uint32_t work_count;
 	struct deferred_work aov_work;
+	struct forecast forecasts[PLAN_FORECASTS]; // where the plan has none
 
 	// The cursor. Next is unit `unit` of pass `work` on band `band`: of the AOVs if they are not done, else of `sample`.
 	bool aov_done;
@@ -68,8 +72,11 @@ struct deferred {
 	uint64_t work_us; // on samples and AOVs
 };
 
-// How many units a pass has: triangles for DEFERRED_DRAW, else tiles of the cursor's band.
-uint32_t deferred_units(const struct deferred *deferred, const struct deferred_work *work);
+// How many units a pass has on a band: triangles for DEFERRED_DRAW, else tiles.
+uint32_t deferred_units(const struct deferred *deferred, const struct deferred_work *work, uint32_t band);
+
+// How many it has on the largest band.
+uint32_t deferred_units_most(const struct deferred *deferred, const struct deferred_work *work);
 
 // The pass at the cursor.
 struct deferred_work *deferred_current(struct deferred *deferred);

@@ -2,17 +2,27 @@
 #include <epoxy/gl.h>
 
 #include "server/worker/gl/settle.h"
+#include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/deferred/deferred_job.h"
 #include "shaders/shared/deferred.h"
 
 #define TILES_PER_DISPATCH 65535u
 
-uint32_t deferred_units(const struct deferred *d, const struct deferred_work *work)
+uint32_t deferred_units(const struct deferred *d, const struct deferred_work *work, uint32_t band)
 {
-	const struct deferred_band *b = &d->bands[d->band];
+	const struct deferred_band *b = &d->bands[band];
 	if (work->kind == DEFERRED_DRAW)
 		return scene_count(d->scene, BLOB_TRIANGLES);
+	if (work->kind == DEFERRED_SHADE && work->pass->halved)
+		return tiles_over((d->plan.width + 1) / 2) * tiles_over((b->outer.rows + 1) / 2);
 	return work->kind == DEFERRED_SHADE ? b->outer.tiles : b->own.tiles;
+}
+
+// Inner bands are as large as each other, and the last one is no larger.
+uint32_t deferred_units_most(const struct deferred *d, const struct deferred_work *work)
+{
+	const uint32_t outer = deferred_units(d, work, 0), inner = deferred_units(d, work, d->band_count > 1);
+	return outer > inner ? outer : inner;
 }
 
 struct deferred_work *deferred_current(struct deferred *d)

@@ -154,6 +154,17 @@ static enum status make_program(struct deferred *d, struct deferred_work *work, 
 	return s;
 }
 
+// One after the other, those of the AOVs last.
+static void make_forecasts(struct deferred *d)
+{
+	struct forecast *f = d->plan.forecasts ? d->plan.forecasts : d->forecasts;
+	for (uint32_t i = 1; i <= d->work_count; i++, f++) {
+		struct deferred_work *w = i < d->work_count ? &d->works[i] : &d->aov_work;
+		forecast_begin(f, d->band_count * deferred_units_most(d, w));
+		w->forecast = f;
+	}
+}
+
 static enum status make_works(struct deferred *d, struct error *err)
 {
 	struct deferred_work *w = d->works;
@@ -174,6 +185,7 @@ static enum status make_works(struct deferred *d, struct error *err)
 		s = make_program(d, &d->aov_work, &aov_source, NULL, err);
 	}
 	d->aov_done = !d->plan.aovs;
+	make_forecasts(d);
 	return s;
 }
 

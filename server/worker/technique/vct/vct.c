@@ -135,6 +135,7 @@ static uint32_t cone_passes(struct technique_job *j, const struct plan *plan, st
 	passes[count].source = vct_settings(plan)->detail == VCT_DETAIL_HALF ? &coarse_source : &cones_source;
 	if (vct_settings(plan)->detail == VCT_DETAIL_FULL)
 		return count + 1;
+	passes[count].halved = true;
 	passes[count + 1] = pass;
 	passes[count + 1].source = &fine_source;
 	return count + 2;
