@@ -33,7 +33,7 @@ from render import Daemon
 
 PICTURES = (".exr", ".png")
 # Times, what they depend on, sizes that follow from them or from how a build lays out its memory, and names of files.
-UNSTEADY = {"image", "output", "file", "bytes", "job_bytes", "blob_bytes", "hash", "scene_hash", "elapsed_us", "load_us", "stages", "us",
+UNSTEADY = {"image", "output", "file", "bytes", "job_bytes", "blob_bytes", "hash", "scene_hash", "elapsed_us", "cold_us", "load_us", "stages", "us",
             "cost_us", "share", "slices", "device"}
 METADATA = re.compile(r"candil/(?!device$|version$|.*_us$|.*_hash$)")
 DIGEST = re.compile(r"pictures\.(.+)\.pixels\.(.+)\.2: ")  # what differences() says of a channel's
