@@ -1,12 +1,14 @@
 // What the matrix of form factors and its solvers cost: rows taken out of a dense buffer, and solutions of random matrices.
+// With any argument the largest, which takes a minute, is left out.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "server/base/clock.h"
 #include "server/worker/devices.h"
-#include "server/worker/technique/radiosity/factors.h"
+#include "server/worker/technique/radiosity/solver.h"
 #include "server/worker/vk/device.h"
 
 #define UNIT 0x1p30
@@ -61,8 +63,114 @@ static void bench_pack(struct device *device, uint32_t side, uint32_t entries, u
 	free(rows);
 }
 
-int main(void)
+// ---- solutions
+// --------------------------------------------------------------------------------------------------------------
+
+// A closed room whose every patch sees `entries` others, with symmetric factors: patch i sees i + d and i - d for random d,
+// all rows alike. Elements of the patches' backs have no rows.
+static void fill_matrix(struct factors *f, uint32_t patches, uint32_t entries)
 {
+	uint8_t *seen = calloc(patches, 1);
+	float *weight = calloc(patches, sizeof *weight), *values = malloc(entries * sizeof *values);
+	uint32_t *columns = malloc(entries * sizeof *columns), n = 0;
+	if (!seen || !weight || !values || !columns)
+		exit(1);
+	double sum = 0;
+	while (n < entries) {
+		const uint32_t d = 1 + draw() % (patches / 2 - 1);
+		if (seen[d])
+			continue;
+		weight[d] = weight[patches - d] = (float)(1 + draw() % 1000);
+		seen[d] = seen[patches - d] = 1;
+		sum += 2.0 * (double)weight[d];
+		n += 2;
+	}
+	for (uint32_t i = 0; i < patches; i++) {
+		const struct factors_put row = {.element = i};
+		n = 0;
+		for (uint32_t j = 0, d = i == 0 ? 0 : patches - i; j < patches; j++, d = d + 1 == patches ? 0 : d + 1)
+			if (seen[d]) {
+				columns[n] = j;
+				values[n++] = (float)((double)weight[d] / sum);
+			}
+		need(factors_put_row(f, &row, columns, values, n, &err));
+	}
+	free(seen);
+	free(weight);
+	free(values);
+	free(columns);
+}
+
+// Of all threads, in µs.
+static double processor_us(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+	return (double)t.tv_sec * 1e6 + (double)t.tv_nsec * 1e-3;
+}
+
+static void bench_way(struct device *device, const struct factors *f, const struct solver_problem *of, const char *name)
+{
+	struct solver *solver;
+	float *h = malloc(3ull * f->side * sizeof *h);
+	const uint64_t begin = clock_us();
+	need(solver_create(of, device, &solver, &err));
+	const uint64_t start = clock_us();
+	const double work = processor_us();
+	uint64_t longest = 0;
+	while (!solver_finished(solver)) {
+		const uint64_t before = clock_us();
+		need(solver_step(solver, 20000, &err));
+		longest = clock_us() - before > longest ? clock_us() - before : longest;
+	}
+	const double end = (double)clock_us(), worked = processor_us() - work;
+	need(h ? solver_read(solver, h, &err) : STATUS_MEMORY);
+	printf("| %u | %.1f | %s | %u | %.1f | %.0f | %.0f | %.0f | %.0f | %.1g |\n", f->side / 2, (double)f->entries * 1e-6,
+	       name, solver_iterations(solver), worked * 1e-3 / solver_iterations(solver), worked * 1e-3,
+	       (end - (double)start) * 1e-3, (double)(start - begin) * 1e-3, (double)longest * 1e-3,
+	       solver_residual(solver));
+	solver_destroy(solver);
+	free(h);
+}
+
+static void bench_solve(struct device *device, uint32_t patches, uint32_t entries, double least)
+{
+	struct factors f;
+	const uint32_t side = 2 * patches;
+	float *exitance = calloc(3ull * side, sizeof *exitance), *albedo = calloc(3ull * side, sizeof *albedo);
+	float *irradiance = calloc(3ull * side, sizeof *irradiance), *area = calloc(side, sizeof *area);
+	if (!exitance || !albedo || !irradiance || !area)
+		exit(1);
+	need(factors_init(&f, device, side, &err));
+	fill_matrix(&f, patches, entries);
+	for (uint32_t i = 0; i < 3 * side; i++) {
+		albedo[i] = (float)(least + (0.9 - least) * draw() * 0x1p-32);
+		exitance[i] = i < 3 * patches / 100 ? 100 : 0;
+	}
+	for (uint32_t i = 0; i < side; i++)
+		area[i] = 1;
+	struct solver_problem p = {.factors = &f,
+				   .exitance = exitance,
+				   .albedo = albedo,
+				   .irradiance = irradiance,
+				   .area = area,
+				   .residual = 1e-6,
+				   .iterations = 1000};
+	static const char *const names[3] = {"Jacobi", "Gauss-Seidel", "gradient"};
+	for (int way = 0; way < 3; way++) {
+		p.way = (enum solver_way)way;
+		bench_way(device, &f, &p, names[way]);
+	}
+	factors_finish(&f);
+	free(exitance);
+	free(albedo);
+	free(irradiance);
+	free(area);
+}
+
+int main(int argc, char **argv)
+{
+	(void)argv;
 	const struct device_options options = {0};
 	struct device *device;
 	need(device_create(&options, &device, &err));
@@ -70,6 +178,13 @@ int main(void)
 	for (int on_host = 0; on_host < 2; on_host++)
 		for (uint32_t entries = 400; entries <= 1600; entries *= 4)
 			bench_pack(device, 25800, entries, 300, on_host);
+	printf("\n| patches | million entries | solver | products | processors' ms each | in all | ms | "
+	       "ms to begin | ms the longest slice of 20 | residual |\n"
+	       "| ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+	bench_solve(device, 12900, 1500, 0.1);
+	bench_solve(device, 12900, 1500, 0.7);
+	if (argc < 2)
+		bench_solve(device, 62000, 1500, 0.1);
 	devices_finish(&(struct devices){.vk = device});
 	return 0;
 }

@@ -147,9 +147,8 @@ enum status factors_find(struct factors *f, const uint32_t *counts, uint32_t n, 
 // ---- rows
 // -----------------------------------------------------------------------------------------------------------------
 
-// Write to a buffer of a block, which the host may not see.
-static enum status write_at(const struct factors *f, const struct buffer *b, uint32_t first, const void *data,
-			    uint32_t count, struct error *err)
+enum status factors_write(const struct factors *f, const struct buffer *b, uint32_t first, const void *data, uint32_t count,
+			  struct error *err)
 {
 	const uint64_t offset = (uint64_t)first * sizeof(uint32_t), bytes = (uint64_t)count * sizeof(uint32_t);
 	if (b->map) {
@@ -193,9 +192,9 @@ enum status factors_put_row(struct factors *f, const struct factors_put *row, co
 		return s;
 	const struct factors_block *b = &f->blocks[place.block];
 	if (count > 0)
-		s = write_at(f, &b->columns, place.first, columns, count, err);
+		s = factors_write(f, &b->columns, place.first, columns, count, err);
 	if (s == STATUS_OK && count > 0)
-		s = write_at(f, &b->values, place.first, values, count, err);
+		s = factors_write(f, &b->values, place.first, values, count, err);
 	if (s != STATUS_OK) {
 		factors_undo(f, &before);
 		return s;

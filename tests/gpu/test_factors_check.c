@@ -1,0 +1,259 @@
+// Row sums and reciprocity of form factors are measured as a dense matrix in double has them, and the projections do what
+// they say.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "server/worker/devices.h"
+#include "server/worker/technique/radiosity/factors_check.h"
+#include "server/worker/vk/device.h"
+#include "tests/gpu/solver_model.h"
+
+#define SKIPPED 77
+
+static struct device *device;
+static struct error err;
+
+static bool near(double a, double b, double relative)
+{
+	return fabs(a - b) <= relative * fmax(fabs(a), fabs(b));
+}
+
+// The report of a dense matrix; a row without entries counts as never put.
+static struct factors_report report_of(const struct system *s, const struct factors *f)
+{
+	struct factors_report r = {.sum_least = INFINITY};
+	const uint32_t n = s->count;
+	double all = 0, different = 0;
+	for (uint32_t i = 0; i < n; i++) {
+		double sum = 0;
+		if (f->rows[i].block == NONE)
+			continue;
+		for (uint32_t j = 0; j < n; j++) {
+			const double a = (double)s->area[i] * (double)s->matrix[(size_t)i * n + j];
+			const double b = (double)s->area[j] * (double)s->matrix[(size_t)j * n + i];
+			sum += (double)s->matrix[(size_t)i * n + j];
+			r.entries += s->matrix[(size_t)i * n + j] != 0;
+			if (j >= i || f->rows[j].block == NONE || (a == 0 && b == 0))
+				continue;
+			r.pairs++;
+			r.reciprocity_most = fmax(r.reciprocity_most, fabs(a - b) / fmax(a, b));
+			different += fabs(a - b);
+			all += fmax(a, b);
+		}
+		r.rows++;
+		r.sum_least = fmin(r.sum_least, sum);
+		r.sum_most = fmax(r.sum_most, sum);
+		r.sum_mean += sum;
+		r.closure_error = fmax(r.closure_error, fabs(sum + (double)f->rows[i].escaped + (double)f->rows[i].cut - 1));
+	}
+	r.sum_mean /= r.rows;
+	r.reciprocity_mean = different / all;
+	return r;
+}
+
+static void check_report(const struct system *s, const struct factors *f)
+{
+	struct factors_report r;
+	const struct factors_report right = report_of(s, f);
+	assert_int_equal(factors_check(f, s->area, &r, &err), STATUS_OK);
+	printf("%u rows, %llu entries: sums %.6f … %.6f, closure %.2g, reciprocity %.2g, %.2g\n", r.rows,
+	       (unsigned long long)r.entries, r.sum_least, r.sum_most, r.closure_error, r.reciprocity_most,
+	       r.reciprocity_mean);
+	assert_int_equal(r.rows, right.rows);
+	assert_int_equal(r.entries, right.entries);
+	assert_int_equal(r.pairs, right.pairs);
+	assert_true(near(r.sum_least, right.sum_least, 1e-12) && near(r.sum_most, right.sum_most, 1e-12));
+	assert_true(near(r.sum_mean, right.sum_mean, 1e-12) && near(r.closure_error, right.closure_error, 1e-9));
+	assert_true(near(r.reciprocity_most, right.reciprocity_most, 1e-9));
+	assert_true(near(r.reciprocity_mean, right.reciprocity_mean, 1e-9));
+}
+
+// Noise on every factor, some of them gone, and row 5 never put.
+static struct system noisy(uint32_t count)
+{
+	struct system s = system_make(count);
+	system_fill(&s, 3, 0.5);
+	for (uint32_t i = 0; i < count * count; i++)
+		s.matrix[i] *= model_draw() % 6 == 0 ? 0 : (float)(0.5 + model_draw_unit());
+	memset(s.matrix + (size_t)5 * count, 0, count * sizeof(float));
+	return s;
+}
+
+static void read_back(const struct factors *f, struct system *s)
+{
+	memset(s->matrix, 0, (size_t)s->count * s->count * sizeof(float));
+	for (uint32_t i = 0; i < s->count; i++) {
+		uint32_t *columns;
+		float *values;
+		assert_int_equal(factors_read_row(f, i, &columns, &values, &err), STATUS_OK);
+		for (uint32_t k = 0; f->rows[i].block != NONE && k < f->rows[i].count; k++)
+			s->matrix[(size_t)i * s->count + columns[k]] = values[k];
+		free(columns);
+		free(values);
+	}
+}
+
+static void reports_are_right(void **state)
+{
+	(void)state;
+	model_seed(11);
+	struct factors f;
+	struct system s = system_make(150);
+	system_fill(&s, 4, 0.5);
+	system_put(&s, device, 0, &f);
+	check_report(&s, &f);
+	factors_finish(&f);
+	system_free(&s);
+	s = noisy(201);
+	system_put(&s, device, 4000, &f);
+	check_report(&s, &f);
+	factors_finish(&f);
+	system_free(&s);
+}
+
+static void a_matrix_without_rows_has_a_report(void **state)
+{
+	(void)state;
+	struct factors f;
+	struct factors_report r;
+	const float area[3] = {1, 1, 1};
+	for (uint32_t side = 0; side < 4; side += 3) {
+		assert_int_equal(factors_init(&f, device, side, &err), STATUS_OK);
+		assert_int_equal(factors_check(&f, area, &r, &err), STATUS_OK);
+		assert_true(r.rows == 0 && r.pairs == 0 && r.sum_mean == 0 && r.reciprocity_mean == 0);
+		assert_int_equal(factors_close(&f, &err), STATUS_OK);
+		assert_int_equal(factors_average(&f, area, &err), STATUS_OK);
+		factors_finish(&f);
+	}
+}
+
+static void closing_makes_sums_one(void **state)
+{
+	(void)state;
+	model_seed(12);
+	struct factors f;
+	struct factors_report r;
+	struct system s = noisy(150), was = s;
+	system_put(&s, device, 0, &f);
+	for (uint32_t i = 0; i < 150; i++)
+		if (f.rows[i].block != NONE) {
+			f.rows[i].escaped = (float)(i % 4) / 8;
+			f.rows[i].cut = (float)(i % 3) / 16;
+		}
+	s = system_make(150);
+	memcpy(s.area, was.area, 150 * sizeof(float));
+	assert_int_equal(factors_close(&f, &err), STATUS_OK);
+	read_back(&f, &s);
+	check_report(&s, &f);
+	assert_int_equal(factors_check(&f, s.area, &r, &err), STATUS_OK);
+	assert_true(r.closure_error < 1e-6);
+	// Within a row the factors keep their ratios.
+	for (uint32_t i = 0; i < 150; i++) {
+		double ratio = 0;
+		for (uint32_t j = 0; j < 150; j++) {
+			const double before = (double)was.matrix[i * 150 + j], after = (double)s.matrix[i * 150 + j];
+			assert_true((before > 0) == (after > 0));
+			if (before > 0 && ratio > 0)
+				assert_true(near(after / before, ratio, 1e-6));
+			ratio = before > 0 ? after / before : ratio;
+		}
+	}
+	factors_finish(&f);
+	system_free(&s);
+	system_free(&was);
+}
+
+static void averaging_makes_it_reciprocal(void **state)
+{
+	(void)state;
+	model_seed(13);
+	struct factors f;
+	struct factors_report r;
+	struct system was = noisy(150), s = system_make(150);
+	memcpy(s.area, was.area, 150 * sizeof(float));
+	system_put(&was, device, 2000, &f);
+	f.rows[7].escaped = 0.25f;
+	f.rows[8].cut = 0.5f;
+	assert_int_equal(factors_average(&f, s.area, &err), STATUS_OK);
+	read_back(&f, &s);
+	check_report(&s, &f);
+	assert_int_equal(factors_check(&f, s.area, &r, &err), STATUS_OK);
+	assert_true(r.reciprocity_most < 3e-7);
+	assert_true(f.rows[7].escaped == 0.25f && f.rows[8].cut == 0.5f && f.rows[5].block == NONE);
+	assert_true(f.block_count > 1);
+	for (uint32_t i = 0; i < 150; i++)
+		for (uint32_t j = 0; j < 150; j++) {
+			const double own = (double)was.matrix[i * 150 + j], its = (double)was.matrix[j * 150 + i];
+			const double right = i == 5   ? 0
+					     : j == 5 ? own
+						      : 0.5 * (own + its * (double)s.area[j] / (double)s.area[i]);
+			assert_true(near((double)s.matrix[i * 150 + j], right, 1e-6));
+		}
+	factors_finish(&f);
+	system_free(&s);
+	system_free(&was);
+}
+
+// As on a device whose memory the host does not see.
+static void hide(struct factors *f)
+{
+	for (uint32_t b = 0; b < f->block_count; b++)
+		f->blocks[b].columns.map = f->blocks[b].values.map = NULL;
+}
+
+static void memory_that_the_host_does_not_see_is_copied(void **state)
+{
+	(void)state;
+	model_seed(14);
+	struct factors seen, hidden;
+	struct system s = noisy(120), a = system_make(120), b = system_make(120);
+	const uint32_t columns[2] = {3, 77};
+	const float values[2] = {0.25f, 0.5f};
+	struct factors *const both[2] = {&seen, &hidden};
+	for (int k = 0; k < 2; k++) {
+		const struct factors_put put = {.element = 9};
+		struct factors *f = both[k];
+		system_put(&s, device, 2000, f);
+		if (k == 1)
+			hide(f);
+		assert_int_equal(factors_put_row(f, &put, columns, values, 2, &err), STATUS_OK);
+		assert_int_equal(factors_close(f, &err), STATUS_OK);
+		assert_int_equal(factors_average(f, s.area, &err), STATUS_OK);
+		if (k == 1)
+			hide(f);
+		assert_int_equal(factors_close(f, &err), STATUS_OK);
+		assert_int_equal(factors_compact(f, &err), STATUS_OK);
+		read_back(f, k == 0 ? &a : &b);
+	}
+	assert_memory_equal(a.matrix, b.matrix, 120 * 120 * sizeof(float));
+	assert_true(a.matrix[9 * 120 + 77] > 0);
+	factors_finish(&seen);
+	factors_finish(&hidden);
+	system_free(&s);
+	system_free(&a);
+	system_free(&b);
+}
+
+int main(void)
+{
+	const struct device_options options = {0};
+	if (device_create(&options, &device, &err) != STATUS_OK) {
+		printf("skipped: %s\n", err.text);
+		return SKIPPED;
+	}
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(reports_are_right), cmocka_unit_test(a_matrix_without_rows_has_a_report),
+	    cmocka_unit_test(closing_makes_sums_one), cmocka_unit_test(averaging_makes_it_reciprocal),
+	    cmocka_unit_test(memory_that_the_host_does_not_see_is_copied)};
+	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+	devices_finish(&(struct devices){.vk = device});
+	return failed;
+}
