@@ -1,0 +1,78 @@
+// Hemicubes: what server/worker/technique/radiosity/hemicube.c and radiosity/hemicube*.glsl share. Used by C and GLSL.
+//
+// A cell is the picture of one hemicube of n × n pixels, unfolded: 2 n × 1.5 n texels. The top is at (0, 0), the sides +x
+// and −x at (n, 0) and (n, n / 2), the sides +y and −y at (0, n) and (n, n). HEMICUBE_ABREAST cells lie side by side in a
+// layer of the textures.
+#ifndef CANDIL_SHARED_HEMICUBE_H
+#define CANDIL_SHARED_HEMICUBE_H
+
+#include "shared/radiosity.h"
+
+#define HEMICUBE_FACES 5
+#define HEMICUBE_ABREAST_MOST 3 // OpenGL has 16 viewports, a cell has 5
+#define HEMICUBE_LANES 128 // of a workgroup
+
+// Storage blocks of the passes.
+#define BIND_HEMICUBE_CELLS 22 // struct hemicube_cell, by cell
+#define BIND_HEMICUBE_DENSE 23 // uint: rows of as many words as there are elements
+#define BIND_HEMICUBE_ROWS 24 // struct hemicube_row, by row
+#define BIND_HEMICUBE_LISTS 25 // uint: for each row room for the elements that it has met, in no order
+#define BIND_HEMICUBE_ENTRIES 26 // struct hemicube_entry, row by row
+#define BIND_HEMICUBE_MIRRORS 27 // struct hemicube_mirror, by element
+#define BIND_HEMICUBE_SEEN 28 // uint: for each cell a bit for each plane of mirrors
+
+#define UNIT_HEMICUBE_IDS 0 // texture: triangle + 1, or 0
+#define UNIT_HEMICUBE_TABLE 1 // texel buffer: uint, hemicube_table.h
+#define UNIT_HEMICUBE_TRIANGLES 2 // texel buffer: three of struct hemicube_corner by triangle
+#define UNIT_HEMICUBE_PARENTS 3 // texture: what the cells of one mirror fewer have found: plane + 1, weight that goes on
+#define IMAGE_HEMICUBE_FOUND 0 // image: the same of these cells
+
+#define HEMICUBE_SIZES 8 // uniform location, uvec4: n, cells side by side, elements, elements that a row has room for
+#define HEMICUBE_RANGE 9 // uniform location, uvec4: first cell, cells, mirrors on the way so far, mirrors at most
+#define HEMICUBE_NEAR 10 // uniform location, float: metres
+#define HEMICUBE_TRIANGLE 11 // uniform location, uint: first triangle of the draw
+#define HEMICUBE_PLANES 12 // uniform location, uint: words of a cell in BIND_HEMICUBE_SEEN
+
+// A hemicube about a point, perhaps as mirrors show it. Metres, relative to the blob's origin.
+struct hemicube_cell {
+	float eye[3];
+	uint row; // of the batch
+	float x[3]; // the frame: z is the element's normal
+	uint parent; // the cell that sees it in a mirror, by number in its pass
+	float y[3];
+	uint plane; // of that mirror + 1; 0: no mirror
+	float z[3];
+	float unused;
+	float clip[4]; // of what is in front of the mirror: clip.xyz · (p − eye) + clip.w is above 0
+};
+LAYOUT_ASSERT(hemicube_cell, 80)
+
+// A corner of a triangle.
+struct hemicube_corner {
+	float at[3];
+	uint word; // of the first: RADIOSITY_FACE_…
+};
+LAYOUT_ASSERT(hemicube_corner, 16)
+
+// What is known of a row beside its entries.
+struct hemicube_row {
+	uint escaped; // weight that met nothing
+	uint cut; // weight that a limit of mirrors cut off
+	uint count; // elements that it has met
+	uint first; // of its entries
+};
+LAYOUT_ASSERT(hemicube_row, 16)
+
+struct hemicube_entry {
+	uint element;
+	uint weight;
+};
+LAYOUT_ASSERT(hemicube_entry, 8)
+
+struct hemicube_mirror {
+	uint plane; // + 1; 0: it is no mirror
+	float share; // that it reflects
+};
+LAYOUT_ASSERT(hemicube_mirror, 8)
+
+#endif
