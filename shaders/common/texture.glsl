@@ -5,6 +5,13 @@
 
 #include "common/scene.glsl"
 
+// Where textures are. A program that has them elsewhere defines all three.
+#ifndef TEXTURE_INFO
+#define TEXTURE_INFO(i) textures[i]
+#define TEXEL_WORD(i) texels[i]
+#define SRGB_VALUE(i) srgb_table[i]
+#endif
+
 // The texel that index `i` of a side of `n` texels wraps to, by a wrap mode of layout.h.
 int wrap_index(int i, int n, uint mode)
 {
@@ -20,11 +27,11 @@ int wrap_index(int i, int n, uint mode)
 // The channels of a deep texture's texel `i`.
 vec4 fetch_deep(texture_info info, uint i)
 {
-	uvec2 bits = uvec2(texels[info.offset + 2u * i], texels[info.offset + 2u * i + 1u]);
+	uvec2 bits = uvec2(TEXEL_WORD(info.offset + 2u * i), TEXEL_WORD(info.offset + 2u * i + 1u));
 	vec4 c = vec4(unpackUnorm2x16(bits.x), unpackUnorm2x16(bits.y));
 	if ((info.flags & TEXTURE_SRGB) != 0u)
-		c.rgb = vec3(srgb_table[256u + (bits.x & 65535u)], srgb_table[256u + (bits.x >> 16)],
-			     srgb_table[256u + (bits.y & 65535u)]);
+		c.rgb = vec3(SRGB_VALUE(256u + (bits.x & 65535u)), SRGB_VALUE(256u + (bits.x >> 16)),
+			     SRGB_VALUE(256u + (bits.y & 65535u)));
 	return c;
 }
 
@@ -35,10 +42,10 @@ vec4 fetch_texel(texture_info info, int x, int y)
 	uint i = uint(v) * info.width + uint(u);
 	if (DEEP_TEXTURES && (info.flags & TEXTURE_DEEP) != 0u)
 		return fetch_deep(info, i);
-	uint bits = texels[info.offset + i];
+	uint bits = TEXEL_WORD(info.offset + i);
 	vec4 c = unpackUnorm4x8(bits);
 	if ((info.flags & TEXTURE_SRGB) != 0u)
-		c.rgb = vec3(srgb_table[bits & 255u], srgb_table[bits >> 8 & 255u], srgb_table[bits >> 16 & 255u]);
+		c.rgb = vec3(SRGB_VALUE(bits & 255u), SRGB_VALUE(bits >> 8 & 255u), SRGB_VALUE(bits >> 16 & 255u));
 	return c;
 }
 
@@ -50,7 +57,7 @@ vec4 fetch_texel(texture_info info, int x, int y)
 // `uv` holds both sets of texture coordinates, in xy and zw.
 vec4 sample_texture(uint index, vec4 uv)
 {
-	texture_info info = textures[index];
+	texture_info info = TEXTURE_INFO(index);
 	vec3 set = vec3((info.flags & TEXTURE_UV1) != 0u ? uv.zw : uv.xy, 1.0);
 	vec2 place = vec2(dot(to_vec3(info.row_u), set), dot(to_vec3(info.row_v), set));
 	vec2 size = vec2(info.width, info.height);

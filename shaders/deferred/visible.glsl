@@ -26,15 +26,11 @@ visible_point visible_ray(uvec2 pixel)
 	return v;
 }
 
-// Intersects the ray with triangle `id`. The rasteriser rounds corners to a fraction of a pixel, so the ray may miss the
-// triangle by as much. Then the nearest barycentrics are used, and for a triangle seen exactly edge-on its middle. False if
-// it is behind the eye.
-bool visible_at(inout visible_point v, uint id)
+// Intersects the ray with triangle `id`, whose corners are given. The rasteriser rounds corners to a fraction of a pixel, so the
+// ray may miss the triangle by as much. Then the nearest barycentrics are used, and for a triangle seen exactly edge-on its
+// middle. False if it is behind the eye.
+bool visible_on(inout visible_point v, uint id, vec3 v0, vec3 v1, vec3 v2)
 {
-	triangle tri = triangles[id];
-	vec3 v0 = to_vec3(vertices[tri.vertex[0]].position);
-	vec3 v1 = to_vec3(vertices[tri.vertex[1]].position);
-	vec3 v2 = to_vec3(vertices[tri.vertex[2]].position);
 	v.id = id;
 	if (hit_triangle(shear_ray(v.origin, v.direction), v0, v1, v2, v.t, v.uv))
 		return true;
@@ -46,6 +42,13 @@ bool visible_at(inout visible_point v, uint id)
 	v.uv = b.yz;
 	v.t = dot(b.x * (v0 - v.origin) + b.y * (v1 - v.origin) + b.z * (v2 - v.origin), v.direction);
 	return v.t > 0.0;
+}
+
+bool visible_at(inout visible_point v, uint id)
+{
+	triangle tri = triangles[id];
+	return visible_on(v, id, to_vec3(vertices[tri.vertex[0]].position), to_vec3(vertices[tri.vertex[1]].position),
+			  to_vec3(vertices[tri.vertex[2]].position));
 }
 
 #endif

@@ -28,13 +28,6 @@ radiosity_face face_fetch(uint face)
 	return f;
 }
 
-vec3 value_fetch(int at)
-{
-	at *= 3;
-	return vec3(texelFetch(radiosity_values, at).x, texelFetch(radiosity_values, at + 1).x,
-		    texelFetch(radiosity_values, at + 2).x);
-}
-
 // The value at barycentrics uv (of corners 1 and 2) of triangle `id`, seen from its front or its back; zero for a triangle
 // that has no area.
 vec3 value_at(uint id, vec2 uv, bool front)
@@ -43,17 +36,21 @@ vec3 value_at(uint id, vec2 uv, bool front)
 	bool none = word == NONE;
 	radiosity_face f = face_fetch(none ? 0u : word >> RADIOSITY_FACE_SHIFT);
 	vec2 p;
-	uint element = patch_at(f, face_place(word, f, uv), p) + (front ? 0u : radiosity_patches);
+	int at = 3 * int(patch_at(f, face_place(word, f, uv), p) + (front ? 0u : radiosity_patches));
 	vec3 value;
 	if (RADIOSITY_CORNERS) {
-		int at = int(element) * 4;
+		// Three texels hold the colours of four corners.
+		vec4 a = texelFetch(radiosity_values, at);
+		vec4 b = texelFetch(radiosity_values, at + 1);
+		vec4 c = texelFetch(radiosity_values, at + 2);
 		bool quad = f.v != 0u;
 		float far = quad ? p.x * p.y : p.y;
 		float left = quad ? p.y - far : 0.0;
-		value = (1.0 - p.x - p.y + (quad ? far : 0.0)) * value_fetch(at) + (quad ? p.x - far : p.x) * value_fetch(at + 1) +
-			far * value_fetch(at + 2) + left * value_fetch(at + 3);
+		float right = quad ? p.x - far : p.x;
+		value = (1.0 - far - left - right) * a.xyz + right * vec3(a.w, b.xy) + far * vec3(b.zw, c.x) + left * c.yzw;
 	} else {
-		value = value_fetch(int(element));
+		value = vec3(texelFetch(radiosity_values, at).x, texelFetch(radiosity_values, at + 1).x,
+			     texelFetch(radiosity_values, at + 2).x);
 	}
 	return none ? vec3(0.0) : value;
 }

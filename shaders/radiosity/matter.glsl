@@ -12,20 +12,26 @@
 #define RADIOSITY_BOUNCES 2
 #endif
 
-// The share of a surface that is a mirror, 0…1.
-float mirror_share(surface s, triangle tri, vec2 uv)
+// The share of a surface that is a mirror, 0…1; `at` are its texture coordinates.
+float mirror_share(material m, vec4 at)
 {
-	if (RADIOSITY_BOUNCES == 0 || s.unlit)
+	if (RADIOSITY_BOUNCES == 0 || (EFFECT_UNLIT && (m.flags & MATERIAL_UNLIT) != 0u))
 		return 0.0;
-	material m = materials[s.material];
 	float metallic = m.metallic;
 	float roughness = m.roughness;
 	if (EFFECT_TEXTURES && m.surface_texture != NONE) {
-		vec4 t = sample_texture(m.surface_texture, coordinates_at(tri, vec3(1.0 - uv.x - uv.y, uv)));
+		vec4 t = sample_texture(m.surface_texture, at);
 		roughness *= t.g;
 		metallic *= t.b;
 	}
 	return roughness * roughness <= PATCH_MIRROR_ALPHA ? metallic : 0.0;
+}
+
+float mirror_share_at(uint id, vec2 uv)
+{
+	triangle tri = triangles[id];
+	vec4 at = EFFECT_TEXTURES ? coordinates_at(tri, vec3(1.0 - uv.x - uv.y, uv)) : vec4(0.0);
+	return mirror_share(materials[tri.material], at);
 }
 
 // The mirror's reflectance for a ray along `direction`: Fresnel's for metals after Schlick (1994), as the path tracer has it.

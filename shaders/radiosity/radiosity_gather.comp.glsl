@@ -9,6 +9,7 @@
 #extension GL_GOOGLE_include_directive : require
 #define SCENE_WITHOUT_LAMPS
 
+#include "radiosity/texels.glsl"
 #include "common/sampling.glsl"
 #include "deferred/pixel.glsl"
 #include "radiosity/seen.glsl"
@@ -39,10 +40,12 @@ vec3 follow(gathered g)
 			radiance += g.through * background_seen(g.direction);
 		if (!met)
 			return radiance;
-		surface s = surface_at(hit.id, hit.uv, g.origin, g.direction, hit.t);
-		float share = mirror_share(s, triangles[hit.id], hit.uv);
-		radiance += g.through * surface_seen(s, hit.id, hit.uv, share, g.plain);
+		float share;
+		place p = place_fetch(hit.id);
+		place_met(p, hit.uv, g.direction);
+		radiance += g.through * place_seen(p, g.plain, share);
 #if RADIOSITY_BOUNCES > 0
+		surface s = surface_at(hit.id, hit.uv, g.origin, g.direction, hit.t);
 		g.through *= mirror_reflectance(s, share, g.direction);
 		g.origin = s.position + s.offset * s.geometric;
 		g.direction = mirrored(s, g.direction);
@@ -61,7 +64,7 @@ void main()
 	surface s = pixel_surface(v);
 	if (EFFECT_UNLIT && s.unlit)
 		return;
-	float share = mirror_share(s, triangles[v.id], v.uv);
+	float share = mirror_share_at(v.id, v.uv);
 	vec3 diffuse = s.base * ((1.0 - share) / float(rays.z));
 	vec3 x, y;
 	frame_make(s.shading, x, y);

@@ -8,7 +8,7 @@
 surface diffuse_surface(visible_point v)
 {
 	surface s = surface_at(v.id, v.uv, v.origin, v.direction, v.t);
-	return without_specular(s, mirror_share(s, triangles[v.id], v.uv));
+	return without_specular(s, mirror_share_at(v.id, v.uv));
 }
 #define LIGHT_SURFACE diffuse_surface
 #include "direct/light_pixel.glsl"

@@ -13,6 +13,7 @@
 #define SCENE_WITHOUT_TRACE
 #endif
 
+#include "radiosity/texels.glsl"
 #include "deferred/pixel.glsl"
 #include "radiosity/seen.glsl"
 #if RADIOSITY_BOUNCES > 0
@@ -21,7 +22,7 @@
 
 layout(local_size_x = TILE_PIXELS) in;
 
-void show_light(uvec2 pixel, visible_point v)
+void show_light(uvec2 pixel, visible_point v, place p)
 {
 	vec3 radiance = vec3(0.0);
 	vec3 through = vec3(1.0);
@@ -30,10 +31,10 @@ void show_light(uvec2 pixel, visible_point v)
 #if RADIOSITY_BOUNCES > 0
 	for (int bounce = 0; bounce <= RADIOSITY_BOUNCES; bounce++) {
 #endif
-		surface s = surface_at(v.id, v.uv, v.origin, v.direction, v.t);
-		float share = mirror_share(s, triangles[v.id], v.uv);
-		radiance += through * surface_seen(s, v.id, v.uv, share, true);
+		float share;
+		radiance += through * place_seen(p, true, share);
 #if RADIOSITY_BOUNCES > 0
+		surface s = surface_at(v.id, v.uv, v.origin, v.direction, v.t);
 		through *= mirror_reflectance(s, share, v.direction);
 		bool on = bounce < RADIOSITY_BOUNCES && max(through, vec3(0.0)) != vec3(0.0);
 		v.origin = s.position + s.offset * s.geometric;
@@ -48,6 +49,8 @@ void show_light(uvec2 pixel, visible_point v)
 		v.id = hit.id;
 		v.uv = hit.uv;
 		v.t = hit.t;
+		p = place_fetch(hit.id);
+		place_met(p, hit.uv, v.direction);
 	}
 	cut = trace_cut;
 #endif
@@ -57,16 +60,21 @@ void show_light(uvec2 pixel, visible_point v)
 void main()
 {
 	uvec2 pixel;
-	visible_point v;
 	if (!pixel_mine(pixel))
 		return;
-	if (!pixel_visible(pixel, v)) {
+	visible_point v = visible_ray(pixel);
+	uint id = texelFetch(visibility, pixel_texel(pixel), 0).x;
+	if (id == 0u) {
 		if (!RADIOSITY_PLAIN)
 			pixel_add(pixel, background_seen(v.direction));
 		return;
 	}
+	// What the rasteriser has found is before the eye.
+	place p = place_fetch(id - 1u);
+	visible_on(v, id - 1u, p.v0, p.v1, p.v2);
+	place_met(p, v.uv, v.direction);
 	if (RADIOSITY_PLAIN)
-		pixel_add(pixel, value_at(v.id, v.uv, dot(corners_of(triangles[v.id]).normal, v.direction) < 0.0));
+		pixel_add(pixel, value_at(p.id, p.uv, p.front));
 	else
-		show_light(pixel, v);
+		show_light(pixel, v, p);
 }

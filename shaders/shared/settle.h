@@ -3,7 +3,7 @@
 #define CANDIL_SHARED_SETTLE_H
 
 #define SETTLE_UNIT 13
-#define SETTLE_SAMPLERS 8
+#define SETTLE_SAMPLERS 16
 #define SETTLE_BUFFERS 8 // every device has so many for a program
 
 #endif

@@ -87,6 +87,11 @@ enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device,
 	return gl_scene_upload(s, scene, bindings, err);
 }
 
+const struct gl_buffer *gl_scene_buffer(const struct gl_scene *s, uint32_t binding)
+{
+	return s->buffers[binding].name || !s->base ? &s->buffers[binding] : gl_scene_buffer(s->base, binding);
+}
+
 static void bind_texels(const struct gl_scene *s, unsigned binding, unsigned unit, unsigned texture)
 {
 	const uint64_t texels = s->buffers[binding].bytes / TEXEL_BYTES;

@@ -22,6 +22,9 @@ struct gl_scene {
 enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device, uint32_t bindings, struct gl_scene **out,
 			 struct error *err);
 
+// The buffer of a binding, the scene's own or its base's; zeroed if it is not on the device. It stays the scene's.
+const struct gl_buffer *gl_scene_buffer(const struct gl_scene *scene, uint32_t binding);
+
 // Bind every buffer that is there to the storage block of its number. The BVH is bound as texel buffers instead, to texture
 // units UNIT_NODES and UNIT_LEAF_TRIANGLES.
 void gl_scene_bind(const struct gl_scene *scene);

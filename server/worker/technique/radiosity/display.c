@@ -1,17 +1,36 @@
 #include "server/worker/technique/radiosity/display.h"
 
 #include <epoxy/gl.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "server/worker/devices.h"
+#include "server/worker/gl/scene.h"
 #include "shaders/gl/radiosity_gather_comp.h"
 #include "shaders/gl/radiosity_light_comp.h"
 #include "shaders/gl/radiosity_show_comp.h"
 #include "shaders/shared/radiosity_show.h"
 
+_Static_assert(sizeof(struct triangle) == 16 && sizeof(struct vertex) == 32, "shaders fetch them as one texel and two");
+_Static_assert(sizeof(struct material) == 16 * RADIOSITY_MATERIAL_TEXELS, "shaders fetch it as texels");
+_Static_assert(sizeof(struct texture_info) == 4 * RADIOSITY_TEXTURE_WORDS, "shaders fetch it by words");
+_Static_assert(offsetof(struct material, emission) == 16 && offsetof(struct material, metallic) == 56 &&
+		   offsetof(struct material, surface_texture) == 64 && offsetof(struct material, flags) == 80,
+	       "shaders/radiosity/place.glsl knows where they are");
+
 static const struct gl_source show_source = {.name = "show", .compute = source_radiosity_show_comp};
 static const struct gl_source light_source = {.name = "light", .compute = source_radiosity_light_comp};
 static const struct gl_source gather_source = {.name = "gather", .compute = source_radiosity_gather_comp};
+
+// The scene's buffers that shaders read as texels.
+static const struct {
+	uint32_t binding;
+	GLenum format;
+	unsigned unit;
+} views[DISPLAY_VIEWS] = {
+    {BIND_TRIANGLES, GL_RGBA32UI, RADIOSITY_CORNERS_UNIT},   {BIND_VERTICES, GL_RGBA32F, RADIOSITY_VERTICES_UNIT},
+    {BIND_MATERIALS, GL_RGBA32UI, RADIOSITY_MATERIALS_UNIT}, {BIND_TEXTURES, GL_R32UI, RADIOSITY_TEXTURES_UNIT},
+    {BIND_TEXELS, GL_R32UI, RADIOSITY_TEXELS_UNIT},          {BIND_SRGB_TABLE, GL_R32F, RADIOSITY_SRGB_UNIT}};
 
 #define LEFT_OUT \
 	(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_GLASS | 1u << candil_Effect_EFFECT_CLEARCOAT)
@@ -33,6 +52,8 @@ bool display_traces(const struct display_options *o)
 static void bind(const struct display *d)
 {
 	display_field_bind(d->field->values.texture ? d->field : &d->none);
+	for (unsigned i = 0; i < DISPLAY_VIEWS; i++)
+		gl_texels_bind(&d->views[i], views[i].unit);
 	if (d->sky)
 		sky_map_bind(d->sky);
 }
@@ -58,6 +79,7 @@ static struct deferred_pass *add_pass(struct display *d, const struct gl_source 
 	gl_define(&pass->defines, "RADIOSITY_BOUNCES", "%u", d->options.plain ? 0 : d->options.bounces);
 	gl_define(&pass->defines, "RADIOSITY_CORNERS", "%s", d->options.corners ? "true" : "false");
 	gl_define(&pass->defines, "RADIOSITY_PLAIN", "%s", d->options.plain ? "true" : "false");
+	gl_define(&pass->defines, "RADIOSITY_LIT_TEXTURES", "%s", d->lit_textures ? "true" : "false");
 	if (d->sky && !d->options.plain)
 		gl_define(&pass->defines, "RADIOSITY_SKY", "true");
 	return pass;
@@ -94,15 +116,39 @@ static void add_gathers(struct display *d)
 	}
 }
 
+// Whether some material has a texture of its emission.
+static bool has_lit_textures(const struct resident_scene *scene)
+{
+	const struct material *m = scene_section(scene, BLOB_MATERIALS);
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_MATERIALS); i++)
+		if (m[i].emission_texture != NONE)
+			return true;
+	return false;
+}
+
+static enum status view_scene(struct display *d, struct gl_device *device, struct resident_scene *scene, struct error *err)
+{
+	uint32_t bindings = 0;
+	struct gl_scene *of;
+	for (unsigned i = 0; i < DISPLAY_VIEWS; i++)
+		bindings |= 1u << views[i].binding;
+	enum status s = gl_scene_get(scene, device, bindings, &of, err);
+	for (unsigned i = 0; s == STATUS_OK && i < DISPLAY_VIEWS; i++)
+		s = gl_texels_view(&d->views[i], device, views[i].format, gl_scene_buffer(of, views[i].binding), err);
+	return s;
+}
+
 enum status display_init(struct display *d, struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			 const struct display_options *options, const struct display_field *field, struct error *err)
 {
 	static const struct elements no_elements;
 	struct gl_device *device;
-	*d = (struct display){.options = *options, .field = field};
+	*d = (struct display){.options = *options, .field = field, .lit_textures = has_lit_textures(scene)};
 	enum status s = devices_gl(devices, &device, err);
 	if (s == STATUS_OK)
 		s = display_field_init(&d->none, device, &no_elements, NULL, options->corners, err);
+	if (s == STATUS_OK)
+		s = view_scene(d, device, scene, err);
 	if (s == STATUS_OK && plan_has_sky(plan))
 		s = sky_map_get(plan->environment.scene, device, &d->sky, err);
 	if (s == STATUS_OK && options->gather > 0)
@@ -122,6 +168,8 @@ void display_finish(struct display *d)
 {
 	lighting_finish(&d->lighting);
 	display_field_finish(&d->none);
+	for (unsigned i = 0; i < DISPLAY_VIEWS; i++)
+		gl_texels_finish(&d->views[i]);
 	*d = (struct display){0};
 }
 

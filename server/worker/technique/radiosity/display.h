@@ -14,6 +14,7 @@
 #include "server/worker/technique/direct/lighting.h"
 #include "server/worker/technique/radiosity/display_field.h"
 
+#define DISPLAY_VIEWS 6u
 #define DISPLAY_GATHER_PASSES 4u // a gather's, at most: some drivers end the loops of a pixel that has too many rays at once
 #define DISPLAY_GATHER_RAYS 32u // of a pass; more only where there would be too many passes
 
@@ -38,6 +39,8 @@ struct display_rays {
 struct display {
 	struct display_options options;
 	const struct display_field *field;
+	bool lit_textures; // some material has a texture of its emission
+	struct gl_texels views[DISPLAY_VIEWS]; // the scene's buffers as texels
 	struct display_field none; // bound while the field is empty, so that programs are compiled for what comes
 	const struct sky_map *sky; // NULL: there is no environment
 	struct lighting lighting; // with a gather

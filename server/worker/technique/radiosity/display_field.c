@@ -16,7 +16,7 @@ enum status display_field_init(struct display_field *f, struct gl_device *device
 	if (s == STATUS_OK)
 		s = gl_texels_init(&f->triangles, device, GL_R32UI, e->triangle_count, e->triangles, err);
 	if (s == STATUS_OK)
-		s = gl_texels_init(&f->values, device, GL_R32F, floats, values, err);
+		s = gl_texels_init(&f->values, device, corners ? GL_RGBA32F : GL_R32F, floats, values, err);
 	if (s != STATUS_OK)
 		display_field_finish(f);
 	return s;
@@ -40,6 +40,6 @@ void display_field_bind(const struct display_field *f)
 
 uint64_t display_field_bytes(uint32_t faces, uint32_t triangles, uint32_t patches, bool corners)
 {
-	return gl_texels_bytes((uint64_t)faces * RADIOSITY_FACE_WORDS) + gl_texels_bytes(triangles) +
-	       gl_texels_bytes(2 * (uint64_t)patches * display_field_floats(corners));
+	return gl_texels_bytes(GL_R32UI, (uint64_t)faces * RADIOSITY_FACE_WORDS) + gl_texels_bytes(GL_R32UI, triangles) +
+	       gl_texels_bytes(corners ? GL_RGBA32F : GL_R32F, 2 * (uint64_t)patches * display_field_floats(corners));
 }
