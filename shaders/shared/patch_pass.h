@@ -12,10 +12,15 @@
 #define BIND_PATCH_SKY_ROWS (BIND_RADIOSITY_OWN + 3) // light: struct environment_row
 
 #define SPEC_PATCH_COUNT 34 // patches
-#define SPEC_PATCH_SKY 35 // light: the environment is a picture
+#define SPEC_PATCH_SKY 35 // light: PATCH_SKY_…
 #define SPEC_PATCH_DISCS 36 // light: some directional light is a disc
 #define SPEC_PATCH_BOUNCES 37 // light: bounces at mirrors by which the sky is seen
 #define SPEC_PATCH_END 38
+
+// How the environment's picture is sampled.
+#define PATCH_SKY_NONE 0 // there is none
+#define PATCH_SKY_COSINE 1
+#define PATCH_SKY_BOTH 2 // also by its table
 
 #define PATCH_GROUP 64 // invocations of a workgroup, a patch each
 

@@ -71,7 +71,7 @@ void patch_pass_finish(struct patch_pass *p)
 
 bool patch_pass_compiled(const struct patch_pass *p)
 {
-	return p->pipeline->warm;
+	return p->pipeline->warm || p->patches == 0;
 }
 
 static enum status dispatch(struct patch_pass *p, const struct patch_push *push, struct error *err)
@@ -90,7 +90,7 @@ static enum status dispatch(struct patch_pass *p, const struct patch_push *push,
 
 enum status patch_pass_compile(struct patch_pass *p, struct error *err)
 {
-	if (p->pipeline->warm)
+	if (p->pipeline->warm || p->patches == 0)
 		return STATUS_OK;
 	const enum status s = dispatch(p, &(struct patch_push){.light = NONE}, err);
 	if (s == STATUS_OK)
