@@ -7,7 +7,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/plan/plan.h"
 #include "server/worker/scenes/resident.h"
-#include "server/worker/technique/pt/pt_sky.h"
+#include "server/worker/technique/common/sky_texels.h"
 #include "server/worker/trace/trace.h"
 #include "server/worker/vk/pipeline.h"
 #include "shaders/shared/pt.h"
@@ -32,7 +32,7 @@ struct technique_job {
 	struct resident_scene *scene;
 	struct plan plan;
 	struct trace trace; // the traversal of its rays
-	const struct pt_sky *sky; // the environment on the device, its scene's; NULL: not needed
+	const struct sky_texels *sky; // the environment on the device, its scene's; NULL: not needed
 	uint32_t tiles; // of the image
 	uint32_t segment; // the most scattering events in a dispatch, for each of its samples
 	uint32_t segments; // dispatches that a batch takes

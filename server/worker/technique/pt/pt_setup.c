@@ -200,7 +200,7 @@ enum status pt_job_pipeline(struct technique_job *j, uint32_t effects, struct pi
 {
 	enum status s = STATUS_OK;
 	if (j->plan.environment.power > 0 && effects >> candil_Effect_EFFECT_ENVIRONMENT & 1u)
-		s = pt_sky_get(j->plan.environment.scene, j->device, &j->sky, err);
+		s = sky_texels_get(j->plan.environment.scene, j->device, &j->sky, err);
 	if (s == STATUS_OK)
 		s = pt_job_make_pipeline(j, &path_shader, effects, pipeline, err);
 	if (s == STATUS_OK)
@@ -265,7 +265,7 @@ enum status pt_job_create(struct devices *devices, struct resident_scene *scene,
 	if (s == STATUS_OK)
 		j->trace = trace_choose(device, scene, (enum trace_way)pt_settings(plan)->traversal);
 	if (s == STATUS_OK && plan_has_sky(plan))
-		s = pt_sky_get(plan->environment.scene, device, &j->sky, err);
+		s = sky_texels_get(plan->environment.scene, device, &j->sky, err);
 	if (s == STATUS_OK && pt_cells_wanted(scene, plan))
 		s = pt_cells_get(device, scene, &j->cells, err);
 	if (s == STATUS_OK)

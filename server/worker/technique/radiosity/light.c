@@ -5,7 +5,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/common/scene_traits.h"
-#include "server/worker/technique/pt/pt_sky.h"
+#include "server/worker/technique/common/sky_texels.h"
 #include "server/worker/trace/trace.h"
 #include "shaders/patch_light_comp.h"
 
@@ -71,14 +71,14 @@ static uint32_t sky_way(const struct plan *plan)
 static enum status light_init(struct light *l, const struct patch_scene *of, struct error *err)
 {
 	const uint32_t effects = effects_of(of->plan);
-	const struct pt_sky *sky = NULL;
+	const struct sky_texels *sky = NULL;
 	struct device *d = l->pass.device;
 	struct constants c = {0};
 	enum status s = resident_upload(of->scene, d, TRACE_BINDINGS, err);
 	if (s == STATUS_OK)
 		s = patch_pass_init(&l->pass, of, effects, l->sky != PATCH_SKY_NONE, err);
 	if (s == STATUS_OK && l->sky)
-		s = pt_sky_get(of->plan->environment.scene, d, &sky, err);
+		s = sky_texels_get(of->plan->environment.scene, d, &sky, err);
 	if (s == STATUS_OK && of->elements->count > 0)
 		s = buffer_init(&l->irradiance, d, of->elements->count * 3ull * sizeof(float), BUFFER_DEVICE, err);
 	if (s == STATUS_OK && of->elements->count > 0)
