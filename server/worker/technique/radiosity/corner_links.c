@@ -64,8 +64,8 @@ static uint32_t span_end(const struct corner_edge *edges, uint32_t count, uint32
 uint64_t corner_links_bytes(uint32_t patches)
 {
 	const uint64_t sides = 4 * (uint64_t)patches, edges = sides * (1 + EXTRA), hangs = sides * HANGS;
-	return (sides + edges) * sizeof(struct corner_edge) + USES * sizeof(struct corner_use) +
-	       2 * sides * sizeof(uint32_t) + (hangs + hangs / 2) * sizeof(struct corner_hang) + 4096;
+	return 2 * edges * sizeof(struct corner_edge) + USES * sizeof(struct corner_use) + 2 * sides * sizeof(uint32_t) +
+	       (hangs + hangs / 2) * sizeof(struct corner_hang) + 4096;
 }
 
 enum status corner_links_init(struct corner_links *l, const struct corner_places *places, struct error *err)
@@ -77,7 +77,9 @@ enum status corner_links_init(struct corner_links *l, const struct corner_places
 	l->edges = malloc(l->edge_most * sizeof *l->edges + 1);
 	l->same = malloc(2 * (uint64_t)sides * sizeof *l->same + 1);
 	l->uses = malloc(USES * sizeof *l->uses);
-	if (!l->sides || !l->edges || !l->same || !l->uses) {
+	struct corner_edge *spare = malloc(sides * sizeof *spare + 1);
+	if (!l->sides || !l->edges || !l->same || !l->uses || !spare) {
+		free(spare);
 		corner_links_finish(l);
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	}
@@ -88,12 +90,15 @@ enum status corner_links_init(struct corner_links *l, const struct corner_places
 		if (from != to)
 			l->sides[l->side_count++] = edge_between(from, to, i);
 	}
-	qsort(l->sides, l->side_count, sizeof *l->sides, by_ends);
+	sliced_sort_begin(&l->sort, l->sides, spare, l->side_count, sizeof *spare, by_ends);
+	l->sides = NULL; // the sort's
 	return STATUS_OK;
 }
 
 void corner_links_finish(struct corner_links *l)
 {
+	free(l->sort.items);
+	free(l->sort.spare);
 	free(l->uses);
 	free(l->hangs);
 	free(l->same);
@@ -132,26 +137,65 @@ static uint32_t find_on(const struct corner_places *p, const struct corner_edge 
 	return n;
 }
 
-void corner_links_cut(struct corner_links *l, uint32_t count, uint64_t *left)
+// What a sort has sorted; its other array is freed.
+static struct corner_edge *take_sorted(struct sliced_sort *sort)
+{
+	struct corner_edge *sorted = (struct corner_edge *)(void *)sort->items;
+	free(sort->spare);
+	*sort = (struct sliced_sort){0};
+	return sorted;
+}
+
+void corner_links_sort(struct corner_links *l, uint32_t count)
+{
+	sliced_sort_step(&l->sort, count);
+	if (!l->sort.done || l->sorted)
+		return;
+	l->sides = take_sorted(&l->sort);
+	l->sorted = true;
+}
+
+// Of the sides from the next one on that have its ends.
+static void cut_next(struct corner_links *l, uint64_t *left)
 {
 	struct corner_hit hits[HITS];
-	while (l->sides_cut < l->side_count && count-- > 0) {
-		const uint32_t first = l->sides_cut, end = span_end(l->sides, l->side_count, first);
-		const struct corner_edge *side = &l->sides[first];
-		uint32_t n = find_on(l->places, side, hits, left);
-		if ((uint64_t)l->edge_count + (l->side_count - first) + (uint64_t)n * (end - first) > l->edge_most)
-			n = 0;
-		for (uint32_t i = first; i < end; i++)
-			for (uint32_t k = 0; k <= n; k++)
-				l->edges[l->edge_count++] =
-				    edge_between(k == 0 ? side->low : hits[k - 1].point, k == n ? side->high : hits[k].point,
-						 l->sides[i].side);
-		l->sides_cut = end;
+	const uint32_t first = l->sides_cut, end = span_end(l->sides, l->side_count, first);
+	const struct corner_edge *side = &l->sides[first];
+	uint32_t n = find_on(l->places, side, hits, left);
+	if ((uint64_t)l->edge_count + (l->side_count - first) + (uint64_t)n * (end - first) > l->edge_most)
+		n = 0;
+	for (uint32_t i = first; i < end; i++)
+		for (uint32_t k = 0; k <= n; k++)
+			l->edges[l->edge_count++] = edge_between(k == 0 ? side->low : hits[k - 1].point,
+								 k == n ? side->high : hits[k].point, l->sides[i].side);
+	l->sides_cut = end;
+}
+
+static enum status begin_to_sort_edges(struct corner_links *l, struct error *err)
+{
+	free(l->sides);
+	l->sides = NULL;
+	struct corner_edge *spare = malloc(l->edge_count * sizeof *spare + 1);
+	if (!spare)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	sliced_sort_begin(&l->sort, l->edges, spare, l->edge_count, sizeof *spare, by_ends);
+	l->edges = NULL; // the sort's
+	return STATUS_OK;
+}
+
+enum status corner_links_cut(struct corner_links *l, uint32_t count, uint64_t *left, struct error *err)
+{
+	if (l->edges) {
+		while (l->sides_cut < l->side_count && count-- > 0)
+			cut_next(l, left);
+		return l->sides_cut == l->side_count ? begin_to_sort_edges(l, err) : STATUS_OK;
 	}
-	if (l->sides_cut == l->side_count && !l->cut) {
-		qsort(l->edges, l->edge_count, sizeof *l->edges, by_ends);
+	sliced_sort_step(&l->sort, count);
+	if (l->sort.done) {
+		l->edges = take_sorted(&l->sort);
 		l->cut = true;
 	}
+	return STATUS_OK;
 }
 
 // ---- linking ----------------------------------------------------------------------------------------------------------

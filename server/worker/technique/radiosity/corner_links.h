@@ -31,11 +31,12 @@ struct corner_hang {
 // All links of a scene, while they are made and after.
 struct corner_links {
 	const struct corner_places *places;
-	struct corner_edge *sides; // of all patches, sorted
+	struct sliced_sort sort; // of the sides of all patches, then of their parts
+	struct corner_edge *sides; // sorted; NULL once all are cut
 	uint32_t side_count, sides_cut;
-	struct corner_edge *edges; // their parts; sorted once all are cut
+	struct corner_edge *edges; // their parts, sorted once `cut` is true
 	uint32_t edge_count, edge_most, edges_joined;
-	bool cut;
+	bool sorted, cut;
 	uint32_t *same; // by corner, 4 element + 0 … 3: the way to the one that stands for it
 	struct corner_hang *hangs;
 	uint32_t hang_count, hang_most;
@@ -49,8 +50,12 @@ uint64_t corner_links_bytes(uint32_t patches);
 // corner_links_finish frees. STATUS_MEMORY: nothing is left.
 enum status corner_links_init(struct corner_links *links, const struct corner_places *places, struct error *err);
 
-// Cut about `count` more sides at the corners on them; after the last, `cut` is true. *left is as for corner_tree_find.
-void corner_links_cut(struct corner_links *links, uint32_t count, uint64_t *left);
+// Sort about `count` more sides; when all are, `sorted` is true.
+void corner_links_sort(struct corner_links *links, uint32_t count);
+
+// Cut about `count` more sides, once all are sorted, at the corners on them, or sort about as many parts; when all are,
+// `cut` is true. *left is as for corner_tree_find. STATUS_MEMORY.
+enum status corner_links_cut(struct corner_links *links, uint32_t count, uint64_t *left, struct error *err);
 
 // Link elements across about `count` more edges of those that have been cut, until edges_joined is edge_count.
 // STATUS_MEMORY.

@@ -8,9 +8,10 @@
 #define SAME (4 * FLT_EPSILON) // of the largest coordinate of a face: what two roundings and a matrix may move a corner by
 #define NEAR 64u // places near one that are compared with it
 
-// A corner and where it is.
+// A corner, where it is, and how far another may be that is in the same place.
 struct point {
 	float at[3];
+	float reach;
 	uint32_t corner;
 };
 
@@ -34,63 +35,94 @@ double corner_places_reach(const struct corner_places *p, uint32_t patch)
 	return SAME * most;
 }
 
-// The corners of all patches by their places. Returns their number.
-static uint32_t sort_points(const struct elements *e, struct point *points, uint32_t *of)
+static uint32_t list_points(struct corner_places *p, struct point *points)
 {
+	const struct elements *e = p->elements;
 	uint32_t n = 0;
 	for (uint32_t i = 0; i < e->patches.count; i++) {
 		const struct radiosity_patch *patch = &e->shapes[i];
 		const uint32_t corners = e->faces[patch->face].v ? 4 : 3;
-		of[4 * i + 3] = NONE;
+		const float reach = (float)corner_places_reach(p, i);
+		p->of[4 * i + 3] = NONE;
 		for (uint32_t k = 0; k < corners; k++, n++) {
 			points[n].corner = 4 * i + k;
+			points[n].reach = reach;
 			for (uint32_t c = 0; c < 3; c++)
 				points[n].at[c] = patch->corner[3 * k + c] + 0.0f; // -0 becomes 0
 		}
 	}
-	qsort(points, n, sizeof *points, by_place);
 	return n;
 }
 
-static void number_places(struct corner_places *p, const struct point *points, uint32_t n)
+static bool is_new(const struct point *points, uint32_t i)
 {
+	return i == 0 || memcmp(points[i].at, points[i - 1].at, sizeof points[i].at) != 0;
+}
+
+// Number the places of sorted corners.
+static enum status number_places(struct corner_places *p, const struct point *points, uint32_t n, struct error *err)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < n; i++)
+		count += is_new(points, i);
+	p->at = malloc(count * sizeof *p->at + 1);
+	p->reach = malloc(count * sizeof *p->reach + 1);
+	p->same = malloc(count * sizeof *p->same + 1);
+	if (!p->at || !p->reach || !p->same)
+		return error_set(err, STATUS_MEMORY, "out of memory");
 	for (uint32_t i = 0; i < n; i++) {
-		if (i == 0 || memcmp(points[i].at, points[i - 1].at, sizeof points[i].at) != 0) {
+		if (is_new(points, i)) {
 			memcpy(p->at[p->count], points[i].at, sizeof points[i].at);
 			p->same[p->count] = p->count;
 			p->reach[p->count++] = 0;
 		}
 		const uint32_t place = p->count - 1;
 		p->of[points[i].corner] = place;
-		p->reach[place] = fmaxf(p->reach[place], (float)corner_places_reach(p, points[i].corner / 4));
+		p->reach[place] = fmaxf(p->reach[place], points[i].reach);
 	}
+	return corner_tree_init(&p->tree, (const float(*)[3])p->at, p->count, err);
 }
 
 uint64_t corner_places_bytes(uint32_t patches)
 {
 	const uint64_t corners = 4 * (uint64_t)patches;
-	return corners * (sizeof(struct point) + 6 * sizeof(float)) + corner_tree_bytes(patches) * 4 + 5;
+	return corners * (2 * sizeof(struct point) + 6 * sizeof(float)) + 4 * corner_tree_bytes(patches) + 6;
 }
 
 enum status corner_places_init(struct corner_places *p, const struct elements *elements, struct error *err)
 {
 	const uint64_t corners = 4 * (uint64_t)elements->patches.count;
-	enum status s = STATUS_OK;
 	*p = (struct corner_places){.elements = elements};
-	struct point *points = malloc(corners * sizeof *points + 1);
-	p->at = malloc(corners * sizeof *p->at + 1);
-	p->reach = malloc(corners * sizeof *p->reach + 1);
-	p->same = malloc(corners * sizeof *p->same + 1);
+	struct point *points = malloc(corners * sizeof *points + 1), *spare = malloc(corners * sizeof *spare + 1);
 	p->of = malloc(corners * sizeof *p->of + 1);
-	if (!points || !p->at || !p->reach || !p->same || !p->of)
-		s = error_set(err, STATUS_MEMORY, "out of memory");
-	if (s == STATUS_OK) {
-		number_places(p, points, sort_points(elements, points, p->of));
-		s = corner_tree_init(&p->tree, (const float(*)[3])p->at, p->count, err);
-	}
-	free(points);
-	if (s != STATUS_OK)
+	if (!points || !spare || !p->of) {
+		free(points);
+		free(spare);
 		corner_places_finish(p);
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	}
+	sliced_sort_begin(&p->sort, points, spare, list_points(p, points), sizeof *points, by_place);
+	return STATUS_OK;
+}
+
+static void free_sort(struct corner_places *p)
+{
+	free(p->sort.items);
+	free(p->sort.spare);
+	p->sort = (struct sliced_sort){0};
+}
+
+enum status corner_places_find(struct corner_places *p, uint32_t count, struct error *err)
+{
+	if (p->at) {
+		p->found = corner_tree_build(&p->tree, count);
+		return STATUS_OK;
+	}
+	sliced_sort_step(&p->sort, count);
+	if (!p->sort.done)
+		return STATUS_OK;
+	const enum status s = number_places(p, (const struct point *)p->sort.items, p->sort.count, err);
+	free_sort(p);
 	return s;
 }
 
@@ -133,6 +165,7 @@ void corner_places_weld(struct corner_places *p, uint32_t count, uint64_t *left)
 
 void corner_places_finish(struct corner_places *p)
 {
+	free_sort(p);
 	corner_tree_finish(&p->tree);
 	free(p->of);
 	free(p->same);

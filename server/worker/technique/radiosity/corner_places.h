@@ -6,10 +6,13 @@
 
 #include "server/worker/technique/radiosity/corner_tree.h"
 #include "server/worker/technique/radiosity/elements.h"
+#include "server/worker/technique/radiosity/sliced_sort.h"
 
 // All places of a scene.
 struct corner_places {
 	const struct elements *elements;
+	struct sliced_sort sort; // of the corners, until they are found
+	bool found;
 	float (*at)[3]; // metres, by place
 	float *reach; // metres, by place: how far another may be that is the same
 	uint32_t *same; // by place: one that stands for it and for all that are the same; itself for most
@@ -22,9 +25,12 @@ struct corner_places {
 // Memory for so many patches, in bytes, at most, and while it is made.
 uint64_t corner_places_bytes(uint32_t patches);
 
-// Find the places. They are not yet compared with each other. `elements` must outlive them; corner_places_finish frees them.
-// STATUS_MEMORY: nothing is left.
+// Begin. `elements` must outlive the places, which corner_places_finish frees. STATUS_MEMORY: nothing is left.
 enum status corner_places_init(struct corner_places *places, const struct elements *elements, struct error *err);
+
+// Sort about `count` more corners by where they are; when all are, number their places, and `found` is true. They are not
+// yet compared with each other. STATUS_MEMORY.
+enum status corner_places_find(struct corner_places *places, uint32_t count, struct error *err);
 
 // Compare as many more places with those near them; once all are, `of` says what the header promises. *left is as for
 // corner_tree_find. A place of which too many are near is the same as the first of them.

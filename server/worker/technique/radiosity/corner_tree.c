@@ -80,16 +80,21 @@ static int longest_axis(const struct corner_tree *t, uint32_t low, uint32_t high
 	return axis;
 }
 
-static void build(struct corner_tree *t, uint32_t low, uint32_t high)
+bool corner_tree_build(struct corner_tree *t, uint32_t points)
 {
-	if (high - low <= LEAF)
-		return;
-	const uint32_t mid = low + (high - low) / 2;
-	const int axis = longest_axis(t, low, high);
-	divide(t, low, high, mid, axis);
-	t->axis[mid] = (uint8_t)axis;
-	build(t, low, mid);
-	build(t, mid + 1, high);
+	for (uint32_t divided = 0; t->waiting_count > 0 && divided < points;) {
+		const struct corner_range r = t->waiting[--t->waiting_count];
+		if (r.high - r.low <= LEAF)
+			continue;
+		const uint32_t mid = r.low + (r.high - r.low) / 2;
+		const int axis = longest_axis(t, r.low, r.high);
+		divide(t, r.low, r.high, mid, axis);
+		t->axis[mid] = (uint8_t)axis;
+		t->waiting[t->waiting_count++] = (struct corner_range){mid + 1, r.high};
+		t->waiting[t->waiting_count++] = (struct corner_range){r.low, mid};
+		divided += r.high - r.low;
+	}
+	return t->waiting_count == 0;
 }
 
 uint64_t corner_tree_bytes(uint32_t count)
@@ -108,7 +113,7 @@ enum status corner_tree_init(struct corner_tree *t, const float (*at)[3], uint32
 	}
 	for (uint32_t i = 0; i < count; i++)
 		t->order[i] = i;
-	build(t, 0, count);
+	t->waiting[t->waiting_count++] = (struct corner_range){0, count};
 	return STATUS_OK;
 }
 

@@ -4,6 +4,7 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_CORNER_TREE_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_CORNER_TREE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "server/base/error.h"
@@ -14,6 +15,10 @@ struct corner_tree {
 	uint32_t *order; // points, the middle one of a range divides it
 	uint8_t *axis; // along which the point in this place of `order` divides
 	uint32_t count;
+	struct corner_range {
+		uint32_t low, high;
+	} waiting[64]; // ranges of `order` that are yet to be divided: at most one more for each halving
+	uint32_t waiting_count;
 };
 
 // What is looked for: points no further than `reach` from a segment. It may be a point.
@@ -31,8 +36,11 @@ struct corner_hit {
 // Memory that a tree of so many points takes, in bytes.
 uint64_t corner_tree_bytes(uint32_t count);
 
-// Make the tree of `count` points, which are finite and must outlive it. STATUS_MEMORY. corner_tree_finish frees it.
+// Begin the tree of `count` points, which are finite and must outlive it. STATUS_MEMORY. corner_tree_finish frees it.
 enum status corner_tree_init(struct corner_tree *tree, const float (*at)[3], uint32_t count, struct error *err);
+
+// Divide ranges of about `points` points in all. True once none is left: now the tree can be used.
+bool corner_tree_build(struct corner_tree *tree, uint32_t points);
 void corner_tree_finish(struct corner_tree *tree);
 
 // The points that are near a segment, at most `most`, in the order of the tree. Returns their number. *left is how many

@@ -8,11 +8,12 @@
 #include "server/base/vec3.h"
 #include "server/worker/technique/radiosity/corner_links.h"
 
-#define PIECE 1024u // of places, sides or edges
+#define PIECE 1024u // of places, sides, edges or patches
+#define MOVES 16384u // of what is sorted
 #define LOOKS 1024u // points that may be looked at for each place and side, in the mean
 #define SWEEPS 64u // over corners on sides whose sides end in corners on sides
 
-enum corner_stage { FIND, WELD, LINK, CUT, JOIN, GROUP, FINISHED };
+enum corner_stage { LIST, FIND, WELD, LINK, SORT, CUT, JOIN, GROUP, MEASURE, FINISHED };
 
 struct corners {
 	const struct elements *elements;
@@ -21,6 +22,7 @@ struct corners {
 	struct corner_links links;
 	uint64_t left; // points that may be looked at
 	float *angle; // by patch corner, radians
+	uint32_t measured; // patches
 	uint32_t *group; // by element corner; NONE: a triangle's fourth
 	uint32_t groups;
 	uint32_t *first; // by group, and one more: its first member
@@ -94,14 +96,16 @@ static double angle_at(const struct form_polygon *s, uint32_t k)
 	return atan2(sqrt(vec3_dot(cross, cross)), vec3_dot(u, v));
 }
 
-static void measure_angles(struct corners *c)
+static void measure_angles(struct corners *c, uint32_t count)
 {
-	for (uint32_t i = 0; i < c->elements->patches.count; i++) {
+	const uint32_t left = c->elements->patches.count - c->measured, end = c->measured + (count < left ? count : left);
+	for (uint32_t i = c->measured; i < end; i++) {
 		struct patch patch;
 		patches_get(&c->elements->patches, i, &patch);
 		for (uint32_t k = 0; k < 4; k++)
 			c->angle[4 * i + k] = k < patch.shape.corners ? (float)angle_at(&patch.shape, k) : 0;
 	}
+	c->measured = end;
 }
 
 static int by_length(const void *a, const void *b)
@@ -151,7 +155,6 @@ static enum status make_groups(struct corners *c, struct error *err)
 	if (!c->first || !c->values || !c->held || !c->decided)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	list_members(c);
-	measure_angles(c);
 	c->hangs = c->links.hangs;
 	c->hang_count = c->links.hang_count;
 	c->links.hangs = NULL;
@@ -169,8 +172,12 @@ static enum status piece(struct corners *c, struct error *err)
 	enum status s = STATUS_OK;
 	bool done = true;
 	switch (c->stage) {
-	case FIND:
+	case LIST:
 		s = corner_places_init(&c->places, c->elements, err);
+		break;
+	case FIND:
+		s = corner_places_find(&c->places, MOVES, err);
+		done = c->places.found;
 		c->left = ((uint64_t)c->places.count + element_corners(c->elements)) * LOOKS;
 		break;
 	case WELD:
@@ -180,8 +187,12 @@ static enum status piece(struct corners *c, struct error *err)
 	case LINK:
 		s = corner_links_init(&c->links, &c->places, err);
 		break;
+	case SORT:
+		corner_links_sort(&c->links, MOVES);
+		done = c->links.sorted;
+		break;
 	case CUT:
-		corner_links_cut(&c->links, PIECE, &c->left);
+		s = corner_links_cut(&c->links, c->links.edges ? PIECE : MOVES, &c->left, err);
 		done = c->links.cut;
 		break;
 	case JOIN:
@@ -190,6 +201,10 @@ static enum status piece(struct corners *c, struct error *err)
 		break;
 	case GROUP:
 		s = make_groups(c, err);
+		break;
+	case MEASURE:
+		measure_angles(c, PIECE);
+		done = c->measured == c->elements->patches.count;
 		break;
 	case FINISHED:
 		return STATUS_OK;

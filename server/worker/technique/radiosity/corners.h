@@ -43,9 +43,9 @@ uint64_t corners_bytes(uint32_t patches);
 enum status corners_create(const struct elements *elements, struct corners **corners, struct error *err);
 void corners_destroy(struct corners *corners);
 
-// Work for about budget_us, at least one piece; a sort is one. What comes out does not depend on the budgets. Where corners
-// lie beside more sides than in any mesh that is made of surfaces, some of them are left out, and seams remain.
-// STATUS_MEMORY.
+// Work for about budget_us, at least one piece. What comes out
+// does not depend on the budgets. Where corners lie beside more sides than in any mesh that is made of surfaces, some of
+// them are left out, and seams remain. STATUS_MEMORY.
 enum status corners_step(struct corners *corners, uint32_t budget_us, struct error *err);
 
 // How far it is.
