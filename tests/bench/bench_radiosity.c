@@ -8,6 +8,7 @@
 
 #include "server/base/clock.h"
 #include "server/worker/devices.h"
+#include "server/worker/technique/radiosity/factors_check.h"
 #include "server/worker/technique/radiosity/solver.h"
 #include "server/worker/vk/device.h"
 
@@ -31,6 +32,14 @@ static void need(enum status s)
 	exit(1);
 }
 
+// Of all threads, in µs.
+static double processor_us(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+	return (double)t.tv_sec * 1e6 + (double)t.tv_nsec * 1e-3;
+}
+
 // ---- rows from a dense buffer
 // ---------------------------------------------------------------------------------------------
 
@@ -52,9 +61,9 @@ static void bench_pack(struct device *device, uint32_t side, uint32_t entries, u
 		need(factors_init(&f, device, side, &err));
 		f.packs_on_host = f.packs_on_host && on_host;
 		need(buffer_init_with(&dense, device, words, (uint64_t)side * batch * 4, &err));
-		const uint64_t start = clock_us();
+		const double start = processor_us();
 		need(factors_put_dense(&f, &dense, UNIT, rows, batch, &err));
-		best = fmin(best, (double)(clock_us() - start));
+		best = fmin(best, processor_us() - start);
 		buffer_finish(&dense, device);
 		factors_finish(&f);
 	}
@@ -66,9 +75,31 @@ static void bench_pack(struct device *device, uint32_t side, uint32_t entries, u
 // ---- solutions
 // --------------------------------------------------------------------------------------------------------------
 
+// Replace a row's values by what so many rays find of it.
+static void sample(float *values, uint32_t count, uint32_t rays)
+{
+	double *sums = malloc((count + 1) * sizeof *sums);
+	if (!sums)
+		exit(1);
+	sums[0] = 0;
+	for (uint32_t k = 0; k < count; k++)
+		sums[k + 1] = sums[k] + (double)values[k];
+	memset(values, 0, count * sizeof *values);
+	for (uint32_t ray = 0; ray < rays; ray++) {
+		const double at = sums[count] * ((double)ray + draw() * 0x1p-32) / rays;
+		uint32_t low = 0, high = count;
+		while (low + 1 < high) {
+			const uint32_t middle = (low + high) / 2;
+			*(sums[middle] <= at ? &low : &high) = middle;
+		}
+		values[low] += 1.0f / (float)rays;
+	}
+	free(sums);
+}
+
 // A closed room whose every patch sees `entries` others, with symmetric factors: patch i sees i + d and i - d for random d,
-// all rows alike. Elements of the patches' backs have no rows.
-static void fill_matrix(struct factors *f, uint32_t patches, uint32_t entries)
+// all rows alike; or what `rays` find of them (0: exact). Elements of the patches' backs have no rows.
+static void fill_matrix(struct factors *f, uint32_t patches, uint32_t entries, uint32_t rays)
 {
 	uint8_t *seen = calloc(patches, 1);
 	float *weight = calloc(patches, sizeof *weight), *values = malloc(entries * sizeof *values);
@@ -93,20 +124,22 @@ static void fill_matrix(struct factors *f, uint32_t patches, uint32_t entries)
 				columns[n] = j;
 				values[n++] = (float)((double)weight[d] / sum);
 			}
+		if (rays > 0) {
+			sample(values, n, rays);
+			uint32_t kept = 0;
+			for (uint32_t k = 0; k < n; k++)
+				if (values[k] > 0) {
+					columns[kept] = columns[k];
+					values[kept++] = values[k];
+				}
+			n = kept;
+		}
 		need(factors_put_row(f, &row, columns, values, n, &err));
 	}
 	free(seen);
 	free(weight);
 	free(values);
 	free(columns);
-}
-
-// Of all threads, in µs.
-static double processor_us(void)
-{
-	struct timespec t;
-	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-	return (double)t.tv_sec * 1e6 + (double)t.tv_nsec * 1e-3;
 }
 
 static void bench_way(struct device *device, const struct factors *f, const struct solver_problem *of, const char *name)
@@ -133,7 +166,7 @@ static void bench_way(struct device *device, const struct factors *f, const stru
 	free(h);
 }
 
-static void bench_solve(struct device *device, uint32_t patches, uint32_t entries, double least)
+static void bench_solve(struct device *device, uint32_t patches, uint32_t entries, uint32_t rays, double least)
 {
 	struct factors f;
 	const uint32_t side = 2 * patches;
@@ -142,7 +175,7 @@ static void bench_solve(struct device *device, uint32_t patches, uint32_t entrie
 	if (!exitance || !albedo || !irradiance || !area)
 		exit(1);
 	need(factors_init(&f, device, side, &err));
-	fill_matrix(&f, patches, entries);
+	fill_matrix(&f, patches, entries, rays);
 	for (uint32_t i = 0; i < 3 * side; i++) {
 		albedo[i] = (float)(least + (0.9 - least) * draw() * 0x1p-32);
 		exitance[i] = i < 3 * patches / 100 ? 100 : 0;
@@ -161,6 +194,16 @@ static void bench_solve(struct device *device, uint32_t patches, uint32_t entrie
 		p.way = (enum solver_way)way;
 		bench_way(device, &f, &p, names[way]);
 	}
+	struct factors_report report;
+	const double start = processor_us();
+	need(factors_check(&f, area, &report, &err));
+	const double checked = processor_us();
+	need(factors_average(&f, area, &err));
+	const double averaged = processor_us();
+	need(factors_close(&f, &err));
+	fprintf(stderr, "%u patches: processors' ms to check %.0f, to average %.0f, to close %.0f; reciprocity %.2g, %.2g\n",
+		patches, (checked - start) * 1e-3, (averaged - checked) * 1e-3, (processor_us() - averaged) * 1e-3,
+		report.reciprocity_most, report.reciprocity_mean);
 	factors_finish(&f);
 	free(exitance);
 	free(albedo);
@@ -174,17 +217,19 @@ int main(int argc, char **argv)
 	const struct device_options options = {0};
 	struct device *device;
 	need(device_create(&options, &device, &err));
-	printf("| columns | entries | by | µs a row |\n| ---: | ---: | --- | ---: |\n");
+	printf("| columns | entries | by | processors' µs a row |\n| ---: | ---: | --- | ---: |\n");
 	for (int on_host = 0; on_host < 2; on_host++)
 		for (uint32_t entries = 400; entries <= 1600; entries *= 4)
 			bench_pack(device, 25800, entries, 300, on_host);
 	printf("\n| patches | million entries | solver | products | processors' ms each | in all | ms | "
 	       "ms to begin | ms the longest slice of 20 | residual |\n"
 	       "| ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-	bench_solve(device, 12900, 1500, 0.1);
-	bench_solve(device, 12900, 1500, 0.7);
+	bench_solve(device, 12900, 1500, 0, 0.1);
+	bench_solve(device, 12900, 1500, 0, 0.7);
+	bench_solve(device, 12900, 1500, 3072, 0.7);
+	bench_solve(device, 12900, 1500, 300, 0.7);
 	if (argc < 2)
-		bench_solve(device, 62000, 1500, 0.1);
+		bench_solve(device, 62000, 1500, 0, 0.1);
 	devices_finish(&(struct devices){.vk = device});
 	return 0;
 }

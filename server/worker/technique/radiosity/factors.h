@@ -65,7 +65,7 @@ struct factors_put {
 // nothing of the batch was taken; STATUS_DEVICE; STATUS_INTERNAL if a row is no row, or not empty.
 //
 // A software device's memory is the host's, and there the host does it: 25,800 words with 1,500 that are not zero take it a
-// sixth of the time that the shader takes on such a device.
+// quarter of the time that the shader takes on such a device.
 enum status factors_put_dense(struct factors *factors, const struct buffer *dense, double unit,
 			      const struct factors_put *rows, uint32_t count, struct error *err);
 
