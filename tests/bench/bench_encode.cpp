@@ -1,7 +1,8 @@
 // Real frames encoded by the codec and, beside it, by each lossless compression of EXR that OpenImageIO has, in one run.
 //
-//     bench_encode [--turns N] FRAME.exr...
+//     bench_encode [--turns N] [--png] FRAME.exr...
 //
+// With --png the ways are zlib's levels and strategies with each of the filters of PNG's rows, of a frame without AOVs.
 // Prints for each frame, as floats and as halves, with its AOVs and without: milliseconds of the processors and of the clock
 // (the least of N turns, default 5, all ways taking turns), and the bytes and processors' time against zip's. Every file is
 // read back and its bits compared with those of the frame.
@@ -165,6 +166,97 @@ void bench(const char *path, bool aovs, codec_format format, int turns)
 	frame_destroy(f);
 }
 
+// ---- PNG
+// ------------------------------------------------------------------------------------------------------------------
+
+struct png_way {
+	std::string name;
+	const char *strategy;
+	int level, filter;
+	double cpu_ms, wall_ms;
+	std::vector<unsigned char> file;
+};
+
+// What the codec writes, but by other settings.
+void encode_png(const OIIO::ImageSpec &as, const std::vector<unsigned char> &pixels, png_way &w)
+{
+	OIIO::Filesystem::IOVecOutput memory;
+	{
+		OIIO::ImageSpec spec = as;
+		spec.attribute("compression", w.strategy);
+		spec.attribute("png:compressionLevel", w.level);
+		spec.attribute("png:filter", w.filter);
+		auto out = OIIO::ImageOutput::create("frame.png", &memory);
+		if (!out || !out->open("frame.png", spec))
+			die(OIIO::geterror());
+		for (int y = 0; y < spec.height; y += 64)
+			if (!out->write_scanlines(y, std::min(spec.height, y + 64), 0, OIIO::TypeDesc::UINT8,
+						  pixels.data() + size_t(y) * spec.scanline_bytes(true)))
+				die(out->geterror());
+		out->close();
+	}
+	w.file = memory.buffer();
+}
+
+std::vector<unsigned char> png_pixels(std::vector<unsigned char> &file, OIIO::ImageSpec &spec)
+{
+	OIIO::Filesystem::IOMemReader memory(file.data(), file.size());
+	auto in = OIIO::ImageInput::open("memory.png", nullptr, &memory);
+	if (!in)
+		die(OIIO::geterror());
+	spec = in->spec();
+	return native_pixels(*in);
+}
+
+std::vector<png_way> png_ways()
+{
+	static const struct {
+		const char *name;
+		int mask; // as libpng's PNG_FILTER_...
+	} filters[] = {{"none", 8}, {"sub", 16}, {"up", 32}, {"average", 64}, {"Paeth", 128}, {"any", 248}};
+	std::vector<png_way> ways;
+	for (const auto &filter : filters) {
+		for (const int level : {0, 1, 2, 3, 4, 6, 9})
+			ways.push_back(
+			    {std::to_string(level) + ", " + filter.name, "default", level, filter.mask, 1e30, 1e30, {}});
+		ways.push_back({std::string("runs, ") + filter.name, "rle", 6, filter.mask, 1e30, 1e30, {}});
+		ways.push_back({std::string("Huffman, ") + filter.name, "huffman", 6, filter.mask, 1e30, 1e30, {}});
+	}
+	return ways;
+}
+
+void bench_png(const char *path, int turns)
+{
+	frame *f = read_frame(path, false);
+	std::vector<png_way> ways = png_ways();
+	way codec = {"codec", 1e30, 1e30, {}};
+	OIIO::ImageSpec spec;
+	encode_by_codec(*f, CODEC_PNG, codec.file);
+	const std::vector<unsigned char> pixels = png_pixels(codec.file, spec);
+	for (int turn = 0; turn < turns; turn++) {
+		const double cpu = ms_of(CLOCK_PROCESS_CPUTIME_ID), wall = ms_of(CLOCK_MONOTONIC);
+		encode_by_codec(*f, CODEC_PNG, codec.file);
+		codec.cpu_ms = std::min(codec.cpu_ms, ms_of(CLOCK_PROCESS_CPUTIME_ID) - cpu);
+		codec.wall_ms = std::min(codec.wall_ms, ms_of(CLOCK_MONOTONIC) - wall);
+		for (png_way &w : ways) {
+			const double before = ms_of(CLOCK_PROCESS_CPUTIME_ID), at = ms_of(CLOCK_MONOTONIC);
+			encode_png(spec, pixels, w);
+			w.cpu_ms = std::min(w.cpu_ms, ms_of(CLOCK_PROCESS_CPUTIME_ID) - before);
+			w.wall_ms = std::min(w.wall_ms, ms_of(CLOCK_MONOTONIC) - at);
+		}
+	}
+	std::printf("| %s | codec | %.1f | %.1f | %zu | 1.00 |\n", path, codec.cpu_ms, codec.wall_ms, codec.file.size());
+	for (png_way &w : ways) {
+		OIIO::ImageSpec read;
+		if (png_pixels(w.file, read) != pixels)
+			die(w.name + " changed the pixels");
+		std::printf("| %s | %s | %.1f | %.1f | %zu | %.2f |\n", path, w.name.c_str(), w.cpu_ms, w.wall_ms,
+			    w.file.size(), double(w.file.size()) / double(codec.file.size()));
+	}
+	std::fflush(stdout);
+	frame_destroy(f);
+}
+
 } // namespace
 
 int main(int argc, char **argv)
@@ -174,8 +266,17 @@ int main(int argc, char **argv)
 		turns = std::max(1, std::atoi(argv[2]));
 		first = 3;
 	}
+	const bool png = first < argc && !std::strcmp(argv[first], "--png");
+	first += png;
 	if (first >= argc)
-		die("usage: bench_encode [--turns N] FRAME.exr...");
+		die("usage: bench_encode [--turns N] [--png] FRAME.exr...");
+	if (png) {
+		std::puts("| frame | level, filter | processors, ms | clock, ms | bytes | bytes / codec |");
+		std::puts("| --- | --- | ---: | ---: | ---: | ---: |");
+		for (int i = first; i < argc; i++)
+			bench_png(argv[i], turns);
+		return 0;
+	}
 	std::puts("| frame | way | processors, ms | clock, ms | bytes | bytes / zip | processors / zip |");
 	std::puts("| --- | --- | ---: | ---: | ---: | ---: | ---: |");
 	for (int i = first; i < argc; i++)

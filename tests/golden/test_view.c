@@ -88,6 +88,51 @@ static void extremes_stay_in_range(void **state)
 	}
 }
 
+static void same_codes(const struct view_table *table, enum codec_view view, double ev, float x)
+{
+	uint8_t by_table[3], alone[3];
+	const float rgb[3] = {x, 0.5f * x, 0.01f};
+	view_table_srgb8(table, rgb, by_table);
+	view_srgb8(view, ev, rgb, alone);
+	assert_memory_equal(by_table, alone, sizeof alone);
+}
+
+// At every code's least value and the floats beside it, and at values of all sizes.
+static void a_table_gives_the_same_codes(void **state)
+{
+	const enum codec_view views[] = {CODEC_VIEW_NONE, CODEC_VIEW_REINHARD, CODEC_VIEW_FILMIC};
+	(void)state;
+	for (unsigned v = 0; v < 3; v++)
+		for (double ev = -20; ev <= 20; ev += 2.5) {
+			struct view_table table;
+			view_table_init(&table, views[v], ev);
+			for (unsigned code = 1; code < 256; code++) {
+				float x = (float)(table.least[code] / table.scale);
+				for (int i = 0; i < 5; i++)
+					x = nextafterf(x, 0);
+				for (int i = 0; i < 10; i++, x = nextafterf(x, FLT_MAX))
+					same_codes(&table, views[v], ev, x);
+			}
+			for (float x = 1e-12f; x < 1e12f; x *= 1.003f)
+				same_codes(&table, views[v], ev, x);
+			const float odd[] = {0, -0.0f, -1, FLT_MAX, INFINITY, -INFINITY, NAN, FLT_MIN, 1e-45f};
+			for (unsigned i = 0; i < sizeof odd / sizeof *odd; i++)
+				same_codes(&table, views[v], ev, odd[i]);
+		}
+}
+
+// The curve rises, so that a code is that of a range.
+static void a_table_has_the_least_of_each_code(void **state)
+{
+	struct view_table table;
+	(void)state;
+	view_table_init(&table, CODEC_VIEW_NONE, 0);
+	for (unsigned code = 1; code < 256; code++) {
+		assert_int_equal(lround(255 * view_srgb_encode(table.least[code])), code);
+		assert_int_equal(lround(255 * view_srgb_encode(nextafter(table.least[code], 0))), code - 1);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -96,6 +141,8 @@ int main(void)
 	    cmocka_unit_test(reinhard_divides_by_one_plus_luminance),
 	    cmocka_unit_test(filmic_goes_from_black_to_white_without_turning),
 	    cmocka_unit_test(extremes_stay_in_range),
+	    cmocka_unit_test(a_table_gives_the_same_codes),
+	    cmocka_unit_test(a_table_has_the_least_of_each_code),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

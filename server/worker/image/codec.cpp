@@ -33,6 +33,11 @@ constexpr uint32_t SAMPLED_ROWS_MIN = 16 * SAMPLE_BANDS * SAMPLE_BAND_ROWS; // o
 // Higher levels take longer and gain next to nothing on floats.
 constexpr const char *ZIP_OF_FLOATS = "zip:2";
 
+// zlib's way with the rows of a PNG, which libpng has filtered, each by the filter of five that suits it: run lengths and
+// Huffman's code. What is left of a rendered picture repeats itself in no other way, and to search for it takes three to
+// four times as long. Measured: tests/bench/RESULTS.md.
+constexpr const char *PNG_STRATEGY = "rle";
+
 struct channel {
 	const char *name;
 	OIIO::TypeDesc type;
@@ -166,6 +171,7 @@ OIIO::ImageSpec png_spec(const frame &f, codec_view view, double exposure_ev)
 {
 	OIIO::ImageSpec spec(int(f.width), int(f.height), 3, OIIO::TypeDesc::UINT8);
 	spec.attribute("oiio:ColorSpace", "sRGB");
+	spec.attribute("compression", PNG_STRATEGY);
 	add_metadata(f, spec);
 	char text[32];
 	std::snprintf(text, sizeof text, "%g", exposure_ev);
@@ -174,13 +180,12 @@ OIIO::ImageSpec png_spec(const frame &f, codec_view view, double exposure_ev)
 	return spec;
 }
 
-void pack_srgb(const frame &f, codec_view view, double exposure_ev, uint32_t y0, uint32_t y1,
-	       std::vector<unsigned char> &out)
+void pack_srgb(const frame &f, const view_table &table, uint32_t y0, uint32_t y1, std::vector<unsigned char> &out)
 {
 	const size_t first = size_t(y0) * f.width, count = size_t(y1 - y0) * f.width;
 	out.resize(count * 3);
 	for (size_t i = 0; i < count; i++)
-		view_srgb8(view, exposure_ev, f.radiance + (first + i) * 3, out.data() + i * 3);
+		view_table_srgb8(&table, f.radiance + (first + i) * 3, out.data() + i * 3);
 }
 
 // Write all rows through `packer`; false leaves the reason in the library's error.
@@ -199,13 +204,16 @@ template <typename Packer> bool write_rows(OIIO::ImageOutput &out, const frame &
 
 bool write_file(OIIO::ImageOutput &out, const frame &f, codec_format format, codec_view view, double exposure_ev)
 {
-	if (format == CODEC_PNG)
+	view_table table;
+	if (format == CODEC_PNG) {
+		view_table_init(&table, view, exposure_ev);
 		return out.open("frame.png", png_spec(f, view, exposure_ev)) &&
 		       write_rows(out, f, OIIO::TypeDesc::UINT8,
 				  [&](uint32_t y0, uint32_t y1, std::vector<unsigned char> &strip) {
-					  pack_srgb(f, view, exposure_ev, y0, y1, strip);
+					  pack_srgb(f, table, y0, y1, strip);
 				  }) &&
 		       out.close();
+	}
 	const auto channels = channels_of(f, format == CODEC_EXR_HALF ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
 	// UNKNOWN: the strip is already in the file's own types.
 	return out.open("frame.exr", exr_spec(f, channels)) &&

@@ -31,4 +31,19 @@ double view_srgb_decode(double v);
 // As view_apply, then encoded by the sRGB curve and rounded to the nearest of 256 codes.
 void view_srgb8(enum codec_view view, double exposure_ev, const float rgb[3], uint8_t out[3]);
 
+// The same for many pixels: the least value of each code, found once, in the place of a power for each channel.
+#define VIEW_CELLS 4096u
+struct view_table {
+	enum codec_view view;
+	double scale;
+	double least[257]; // display-linear, of each code, ascending; beyond the last one: infinity
+	uint8_t code[VIEW_CELLS + 1]; // of the least value in each part of 0…1
+};
+
+// Takes as long as some thousand pixels do by view_srgb8.
+void view_table_init(struct view_table *table, enum codec_view view, double exposure_ev);
+
+// As view_srgb8 by the table's view and exposure, with the same codes.
+void view_table_srgb8(const struct view_table *table, const float rgb[3], uint8_t out[3]);
+
 #endif

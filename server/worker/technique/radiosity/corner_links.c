@@ -140,7 +140,7 @@ static uint32_t find_on(const struct corner_places *p, const struct corner_edge 
 // What a sort has sorted; its other array is freed.
 static struct corner_edge *take_sorted(struct sliced_sort *sort)
 {
-	struct corner_edge *sorted = (struct corner_edge *)(void *)sort->items;
+	struct corner_edge *sorted = sort->items;
 	free(sort->spare);
 	*sort = (struct sliced_sort){0};
 	return sorted;

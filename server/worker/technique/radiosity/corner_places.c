@@ -121,7 +121,7 @@ enum status corner_places_find(struct corner_places *p, uint32_t count, struct e
 	sliced_sort_step(&p->sort, count);
 	if (!p->sort.done)
 		return STATUS_OK;
-	const enum status s = number_places(p, (const struct point *)p->sort.items, p->sort.count, err);
+	const enum status s = number_places(p, p->sort.items, p->sort.count, err);
 	free_sort(p);
 	return s;
 }

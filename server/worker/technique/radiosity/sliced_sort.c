@@ -27,7 +27,7 @@ static void begin_pass(struct sliced_sort *s, uint32_t width)
 static void sort_run(struct sliced_sort *s)
 {
 	const uint32_t n = least(RUN, s->count - s->at);
-	qsort(s->items + s->at * s->size, n, s->size, s->compare);
+	qsort((unsigned char *)s->items + s->at * s->size, n, s->size, s->compare);
 	s->at += n;
 	if (s->at == s->count)
 		begin_pass(s, RUN);
@@ -37,8 +37,8 @@ static void sort_run(struct sliced_sort *s)
 static uint32_t merge(struct sliced_sort *s, uint32_t moves)
 {
 	const uint32_t n = least(s->width, s->count - s->at), m = least(s->width, s->count - s->at - n);
-	const unsigned char *one = s->items + s->at * s->size, *two = one + n * s->size;
-	unsigned char *out = s->spare + (s->at + s->left + s->right) * s->size;
+	const unsigned char *one = (const unsigned char *)s->items + s->at * s->size, *two = one + n * s->size;
+	unsigned char *out = (unsigned char *)s->spare + (s->at + s->left + s->right) * s->size;
 	uint32_t moved = 0;
 	for (; moved < moves && s->left + s->right < n + m; moved++, out += s->size) {
 		const unsigned char *a = one + s->left * s->size, *b = two + s->right * s->size;
@@ -64,7 +64,7 @@ void sliced_sort_step(struct sliced_sort *s, uint32_t moves)
 		}
 		moves -= merge(s, moves);
 		if (s->at == s->count) {
-			unsigned char *merged = s->spare;
+			void *merged = s->spare;
 			s->spare = s->items;
 			s->items = merged;
 			begin_pass(s, s->width > s->count / 2 ? s->count : 2 * s->width);

@@ -11,7 +11,7 @@
 
 // A sort under way.
 struct sliced_sort {
-	unsigned char *items, *spare; // the caller's, of equal length
+	void *items, *spare; // the caller's, of equal length
 	size_t size; // of an item, bytes
 	uint32_t count;
 	int (*compare)(const void *a, const void *b);
