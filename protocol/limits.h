@@ -104,6 +104,13 @@
 #define LIMIT_LOAD_TURN_SECONDS 5u // after which a load makes room for one that has not run yet
 #define LIMIT_CHILDREN_LEFT 8u // loaders that were killed and have not ended yet; while there are more, loads wait
 
+// ---- radiosity ----
+#define LIMIT_RADIOSITY_RAYS 4000000u // of a row of form factors
+#define LIMIT_RADIOSITY_BOUNCES 32u // of a ray by mirrors
+#define LIMIT_RADIOSITY_POINTS 4096u // of a patch, from which lights are looked at
+#define LIMIT_RADIOSITY_GATHER 4096u // rays of a sample of a pixel
+#define LIMIT_RADIOSITY_ITERATIONS 4096u // of a solver
+
 // ---- the worker ----
 #define LIMIT_SLICE_MS 1000u
 #define LIMIT_HANG_SECONDS 30u // a child that owes an answer, and is still for so long, hangs

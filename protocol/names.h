@@ -9,7 +9,7 @@
 // Example:
 //	char list[64];
 //	technique_list(TECHNIQUE_RENDERS, "or", list, sizeof list);
-//	assert(strcmp(list, "pt, vct or direct") == 0);
+//	assert(strcmp(list, "pt, vct, radiosity or direct") == 0);
 //	assert(technique_number("pt", 2) == 1 && strcmp(technique_name(1), "pt") == 0);
 //	assert(technique_number("nothing", 7) == -1 && strcmp(technique_name(TECHNIQUE_COUNT), "unknown") == 0);
 //	names_list((const char *const[]){"a", "b", "c"}, 3, "and", list, sizeof list);
@@ -39,7 +39,7 @@
 	X(AUTO, 0, "auto", 0u, 0u) \
 	X(PT, 1, "pt", TECHNIQUE_RENDERS | TECHNIQUE_NOISE | TECHNIQUE_LENS, 1u << 1) \
 	X(VCT, 2, "vct", TECHNIQUE_RENDERS | TECHNIQUE_VOXELS, 1u << 2 | 1u << 4) \
-	X(RADIOSITY, 3, "radiosity", 0u, 0u) \
+	X(RADIOSITY, 3, "radiosity", TECHNIQUE_RENDERS, 1u << 3 | 1u << 4) \
 	X(DIRECT, 4, "direct", TECHNIQUE_RENDERS, 1u << 4)
 
 // The number of the technique that "auto" stands for where nothing is asked for that it could be chosen by, and in a sweep:
@@ -108,6 +108,9 @@
 	X("vct.shadows", "map march cones volume", "") \
 	X("vct.step", "0.25 1", "") \
 	X("vct.start", "0.5 2", "") \
+	X("radiosity.patches", "512 2048 16384", "1024") \
+	X("radiosity.rays", "256 4096", "") \
+	X("radiosity.display", "constant gather", "gather") \
 	X("direct.samples", "8 32", "8") \
 	X("direct.shadows", "map none", "")
 

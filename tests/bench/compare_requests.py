@@ -330,7 +330,7 @@ def _refused():
     yield "level of albedo", "render first --technique vct --set vct.show=albedo --set vct.level=1"
     yield "level too high", f"render first {VCT} --set vct.show=radiance --set vct.level=6"
     yield "slice outside", f"render first {VCT} --set vct.show=radiance --set vct.slice=200"
-    yield "radiosity", "render first --technique radiosity"
+    yield "a row that is not shown", "render first --technique radiosity --set radiosity.row=1"
     for technique in ("direct", "vct"):
         yield f"a lens in {technique}", f"render first --technique {technique} --lens .1,2"
         yield f"a panorama in {technique}", f"render first --technique {technique} --panorama"

@@ -420,7 +420,7 @@ class Study(DaemonCase):
         self.assertFalse(os.path.exists(self.out))
         result = run(CANDIL, "study", self.scene, "-o", self.out, "--plan", self.folder, "--json")
         self.assertEqual(result.returncode, 2, result)
-        for wrong in (["--techniques", "magic"], ["--techniques", "radiosity"], ["--budget", "0"], ["--budget", "inf"],
+        for wrong in (["--techniques", "magic"], ["--budget", "0"], ["--budget", "inf"],
                       ["--seeds", "0"], ["--camera", "1,2"], ["--quick", "--plan", "x"], ["--set", "pt.depth=1"],
                       ["--spp", "1"], ["--camera", "a"] * 33, ["--size", "16384x16384"],
                       ["--background", "./" * 1000 + "x", "--background", "./" * 1100]):

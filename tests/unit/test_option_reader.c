@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "protocol/names.h"
 #include "server/worker/plan/make.h"
 #include "server/worker/plan/option.h"
 #include "server/worker/technique/technique.h"
@@ -112,7 +113,7 @@ static void techniques_have_what_the_seam_asks_for(void **state)
 		if (t->check)
 			assert_int_equal(t->check(&plan, &err), STATUS_OK);
 	}
-	assert_null(technique_find(candil_Technique_TECHNIQUE_RADIOSITY));
+	assert_null(technique_find((candil_Technique)TECHNIQUE_COUNT));
 	assert_non_null(technique_find(candil_Technique_TECHNIQUE_AUTO));
 }
 

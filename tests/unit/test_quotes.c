@@ -359,7 +359,7 @@ static void numbers_that_cannot_be_are_refused(void **state)
 	m->records[0] = good; \
 	m->records[0].change; \
 	assert_refused(m);
-	BAD(technique = 3)
+	BAD(technique = TECHNIQUE_COUNT)
 	BAD(technique = 1000)
 	BAD(pixels = 0)
 	BAD(samples = 0)
@@ -620,7 +620,7 @@ static void options_and_lenses_leave_what_takes_them(void **state)
 	r = (candil_Render){.width = 1, .height = 1, .technique = DIRECT};
 	assert_true(quote_can(&r, DIRECT));
 	assert_false(quote_can(&r, PT));
-	assert_false(quote_can(&r, candil_Technique_TECHNIQUE_RADIOSITY));
+	assert_false(quote_can(&r, (candil_Technique)TECHNIQUE_COUNT));
 }
 
 static void keys_know_what_shows(void **state)

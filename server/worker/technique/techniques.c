@@ -2,10 +2,11 @@
 #include "protocol/names.h"
 #include "server/worker/technique/direct/direct.h"
 #include "server/worker/technique/pt/pt.h"
+#include "server/worker/technique/radiosity/radiosity.h"
 #include "server/worker/technique/technique.h"
 #include "server/worker/technique/vct/vct.h"
 
-static const struct technique *const techniques[] = {&technique_pt, &technique_direct, &technique_vct};
+static const struct technique *const techniques[] = {&technique_pt, &technique_direct, &technique_vct, &technique_radiosity};
 
 uint32_t technique_count(void)
 {

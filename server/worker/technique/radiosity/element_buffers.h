@@ -6,6 +6,7 @@
 #include "server/worker/technique/radiosity/elements.h"
 #include "server/worker/vk/buffer.h"
 
+// The buffers of a scene's elements.
 struct element_buffers {
 	struct buffer faces, triangles, patches; // as the arrays of struct elements
 	struct buffer surfaces; // struct radiosity_surface, by element; undefined until somebody writes them

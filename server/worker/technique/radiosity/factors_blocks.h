@@ -15,12 +15,14 @@ struct factors_place {
 	uint32_t block, first;
 };
 
-// Find room for rows of counts[0 … n - 1] entries, one after the other, and make the blocks that lack; their entries are 0.
-// The blocks' `entries` then count these rows; *before is what factors_undo needs. STATUS_MEMORY, STATUS_DEVICE: nothing has
-// changed.
+// What the blocks were before room was found.
 struct factors_mark {
 	uint32_t block_count, entries; // of the last block
 };
+
+// Find room for rows of counts[0 … n - 1] entries, one after the other, and make the blocks that lack; their entries are 0.
+// The blocks' `entries` then count these rows; *before is what factors_undo needs. STATUS_MEMORY, STATUS_DEVICE: nothing has
+// changed.
 enum status factors_find(struct factors *factors, const uint32_t *counts, uint32_t n, struct factors_place *places,
 			 struct factors_mark *before, struct error *err);
 

@@ -17,6 +17,7 @@
 
 #define LIGHT_POINTS_MOST 4096u
 
+// How light is looked for.
 struct light_options {
 	uint32_t points; // of a patch, for each light: a power of two, 1 … LIGHT_POINTS_MOST
 	uint32_t sky_points; // of each side of a patch, for the picture: likewise
@@ -43,6 +44,7 @@ enum status light_compile(struct light *light, struct error *err);
 // driver ended loops too early, and nothing of it is right.
 enum status light_step(struct light *light, uint32_t budget_us, struct error *err);
 
+// Whether it is over, and how far it is.
 bool light_finished(const struct light *light);
 float light_progress(const struct light *light); // 0…1
 uint64_t light_rays(const struct light *light); // that were asked for so far, at most

@@ -41,6 +41,7 @@ enum status patch_pass_init(struct patch_pass *pass, const struct patch_scene *o
 enum status patch_pass_bind(struct patch_pass *pass, const struct patch_scene *of, const struct shader *shader,
 			    const struct constants *constants, const struct buffer *const own[3], struct error *err);
 
+// Free what it has. A pass of which all but `device` is zero is fine.
 void patch_pass_finish(struct patch_pass *pass);
 
 // Whether the driver has compiled its code. If not, the first dispatch takes long.

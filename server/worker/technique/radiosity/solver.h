@@ -41,6 +41,7 @@ void solver_destroy(struct solver *solver);
 // absorbed elsewhere.
 enum status solver_step(struct solver *solver, uint32_t budget_us, struct error *err);
 
+// Whether it has ended, and what it has come to.
 bool solver_finished(const struct solver *solver);
 double solver_residual(const struct solver *solver); // so far: above the one asked for if it ended without reaching it
 uint32_t solver_iterations(const struct solver *solver); // done

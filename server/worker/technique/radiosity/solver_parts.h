@@ -34,6 +34,7 @@ struct solver_run {
 	uint32_t first, end; // of the list of rows
 };
 
+// What a solver does next.
 enum solver_stage {
 	SOLVER_TEST, // whether there is a solution: powers of ρ F
 	SOLVER_OUTER,
@@ -42,6 +43,7 @@ enum solver_stage {
 	SOLVER_DONE,
 };
 
+// A solver.
 struct solver {
 	struct device *device;
 	const struct factors *factors;

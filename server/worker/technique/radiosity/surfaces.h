@@ -33,6 +33,7 @@ enum status surfaces_compile(struct surfaces *surfaces, struct error *err);
 // Work for about budget_us, at least one dispatch. What comes out does not depend on the budgets.
 enum status surfaces_step(struct surfaces *surfaces, uint32_t budget_us, struct error *err);
 
+// Whether it is over, and the share of it that is done.
 bool surfaces_finished(const struct surfaces *surfaces);
 float surfaces_progress(const struct surfaces *surfaces); // 0…1
 

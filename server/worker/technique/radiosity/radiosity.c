@@ -1,0 +1,364 @@
+#include "server/worker/technique/radiosity/radiosity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/base/clock.h"
+#include "server/scene/casters.h"
+#include "server/worker/devices.h"
+#include "server/worker/technique/common/scene_params.h"
+#include "server/worker/technique/deferred/deferred.h"
+#include "server/worker/technique/radiosity/display.h"
+#include "server/worker/technique/radiosity/display_views.h"
+#include "server/worker/technique/radiosity/radiosity_options.h"
+#include "server/worker/technique/radiosity/rays.h"
+#include "server/worker/technique/radiosity/solution.h"
+#include "server/worker/technique/radiosity/solver.h"
+#include "server/worker/trace/trace.h"
+
+#define SOLVE_SHARE 0.9 // share of the job's work that making the solution counts for
+#define SKY_POINTS 16u // of a patch for one of those that look at lights
+#define DEPTH 65535u // light scatters on until the solver ends
+
+struct technique_job {
+	struct resident_scene *scene;
+	struct gl_device *gl;
+	struct plan plan;
+	struct solution *solution; // held
+	bool made; // some of the solution was made by this job
+	bool placed; // `field` has the solution's values
+	struct display_field field;
+	struct display display;
+	struct deferred *deferred;
+};
+
+// ---- what is asked for --------------------------------------------------------------------------------------------------
+
+static bool has_mirrors(const struct plan *plan, const struct resident_scene *scene)
+{
+	return radiosity_settings(plan)->mirrors == RADIOSITY_MIRRORS_RAYS && plan_has(plan, candil_Effect_EFFECT_GLOSSY) &&
+	       (scene->view.facts & FACT_POLISHED);
+}
+
+static void options_of(const struct plan *plan, const struct resident_scene *scene, struct solution_options *o)
+{
+	const struct radiosity_settings *s = radiosity_settings(plan);
+	memset(o, 0, sizeof *o);
+	o->factors.cut.edge = (double)s->edge;
+	o->factors.cut.count = s->edge > 0 ? 0 : s->patches;
+	o->factors.factors = s->factors;
+	o->factors.rays = s->rays;
+	o->factors.mirrors = has_mirrors(plan, scene);
+	o->factors.bounces = o->factors.mirrors ? s->bounces : 0;
+	o->factors.effects = plan->effects & (1u << candil_Effect_EFFECT_ALPHA_MASK);
+	o->effects = plan->effects;
+	o->points = s->points;
+	o->sky_points = s->points < LIMIT_RADIOSITY_POINTS / SKY_POINTS ? SKY_POINTS * s->points : LIMIT_RADIOSITY_POINTS;
+	o->solver = s->solver;
+	o->residual = s->residual;
+	if (plan_has_sky(plan)) {
+		o->sky = plan->environment.scene->id;
+		o->sky_turn = (float)plan->environment.turn;
+		o->sky_scale = (float)plan->environment.scale;
+	} else if (plan_has(plan, candil_Effect_EFFECT_ENVIRONMENT)) {
+		memcpy(o->background, plan->background, sizeof o->background);
+	}
+}
+
+static struct display_options display_of(const struct plan *plan, const struct resident_scene *scene)
+{
+	const struct radiosity_settings *s = radiosity_settings(plan);
+	const bool shows = s->show != RADIOSITY_SHOW_NONE;
+	return (struct display_options){
+	    .plain = shows,
+	    .corners = !shows && s->display != RADIOSITY_DISPLAY_CONSTANT,
+	    .gather = !shows && s->display == RADIOSITY_DISPLAY_GATHER ? s->gather : 0,
+	    .bounces = !shows && has_mirrors(plan, scene) ? s->bounces : 0,
+	    .light = lighting_wish_of(&s->direct, s->direct.shadows == DIRECT_SHADOWS_MAP, true),
+	};
+}
+
+// ---- memory -------------------------------------------------------------------------------------------------------------
+
+static double side_of(const struct vertex *a, const struct vertex *b)
+{
+	double sum = 0;
+	for (int c = 0; c < 3; c++) {
+		const double d = (double)b->position[c] - (double)a->position[c];
+		sum += d * d;
+	}
+	return sqrt(sum);
+}
+
+// How many patches there will be, about: triangles as halves of quads.
+static double patches_guess(const struct plan *plan, const struct resident_scene *scene)
+{
+	const struct radiosity_settings *s = radiosity_settings(plan);
+	const struct triangle *triangles = scene_section(scene, BLOB_TRIANGLES);
+	const struct vertex *vertices = scene_section(scene, BLOB_VERTICES);
+	const uint32_t count = scene_count(scene, BLOB_TRIANGLES);
+	double sum = 0;
+	if (!(s->edge > 0))
+		return fmax(s->patches, 0.5 * count);
+	for (uint32_t i = 0; i < count; i++) {
+		const struct vertex *v[3];
+		double side[3], longest = 0, parts = 0.5;
+		for (int k = 0; k < 3; k++)
+			v[k] = &vertices[triangles[i].vertex[k]];
+		for (int k = 0; k < 3; k++) {
+			side[k] = side_of(v[k], v[(k + 1) % 3]);
+			longest = fmax(longest, side[k]);
+		}
+		for (int k = 0; k < 3; k++)
+			parts *= side[k] < longest ? ceil(side[k] / (double)s->edge) : 1;
+		sum += parts;
+	}
+	return fmin(sum, PATCHES_MOST);
+}
+
+// Of `n` elements that are seen, so many are met by some of the rays of a row, if all are met alike.
+static double entries_guess(double n, double rays)
+{
+	return n > 0 ? n * -expm1(-rays / n) : 0;
+}
+
+static uint64_t radiosity_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
+{
+	const struct display_options display = display_of(plan, scene);
+	const uint32_t triangles = scene_count(scene, BLOB_TRIANGLES);
+	const double n = patches_guess(plan, scene);
+	const uint32_t patches = (uint32_t)n;
+	const struct rays_options rays = {.rays = radiosity_settings(plan)->rays};
+	const double entries = n * entries_guess(n, rays.rays);
+	return deferred_bytes(devices, plan, radiosity_settings(plan)->direct.rows) +
+	       display_bytes(devices, scene, plan, &display) +
+	       display_field_bytes(triangles, triangles, patches, display.corners) +
+	       element_buffers_bytes(triangles, triangles, patches) + rays_bytes(patches, triangles, &rays) +
+	       (uint64_t)(entries * (sizeof(uint32_t) + sizeof(float)));
+}
+
+static void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+			     uint64_t budget, char *advice)
+{
+	struct plan smaller = *plan;
+	struct radiosity_settings *s = radiosity_settings_of(&smaller);
+	const double least = 0.5 * scene_count(scene, BLOB_TRIANGLES);
+	s->patches = (uint32_t)patches_guess(plan, scene);
+	s->edge = 0;
+	while (s->patches > 1 && s->patches > least && radiosity_bytes(devices, scene, &smaller) > budget)
+		s->patches -= s->patches / 8 + 1;
+	if (radiosity_bytes(devices, scene, &smaller) <= budget)
+		snprintf(advice, TECHNIQUE_ADVICE_BYTES, "radiosity.patches=%u would fit", s->patches);
+}
+
+// ---- a job --------------------------------------------------------------------------------------------------------------
+
+static void radiosity_end(struct technique_job *j)
+{
+	if (!j)
+		return;
+	deferred_destroy(j->deferred);
+	display_finish(&j->display);
+	display_field_finish(&j->field);
+	solution_release(j->solution);
+	free(j);
+}
+
+static enum status radiosity_begin(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
+				   struct technique_job **job, struct error *err)
+{
+	struct solution_options options;
+	const struct display_options display = display_of(plan, scene);
+	const struct plan shown = display_plan(plan);
+	struct technique_job *j = calloc(1, sizeof *j);
+	if (!j)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	j->scene = scene;
+	j->plan = *plan;
+	options_of(plan, scene, &options);
+	enum status s = devices_gl(devices, &j->gl, err);
+	if (s == STATUS_OK)
+		s = solution_acquire(scene, devices->vk, plan, &options, &j->solution, err);
+	if (s == STATUS_OK)
+		s = display_init(&j->display, devices, scene, plan, &display, &j->field, err);
+	if (s == STATUS_OK)
+		s = deferred_create(devices, scene, &shown, radiosity_settings(plan)->direct.rows,
+				    display_traces(&display) ? TRACE_BINDINGS : 0, j->display.passes, j->display.pass_count,
+				    &j->deferred, err);
+	if (s != STATUS_OK) {
+		radiosity_end(j);
+		return s;
+	}
+	deferred_add_setup(j->deferred, 0, display_compile_us(&j->display) + solution_take_compile_us(j->solution));
+	*job = j;
+	return STATUS_OK;
+}
+
+// The element of radiosity.row, or without the option the one in the middle of the picture.
+static enum status choose_row(const struct technique_job *j, uint32_t *element, struct error *err)
+{
+	const struct elements *e = &j->solution->factors->elements;
+	const uint32_t asked = radiosity_settings(&j->plan)->row;
+	if (asked != NONE && asked >= e->count)
+		return error_set(err, STATUS_BAD_ARGUMENT, "radiosity.row is %u: the elements are 0 to %u", asked,
+				 e->count - 1);
+	*element = asked != NONE
+		       ? asked
+		       : display_element_seen(e, &j->scene->view, &j->plan, 0.5 * j->plan.width, 0.5 * j->plan.height);
+	if (*element == NONE)
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "nothing is in the middle of the picture whose row could be shown: say which, by "
+				 "radiosity.row");
+	return STATUS_OK;
+}
+
+// Fill in the values of radiosity.show, 3 floats for each element.
+static enum status fill_view(const struct technique_job *j, float *values, struct error *err)
+{
+	static const enum display_view views[] = {
+	    [RADIOSITY_SHOW_B] = DISPLAY_VIEW_B,           [RADIOSITY_SHOW_E] = DISPLAY_VIEW_E,
+	    [RADIOSITY_SHOW_ALBEDO] = DISPLAY_VIEW_ALBEDO, [RADIOSITY_SHOW_ID] = DISPLAY_VIEW_ID,
+	    [RADIOSITY_SHOW_NORMAL] = DISPLAY_VIEW_NORMAL, [RADIOSITY_SHOW_ROW] = DISPLAY_VIEW_ROW};
+	const struct solution *v = j->solution;
+	const uint32_t show = radiosity_settings(&j->plan)->show;
+	struct display_source source = {
+	    .elements = &v->factors->elements, .surfaces = v->made_of, .irradiance = v->irradiance};
+	uint32_t *columns = NULL, element;
+	float *factors = NULL;
+	enum status s = STATUS_OK;
+	if (show == RADIOSITY_SHOW_ROW) {
+		s = choose_row(j, &element, err);
+		if (s == STATUS_OK)
+			s = factors_read_row(&v->factors->factors, element, &columns, &factors, err);
+		if (s != STATUS_OK)
+			return s;
+		source.columns = columns;
+		source.factors = factors;
+		source.entries = v->factors->factors.rows[element].count;
+	}
+	display_view_fill(views[show], &source, values);
+	free(columns);
+	free(factors);
+	return STATUS_OK;
+}
+
+// Bring what is shown of the solution to OpenGL.
+static enum status place_field(struct technique_job *j, struct error *err)
+{
+	const struct elements *e = &j->solution->factors->elements;
+	const bool corners = j->display.options.corners;
+	float *own = NULL;
+	enum status s = STATUS_OK;
+	if (j->display.options.plain) {
+		own = malloc(3 * sizeof *own * e->count + 1);
+		s = own ? fill_view(j, own, err) : error_set(err, STATUS_MEMORY, "out of memory");
+	}
+	const float *values = own ? own : corners ? j->solution->corners : j->solution->irradiance;
+	if (s == STATUS_OK && e->count > 0)
+		s = display_field_init(&j->field, j->gl, e, values, corners, err);
+	free(own);
+	j->placed = s == STATUS_OK;
+	return s;
+}
+
+static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
+{
+	enum status s = STATUS_OK;
+	if (!solution_finished(j->solution)) {
+		j->made = true;
+		s = solution_step(j->solution, budget_us, err);
+		result->fraction = SOLVE_SHARE * solution_fraction(j->solution);
+		return s;
+	}
+	result->fraction = SOLVE_SHARE;
+	if (!j->placed)
+		return place_field(j, err);
+	if (!display_ready(&j->display))
+		return display_step(&j->display, deferred_timer(j->deferred), budget_us, err);
+	s = deferred_step(j->deferred, budget_us, result, err);
+	result->fraction = SOLVE_SHARE + (1 - SOLVE_SHARE) * result->fraction;
+	return s;
+}
+
+static enum status radiosity_read(struct technique_job *j, struct frame **frame, struct error *err)
+{
+	const enum status s = deferred_read(j->deferred, frame, err);
+	if (s != STATUS_OK)
+		return s;
+	(*frame)->diagram = j->display.options.plain;
+	if (solution_finished(j->solution))
+		solution_account(j->solution, j->made, *frame);
+	return STATUS_OK;
+}
+
+// ---- planning -----------------------------------------------------------------------------------------------------------
+
+static uint32_t radiosity_depth(const struct plan *plan)
+{
+	(void)plan;
+	return DEPTH;
+}
+
+static const char *radiosity_cannot(const struct plan *plan, candil_Effect effect)
+{
+	if (effect == candil_Effect_EFFECT_CAUSTICS)
+		return "mirrors pass on the light of surfaces, but not that of point, spot and directional lights";
+	if (effect == candil_Effect_EFFECT_GLOSSY && radiosity_settings(plan)->mirrors == RADIOSITY_MIRRORS_OFF)
+		return "radiosity.mirrors=off: metals are diffuse";
+	return NULL;
+}
+
+static const char *radiosity_simulates(const struct plan *plan, candil_Effect effect)
+{
+	(void)plan;
+	return effect == candil_Effect_EFFECT_GLOSSY ? "polished metals are mirrors; what else is glossy is diffuse" : NULL;
+}
+
+// Materials that pt shows as glossy and that are diffuse here.
+static uint32_t glossy_materials(const struct resident_scene *scene)
+{
+	const struct material *m = scene_section(scene, BLOB_MATERIALS);
+	const struct material_use *uses = scene_section(scene, BLOB_MATERIAL_USES);
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_MATERIALS); i++) {
+		const bool lobe = m[i].specular_weight > 0 || m[i].metallic > 0;
+		const bool mirror = m[i].metallic >= 1 && (double)(m[i].roughness * m[i].roughness) <= GGX_ALPHA_LEAST;
+		count += uses[i].triangles > 0 && !(m[i].flags & MATERIAL_UNLIT) && lobe && !mirror;
+	}
+	return count;
+}
+
+static void radiosity_notes(const struct resident_scene *scene, const struct plan *plan, candil_Accepted *accepted)
+{
+	const uint32_t glossy = plan_has(plan, candil_Effect_EFFECT_GLOSSY) ? glossy_materials(scene) : 0;
+	deferred_notes(scene, plan, accepted);
+	if (glossy > 0)
+		technique_note(accepted,
+			       "radiosity has no glossy surfaces but mirrors of polished metal: %u material%s drawn diffuse",
+			       glossy, glossy == 1 ? " is" : "s are");
+}
+
+#define RADIOSITY_EFFECTS \
+	(1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_EMITTERS | 1u << candil_Effect_EFFECT_LIGHTS | \
+	 1u << candil_Effect_EFFECT_ENVIRONMENT | 1u << candil_Effect_EFFECT_BOUNCES | 1u << candil_Effect_EFFECT_GLOSSY | \
+	 1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_VERTEX_COLORS | \
+	 1u << candil_Effect_EFFECT_UNLIT)
+
+const struct technique technique_radiosity = {.number = candil_Technique_TECHNIQUE_RADIOSITY,
+					      .options = radiosity_options,
+					      .defaults = radiosity_options_default,
+					      .check = radiosity_options_check,
+					      .depth = radiosity_depth,
+					      .effects = RADIOSITY_EFFECTS,
+					      .cannot = radiosity_cannot,
+					      .simulates = radiosity_simulates,
+					      .sides_are_code = true,
+					      .notes = radiosity_notes,
+					      .bytes = radiosity_bytes,
+					      .advise = radiosity_advise,
+					      .begin = radiosity_begin,
+					      .step = radiosity_step,
+					      .read = radiosity_read,
+					      .end = radiosity_end};

@@ -1,0 +1,61 @@
+#include "server/worker/technique/radiosity/radiosity_options.h"
+
+#include "server/worker/technique/radiosity/patches.h"
+#include "server/worker/technique/radiosity/solver.h"
+
+_Static_assert(sizeof(struct radiosity_settings) <= PLAN_SETTINGS_BYTES, "the plan has room for them");
+_Static_assert(offsetof(struct radiosity_settings, direct) == 0, "direct_settings() finds them");
+
+#define PATCHES_DEFAULT 4096u
+#define RAYS_DEFAULT 1024u
+
+static const char *const factor_ways[] = {"hemisphere", NULL};
+static const char *const mirror_ways[] = {"rays", "off", NULL};
+static const char *const solvers[] = {"jacobi", "gauss-seidel", "gradient", NULL};
+static const char *const point_words[] = {"1", "4", "16", "64", "256", "1024", "4096", NULL};
+static const uint32_t point_numbers[] = {1, 4, 16, 64, 256, 1024, LIMIT_RADIOSITY_POINTS};
+static const char *const displays[] = {"vertex", "constant", "gather", NULL};
+static const char *const shows[] = {"none", "b", "e", "albedo", "id", "normal", "row", NULL};
+
+static const struct option_rule rules[] = {
+    OPTION_REAL("radiosity.edge", 0, 1e12, struct radiosity_settings, edge),
+    OPTION_WHOLE("radiosity.patches", 1, PATCHES_MOST, struct radiosity_settings, patches),
+    OPTION_WORD("radiosity.factors", factor_ways, struct radiosity_settings, factors),
+    OPTION_WHOLE("radiosity.rays", 16, LIMIT_RADIOSITY_RAYS, struct radiosity_settings, rays),
+    OPTION_WORD("radiosity.mirrors", mirror_ways, struct radiosity_settings, mirrors),
+    OPTION_WHOLE("radiosity.bounces", 0, LIMIT_RADIOSITY_BOUNCES, struct radiosity_settings, bounces),
+    OPTION_NUMBER("radiosity.points", point_words, point_numbers, struct radiosity_settings, points),
+    OPTION_WORD("radiosity.solver", solvers, struct radiosity_settings, solver),
+    OPTION_REAL("radiosity.residual", 1e-7, 0.1, struct radiosity_settings, residual),
+    OPTION_WORD("radiosity.display", displays, struct radiosity_settings, display),
+    OPTION_WHOLE("radiosity.gather", 1, LIMIT_RADIOSITY_GATHER, struct radiosity_settings, gather),
+    OPTION_WORD("radiosity.show", shows, struct radiosity_settings, show),
+    OPTION_WHOLE("radiosity.row", 0, 2 * PATCHES_MOST - 1, struct radiosity_settings, row),
+};
+
+const struct option_table radiosity_options[] = {
+    {rules, sizeof rules / sizeof *rules, 0},
+    {direct_rules, DIRECT_RULE_COUNT, offsetof(struct radiosity_settings, direct)},
+    {0}};
+
+void radiosity_options_default(void *settings)
+{
+	struct radiosity_settings *s = settings;
+	direct_options_default(&s->direct);
+	s->patches = PATCHES_DEFAULT;
+	s->rays = RAYS_DEFAULT;
+	s->bounces = 10;
+	s->points = 16;
+	s->residual = 1e-5f;
+	s->gather = 16;
+	s->row = NONE;
+}
+
+enum status radiosity_options_check(const struct plan *plan, struct error *err)
+{
+	const struct radiosity_settings *s = radiosity_settings(plan);
+	if (s->row != NONE && s->show != RADIOSITY_SHOW_ROW)
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "radiosity.row says whose row radiosity.show=row shows: ask for that, too");
+	return STATUS_OK;
+}

@@ -1,0 +1,56 @@
+// The options of radiosity. README says what each does. Host only, any thread.
+#ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_OPTIONS_H
+#define CANDIL_WORKER_TECHNIQUE_RADIOSITY_OPTIONS_H
+
+#include "server/worker/technique/direct/direct_options.h"
+
+// The words of the options.
+enum radiosity_factors { RADIOSITY_BY_HEMISPHERE };
+enum radiosity_mirrors { RADIOSITY_MIRRORS_RAYS, RADIOSITY_MIRRORS_OFF };
+enum radiosity_display { RADIOSITY_DISPLAY_VERTEX, RADIOSITY_DISPLAY_CONSTANT, RADIOSITY_DISPLAY_GATHER };
+enum radiosity_show {
+	RADIOSITY_SHOW_NONE,
+	RADIOSITY_SHOW_B,
+	RADIOSITY_SHOW_E,
+	RADIOSITY_SHOW_ALBEDO,
+	RADIOSITY_SHOW_ID,
+	RADIOSITY_SHOW_NORMAL,
+	RADIOSITY_SHOW_ROW
+};
+
+// The values of the options.
+struct radiosity_settings {
+	struct direct_settings direct; // first: direct_settings() reads them
+	float edge; // metres: a patch's sides are no longer; 0: `patches` decides
+	uint32_t patches; // as many or somewhat less, but at least one a face
+	uint32_t factors; // enum radiosity_factors
+	uint32_t rays; // of a row of form factors
+	uint32_t mirrors; // enum radiosity_mirrors
+	uint32_t bounces; // of a ray by mirrors, at most
+	uint32_t points; // of a patch, from which lights are looked at
+	uint32_t solver; // enum solver_way
+	float residual; // the solver ends there
+	uint32_t display; // enum radiosity_display
+	uint32_t gather; // rays of a sample of a pixel, where display is by gather
+	uint32_t show; // enum radiosity_show
+	uint32_t row; // the element whose row is shown; NONE: the one in the picture's middle
+};
+
+// struct technique's `options`, `defaults` and `check`.
+extern const struct option_table radiosity_options[];
+void radiosity_options_default(void *settings);
+enum status radiosity_options_check(const struct plan *plan, struct error *err);
+
+// The settings in a plan of this technique.
+static inline const struct radiosity_settings *radiosity_settings(const struct plan *plan)
+{
+	return (const struct radiosity_settings *)&plan->settings;
+}
+
+// The same, to be changed.
+static inline struct radiosity_settings *radiosity_settings_of(struct plan *plan)
+{
+	return (struct radiosity_settings *)&plan->settings;
+}
+
+#endif

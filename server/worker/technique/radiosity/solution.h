@@ -1,0 +1,83 @@
+// The light of all elements of a scene, made in slices and kept with it: what surfaces are made of, light straight from
+// lights and sky, form factors (factor_build.h), and what the solver finds. It depends on the scene, its materials and
+// lights, and on no camera. Device's thread only.
+#ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_SOLUTION_H
+#define CANDIL_WORKER_TECHNIQUE_RADIOSITY_SOLUTION_H
+
+#include "server/worker/image/frame.h"
+#include "server/worker/technique/radiosity/factor_build.h"
+
+struct surfaces;
+struct light;
+struct solver;
+
+// What it depends on beside the scene. Compared byte by byte: zero it before filling it in.
+struct solution_options {
+	struct factor_options factors;
+	uint32_t effects; // bits 1 << candil_Effect
+	uint32_t points, sky_points; // of a patch, from which lights and the sky are looked at
+	uint32_t solver; // enum solver_way
+	float residual; // the solver ends there
+	float background[3]; // radiance, W/(m² sr)
+	uint64_t sky; // id of the environment's scene; 0: none
+	float sky_turn, sky_scale;
+};
+
+// The stages of making it, in this order.
+enum solution_stage {
+	SOLUTION_SURFACES,
+	SOLUTION_LIGHT,
+	SOLUTION_FACTORS,
+	SOLUTION_SOLVE,
+	SOLUTION_CORNERS,
+	SOLUTION_DONE,
+	SOLUTION_STAGES
+};
+
+// A solution.
+struct solution {
+	struct shelved shelved;
+	struct solution_options options;
+	struct scene_keys keys;
+	struct device *device;
+	struct resident_scene *scene; // the variant that it is made from; read only until it is done
+	struct factor_build *factors; // held
+	struct element_buffers buffers; // those of `factors`, and surfaces of its own
+	enum solution_stage stage;
+	struct surfaces *surfaces; // until it is done
+	struct light *light; // until it is done; NULL: the scene has none
+	struct rays *rays; // until it is done
+	struct solver *solver;
+	// By element, in host memory.
+	struct radiosity_surface *made_of;
+	float *direct; // irradiance straight from lights and sky, W/m², 3 each
+	float *irradiance; // all of it
+	float *corners; // irradiance at its four corners, 12 each
+	double residual;
+	uint32_t iterations;
+	uint64_t rows; // of form factors that were made for it
+	uint64_t stage_us[SOLUTION_STAGES]; // host time of its stages
+	uint64_t compile_us;
+};
+
+// Hold the solution of a scene by these options, beginning a new one if there is none for the same places, materials and
+// lights. A new one compiles its code. Pair with solution_release. STATUS_MEMORY, STATUS_DEVICE, and as patches_init.
+enum status solution_acquire(struct resident_scene *scene, struct device *device, const struct plan *plan,
+			     const struct solution_options *options, struct solution **solution, struct error *err);
+void solution_release(struct solution *solution); // NULL is allowed
+
+// Work on it for about budget_us, at least one piece. STATUS_BAD_ARGUMENT: there is no solution (solver.h).
+// STATUS_TRAVERSAL_CUT: the driver ended the loops of an element's rays early.
+enum status solution_step(struct solution *solution, uint32_t budget_us, struct error *err);
+
+// Whether its making is over, and the share of it that is done, 0…1.
+bool solution_finished(const struct solution *solution);
+double solution_fraction(const struct solution *solution);
+
+// Add its figures to a frame's account, and its stages' times where the frame's job has made it.
+void solution_account(const struct solution *solution, bool made, struct frame *frame);
+
+// Host time that compiling its code took, once: 0 at every later call.
+uint64_t solution_take_compile_us(struct solution *solution);
+
+#endif
