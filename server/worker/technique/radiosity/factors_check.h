@@ -1,7 +1,8 @@
-// What is known of form factors beforehand: the sum of a row with what escaped and what was cut off is 1, because all light of
-// an element goes somewhere, and A_i F_ij = A_j F_ji, reciprocity (Sillion and Puech 1994, "Radiosity and Global
+// What is known of form factors beforehand: the sum of a row with what escaped and what was cut off is 1, because all light
+// of an element goes somewhere, and A_i F_ij = A_j F_ji, reciprocity (Sillion and Puech 1994, "Radiosity and Global
 // Illumination", §2.3). How far a matrix keeps to it, and projections onto matrices that do. On the host, all at once: seven
-// seconds of one processor for ninety million entries, and on a GPU memory of the host for all of them. Device's thread only.
+// seconds of one processor for ninety million entries, and on a GPU memory of the host for all of them. Device's thread
+// only.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_CHECK_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_CHECK_H
 
