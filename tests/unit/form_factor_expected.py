@@ -1,16 +1,26 @@
-"""Writes form_factor_expected.h: pairs of polygons and what they exchange, from closed forms in 50 digits. Needs python3-mpmath;
-run by hand where a configuration is added:
+"""Writes form_factor_expected.h: pairs of polygons and what they exchange, from closed forms in 50 digits. With --float it writes
+form_factor_scenes.h: the same pairs as a scene has them, with the corners rounded to float, and what those exchange. Needs
+python3-mpmath; run by hand where a configuration is added:
 
     python3 tests/unit/form_factor_expected.py > tests/unit/form_factor_expected.h
-    clang-format-14 -i tests/unit/form_factor_expected.h
+    python3 tests/unit/form_factor_expected.py --float > tests/unit/form_factor_scenes.h
+    clang-format-14 -i tests/unit/form_factor_expected.h tests/unit/form_factor_scenes.h
 
 The forms are those of Howell's catalogue of configuration factors, C-13 and C-15, and for C-16 a single integral that is derived
 below. Every number is held to a quadrature by area, which shares no formula with these, in the test."""
 import itertools
+import struct
+import sys
 
-from mpmath import atan, cos, inf, log, mp, mpf, pi, quad, sin, sqrt
+from mpmath import atan, atan2, cos, hypot, inf, log, mp, mpf, pi, quad, sin, sqrt
 
 mp.dps = 50
+FLOATS = sys.argv[1:] == ["--float"]
+
+
+def stored(number):
+    """A coordinate as it is stored."""
+    return mpf(struct.unpack("f", struct.pack("f", float(number)))[0]) if FLOATS else mpf(number)
 
 
 def over_corners(corner, *ranges):
@@ -43,11 +53,9 @@ def perpendicular(x, y, z, v):
     return over_corners(corner, x, y, z, v)
 
 
-def hinged(a, b, c, degrees):
+def hinged(a, b, c, phi):
     """C-16: rectangles a × c and b × c with the edge c in common. Strips at x and z of them, ρ apart, exchange
     x z sin² φ · c atan(c / ρ) / (π ρ³) dx dz; in polar coordinates x = r cos ψ, z = r sin ψ that is elementary along r."""
-    a, b, c, phi = mpf(a), mpf(b), mpf(c), mpf(degrees) * pi / 180
-
     def ray(psi):
         g = sqrt(1 - 2 * sin(psi) * cos(psi) * cos(phi))
         end, k = min(a / cos(psi) if cos(psi) else inf, b / sin(psi) if psi else inf), c / g
@@ -64,11 +72,12 @@ def rectangle(at, u, v):
 
 
 def span(ends):
-    return mpf(ends[0]), mpf(ends[1])
+    return stored(ends[0]), stored(ends[1])
 
 
 def facing(name, x, y, u, v, gap):
     x, y, u, v = (span(ends) for ends in (x, y, u, v))
+    gap = stored(gap)
     floor = rectangle((x[0], y[0], 0), (x[1] - x[0], 0, 0), (0, y[1] - y[0], 0))
     lid = rectangle((u[0], v[0], gap), (0, v[1] - v[0], 0), (u[1] - u[0], 0, 0))
     return name, floor, lid, parallel(x, y, u, v, gap)
@@ -79,14 +88,15 @@ def upright(name, x, y, z, v, seen=None):
     x, y, z, v = (span(ends) for ends in (x, y, z, v))
     floor = rectangle((x[0], y[0], 0), (x[1] - x[0], 0, 0), (0, y[1] - y[0], 0))
     wall = rectangle((0, v[0], z[0]), (0, v[1] - v[0], 0), (0, 0, z[1] - z[0]))
-    return name, floor, wall, perpendicular(*(seen or (x, y, z, v)))
+    return name, floor, wall, perpendicular(*([span(ends) for ends in seen] if seen else (x, y, z, v)))
 
 
 def hinge(name, a, b, c, degrees):
-    phi = mpf(degrees) * pi / 180
+    a, b, c, phi = stored(a), mpf(b), stored(c), mpf(degrees) * pi / 180
+    x, z = stored(b * cos(phi)), stored(b * sin(phi))
     floor = rectangle((0, 0, 0), (a, 0, 0), (0, c, 0))
-    flap = rectangle((0, 0, 0), (0, c, 0), (b * cos(phi), 0, b * sin(phi)))
-    return name, floor, flap, hinged(a, b, c, degrees)
+    flap = rectangle((0, 0, 0), (0, c, 0), (x, 0, z))
+    return name, floor, flap, hinged(a, hypot(x, z), c, atan2(z, x))
 
 
 one, tiny = (0, 1), (0, mpf("1e-6"))
@@ -149,11 +159,16 @@ def numbers(corners):
 
 
 def main():
-    print("// Written by form_factor_expected.py: pairs of polygons, and what they exchange in m².")
-    print("#ifndef CANDIL_TESTS_FORM_FACTOR_EXPECTED_H\n#define CANDIL_TESTS_FORM_FACTOR_EXPECTED_H\n")
-    print('#include "server/worker/technique/radiosity/form_factor.h"\n')
-    print("struct expected {\n\tconst char *name;\n\tstruct form_polygon a, b;\n\tdouble exchange;\n};\n")
-    print("static const struct expected expected[] = {")
+    array = "expected_of_floats" if FLOATS else "expected"
+    print(f"// Written by form_factor_expected.py: pairs of polygons{', rounded to float,' if FLOATS else ','} and what they exchange in m².")
+    guard = f"CANDIL_TESTS_FORM_FACTOR_{'SCENES' if FLOATS else 'EXPECTED'}_H"
+    print(f"#ifndef {guard}\n#define {guard}\n")
+    if FLOATS:
+        print('#include "tests/unit/form_factor_expected.h"\n')
+    else:
+        print('#include "server/worker/technique/radiosity/form_factor.h"\n')
+        print("struct expected {\n\tconst char *name;\n\tstruct form_polygon a, b;\n\tdouble exchange;\n};\n")
+    print(f"static const struct expected {array}[] = {{")
     for name, a, b, exchange in configurations():
         print(f'    {{"{name}", {{{{{numbers(a)}}}, 4}}, {{{{{numbers(b)}}}, 4}}, {mp.nstr(exchange, 17)}}},')
     print("};\n\n#endif")
