@@ -52,6 +52,7 @@
 #define SPEC_PACKET 32 // subgroups walk the BVH as packets
 #define SPEC_WIDTH 33 // lanes of a subgroup
 #define SPEC_PASS 34
+#define BUNDLE_RAYS 4 // of a lane, that a packet walks at once: trace/bundle.glsl
 // Constants by the scene, of every pass that shades it: scene_traits of server/worker/technique/common/scene_params.h.
 #define SPEC_SCENE 64
 #define SPEC_DEEP_TEXTURES 64 // some texture is deep

@@ -55,6 +55,15 @@ struct packet_stack {
 	uint top;
 };
 
+packet_stack stack_make()
+{
+	packet_stack s;
+	s.top = 0u;
+	for (uint i = 0u; i < PACKET_STACK_WORDS; i++)
+		s.words[i] = 0u;
+	return s;
+}
+
 // Only constant indices are used: an array indexed by a variable would be kept in memory, not in registers.
 void stack_push(inout packet_stack s, uint lane, uint value)
 {
@@ -85,19 +94,11 @@ vec3 planes(uvec4 w, uvec3 texel)
 	    uvec3(subgroupShuffle(w.x, texel.x), subgroupShuffle(w.y, texel.y), subgroupShuffle(w.z, texel.z)));
 }
 
-// One step down from an inner node: to the child that more lanes hit first. The other child goes on the stack.
-uint step_packet(uint node, uint lane, slab_ray ray, uvec3 first, float t_max, inout packet_stack stack)
+// The child that more rays hit first. The other, if any ray hits it, goes on the stack; if none hits either, the next is from
+// there. The votes have one byte for each count: rays that hit the first child, rays that hit the second, rays to which the
+// second is nearer, rays to which the first is nearer.
+uint choose_child(uint votes, uint c0, uint c1, uint lane, inout packet_stack stack)
 {
-	uvec4 w = fetch_node(node, lane);
-	float d0 = hit_slabs(planes(w, first), planes(w, first ^ 1u), ray, t_max);
-	float d1 = hit_slabs(planes(w, first + 2u), planes(w, (first + 2u) ^ 1u), ray, t_max);
-	uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
-	uint c1 = WORD(w, 11u) | WORD(w, 15u) << LEAF_COUNT_SHIFT;
-	// One byte for each count: lanes that hit the first child, lanes that hit the second, lanes to which the second is
-	// nearer, lanes to which the first is nearer.
-	uint votes = (d0 < INFINITY ? 1u : 0u) | (d1 < INFINITY ? 0x100u : 0u) | (d1 < d0 ? 0x10000u : 0u) |
-		     (d0 < d1 ? 0x1000000u : 0u);
-	votes = sum_lanes(votes);
 	bool any0 = (votes & 0xffu) != 0u;
 	bool any1 = (votes & 0xff00u) != 0u;
 	bool swapped = !any0 || (any1 && (votes >> 16 & 0xffu) > votes >> 24);
@@ -108,9 +109,22 @@ uint step_packet(uint node, uint lane, slab_ray ray, uvec3 first, float t_max, i
 	return stack_pop(stack);
 }
 
-void test_packet(uint index, uint lane, sheared_ray ray, inout ray_hit hit)
+// One step down from an inner node.
+uint step_packet(uint node, uint lane, slab_ray ray, uvec3 first, float t_max, inout packet_stack stack)
 {
-	uvec4 w = fetch_triangle(index, lane);
+	uvec4 w = fetch_node(node, lane);
+	float d0 = hit_slabs(planes(w, first), planes(w, first ^ 1u), ray, t_max);
+	float d1 = hit_slabs(planes(w, first + 2u), planes(w, (first + 2u) ^ 1u), ray, t_max);
+	uint c0 = WORD(w, 3u) | WORD(w, 7u) << LEAF_COUNT_SHIFT;
+	uint c1 = WORD(w, 11u) | WORD(w, 15u) << LEAF_COUNT_SHIFT;
+	uint votes = (d0 < INFINITY ? 1u : 0u) | (d1 < INFINITY ? 0x100u : 0u) | (d1 < d0 ? 0x10000u : 0u) |
+		     (d0 < d1 ? 0x1000000u : 0u);
+	return choose_child(sum_lanes(votes), c0, c1, lane, stack);
+}
+
+// Intersects the triangle whose words the lanes have fetched.
+void meet_words(uvec4 w, sheared_ray ray, inout ray_hit hit)
+{
 	uint id = WORD(w, 3u);
 	uint material = WORD(w, 7u);
 	float t;
@@ -125,13 +139,15 @@ void test_packet(uint index, uint lane, sheared_ray ray, inout ray_hit hit)
 	hit.material = nearer ? material : hit.material;
 }
 
+void test_packet(uint index, uint lane, sheared_ray ray, inout ray_hit hit)
+{
+	meet_words(fetch_triangle(index, lane), ray, hit);
+}
+
 bool walk_packet(vec3 origin, vec3 direction, float t_max, bool any, out ray_hit hit)
 {
 	uint lane = gl_SubgroupInvocationID;
-	packet_stack stack;
-	stack.top = 0u;
-	for (uint i = 0u; i < PACKET_STACK_WORDS; i++)
-		stack.words[i] = 0u;
+	packet_stack stack = stack_make();
 	slab_ray slabs = slab_make(origin, direction);
 	uvec3 first = uvec3(lessThan(slabs.inverse, vec3(0.0)));   // 1 where the upper plane is the nearer one
 	sheared_ray ray = shear_ray(origin, direction);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "server/base/clock.h"
+#include "server/base/vec3.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/common/scene_traits.h"
 #include "server/worker/vk/command.h"
@@ -12,7 +13,7 @@
 
 #define ROWS_MOST 4096u // of a batch
 #define ROWS_FIRST 8u // of a batch when it is not known how long a row takes
-#define PER_LANE_MOST 8u // rays that a lane traces one after the other
+#define TURNS_MOST 4u // of a lane, in each of which it traces a ray or a bundle
 
 // Loop rounds of an invocation that it aims to stay below, where a driver ends loops after 65,535.
 #define ROUNDS_SAFE 16000u
@@ -23,13 +24,15 @@
 #define ALPHA_FROM (1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_VERTEX_COLORS)
 
 _Static_assert(BIND_FACTOR_COUNT <= BIND_MOST && BIND_FACTOR_TABLE >= BIND_RADIOSITY_OWN, "bindings are its own");
+_Static_assert(PATCHES_MOST < 1u << FACTOR_WORD_SHIFT && RADIOSITY_FACE_SHIFT <= 32 - FACTOR_WORD_SHIFT,
+	       "a word holds both");
 _Static_assert(SPEC_FACTOR_MIRRORS >= SPEC_PASS && SPEC_FACTOR_END <= SPEC_SCENE, "constants are its own");
 
 static const struct shader factor_rays_shader = {.name = "factor_rays",
 						 .code = shader_factor_rays_comp,
 						 .bytes = sizeof shader_factor_rays_comp,
 						 .bindings = BIND_FACTOR_COUNT,
-						 .texels = TRACE_TEXELS,
+						 .texels = TRACE_TEXELS | 1u << BIND_FACTOR_TRIANGLES,
 						 .push_bytes = sizeof(struct factor_push)};
 
 struct rays {
@@ -40,11 +43,11 @@ struct rays {
 	uint32_t side; // elements
 	uint32_t rows_most;
 	uint32_t weight; // of a ray when it starts
-	uint32_t per_lane;
+	uint32_t turns;
 	double row_us; // 0: not known
 	struct factors_put *lost;
 	struct trace trace;
-	struct buffer job, counters, table, rows, dense, sums, seconds;
+	struct buffer job, counters, table, rows, dense, sums, seconds, triangles;
 	struct pipeline *pipeline;
 	struct binding_set bindings;
 };
@@ -66,11 +69,12 @@ static uint32_t weight_of(const struct rays_options *o)
 	return fit > WEIGHT_MOST ? WEIGHT_MOST : (uint32_t)fit;
 }
 
-uint64_t rays_bytes(uint32_t patches, uint32_t faces, const struct rays_options *o)
+uint64_t rays_bytes(uint32_t patches, uint32_t triangles, const struct rays_options *o)
 {
 	const uint64_t rows = rows_of(2 * patches), row = 2 * (uint64_t)patches * sizeof(uint32_t);
 	return rows * (row + sizeof(uint32_t) + sizeof(struct factor_sums)) + o->rays * sizeof(struct table_ray) +
-	       faces * sizeof(uint32_t) + sizeof(struct scene_params) + sizeof(struct pass_counters);
+	       triangles * (sizeof(struct factor_triangle) + sizeof(uint32_t)) + sizeof(struct scene_params) +
+	       sizeof(struct pass_counters);
 }
 
 // ---- making it --------------------------------------------------------------------------------------------------------
@@ -104,6 +108,47 @@ static enum status upload_seconds(struct rays *r, const struct patch_faces *face
 	return s;
 }
 
+static struct factor_triangle triangle_of(const struct elements *e, uint32_t i)
+{
+	const struct triangle *t = &e->patches.triangles[i];
+	const uint32_t word = e->triangles[i];
+	struct factor_triangle of = {.first = NONE};
+	double normal[3];
+	if (word == NONE)
+		return of;
+	const struct radiosity_face *f = &e->faces[word >> RADIOSITY_FACE_SHIFT];
+	vec3_across(e->patches.vertices[t->vertex[0]].position, e->patches.vertices[t->vertex[1]].position,
+		    e->patches.vertices[t->vertex[2]].position, normal);
+	vec3_normalize(normal);
+	for (int c = 0; c < 3; c++)
+		of.normal[c] = (float)normal[c];
+	of.first = f->first;
+	of.u = f->u | (word & ((1u << RADIOSITY_FACE_SHIFT) - 1)) << FACTOR_WORD_SHIFT;
+	of.v = f->v;
+	of.x2 = f->x2;
+	of.y2 = f->y2;
+	return of;
+}
+
+static enum status upload_triangles(struct rays *r, const struct elements *e, struct error *err)
+{
+	const uint64_t texels = (uint64_t)e->triangle_count * sizeof(struct factor_triangle) / PIPELINE_TEXEL_BYTES;
+	if (texels > r->device->limits.maxTexelBufferElements)
+		return error_set(err, STATUS_MEMORY,
+				 "%u triangles are more than this device can bind for form factors by rays (%u)",
+				 e->triangle_count,
+				 (uint32_t)(r->device->limits.maxTexelBufferElements * PIPELINE_TEXEL_BYTES /
+					    sizeof(struct factor_triangle)));
+	struct factor_triangle *of = malloc(e->triangle_count * sizeof *of + 1);
+	if (!of)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	for (uint32_t i = 0; i < e->triangle_count; i++)
+		of[i] = triangle_of(e, i);
+	enum status s = buffer_init_with(&r->triangles, r->device, of, e->triangle_count * sizeof *of, err);
+	free(of);
+	return s;
+}
+
 static enum status make_buffers(struct rays *r, const struct plan *plan, const struct elements *e, struct error *err)
 {
 	struct plan own = *plan;
@@ -127,6 +172,8 @@ static enum status make_buffers(struct rays *r, const struct plan *plan, const s
 		s = buffer_clear(&r->dense, r->device, err);
 	if (s == STATUS_OK)
 		s = upload_seconds(r, &e->patches.faces, err);
+	if (s == STATUS_OK)
+		s = upload_triangles(r, e, err);
 	return s == STATUS_OK ? upload_table(r, err) : s;
 }
 
@@ -176,7 +223,7 @@ enum status rays_create(struct device *device, struct resident_scene *scene, con
 	r->side = elements->count;
 	r->rows_most = rows_of(r->side);
 	r->weight = weight_of(options);
-	r->per_lane = 1;
+	r->turns = 1;
 	r->lost = calloc(r->rows_most, sizeof *r->lost);
 	s = r->lost ? make_buffers(r, plan, elements, err) : error_set(err, STATUS_MEMORY, "out of memory");
 	if (s == STATUS_OK)
@@ -194,7 +241,7 @@ void rays_destroy(struct rays *r)
 	if (!r)
 		return;
 	binding_set_finish(&r->bindings, r->device);
-	struct buffer *all[] = {&r->job, &r->counters, &r->table, &r->rows, &r->dense, &r->sums, &r->seconds};
+	struct buffer *all[] = {&r->job, &r->counters, &r->table, &r->rows, &r->dense, &r->sums, &r->seconds, &r->triangles};
 	for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
 		buffer_finish(all[i], r->device);
 	free(r->lost);
@@ -212,13 +259,14 @@ void rays_fill(const struct rays *r, const struct buffer **of)
 	of[BIND_FACTOR_DENSE] = &r->dense;
 	of[BIND_FACTOR_SUMS] = &r->sums;
 	of[BIND_FACTOR_SECONDS] = &r->seconds;
+	of[BIND_FACTOR_TRIANGLES] = &r->triangles;
 }
 
 // ---- running it -------------------------------------------------------------------------------------------------------
 
 static uint32_t groups_of(const struct rays *r)
 {
-	const uint32_t each = FACTOR_LANES * r->per_lane;
+	const uint32_t each = FACTOR_LANES * r->turns * (r->trace.packet ? BUNDLE_RAYS : 1);
 	return (r->options.rays + each - 1) / each;
 }
 
@@ -226,11 +274,8 @@ static uint32_t groups_of(const struct rays *r)
 static enum status run(struct rays *r, uint32_t count, uint32_t rays, struct error *err)
 {
 	VkCommandBuffer c = r->device->commands;
-	const struct factor_push push = {.patches = r->side / 2,
-					 .rays = rays,
-					 .per_lane = r->per_lane,
-					 .weight = r->weight,
-					 .bounces = r->options.bounces};
+	const struct factor_push push = {
+	    .patches = r->side / 2, .rays = rays, .turns = r->turns, .weight = r->weight, .bounces = r->options.bounces};
 	enum status s = command_begin(r->device, err);
 	if (s != STATUS_OK)
 		return s;
@@ -267,14 +312,14 @@ enum status rays_clear(struct rays *r, struct error *err)
 	return buffer_clear(&r->dense, r->device, err);
 }
 
-// How many rays a lane may trace, by the rounds that those of this batch took.
-static uint32_t next_per_lane(const struct rays *r, const struct pass_counters *counters)
+// How many turns a lane may do, by the rounds that those of this batch took.
+static uint32_t next_turns(const struct rays *r, const struct pass_counters *counters)
 {
-	const uint64_t fit = counters->loop_rounds ? (uint64_t)ROUNDS_SAFE * r->per_lane / counters->loop_rounds : 1;
-	return fit < 1 ? 1 : fit > PER_LANE_MOST ? PER_LANE_MOST : (uint32_t)fit;
+	const uint64_t fit = counters->loop_rounds ? (uint64_t)ROUNDS_SAFE * r->turns / counters->loop_rounds : 1;
+	return fit < 1 ? 1 : fit > TURNS_MOST ? TURNS_MOST : (uint32_t)fit;
 }
 
-// Trace, and with one ray a lane again where a driver ended the loops of several.
+// Trace, and with one turn a lane again where a driver ended the loops of several.
 static enum status run_whole(struct rays *r, uint32_t count, struct error *err)
 {
 	struct pass_counters counters;
@@ -286,14 +331,14 @@ static enum status run_whole(struct rays *r, uint32_t count, struct error *err)
 			return s;
 		if (!counters.cut)
 			break;
-		if (r->per_lane == 1)
+		if (r->turns == 1)
 			return error_set(err, STATUS_TRAVERSAL_CUT,
 					 "the driver ended a loop of the traversal: the form factors would be wrong");
-		r->per_lane = 1;
+		r->turns = 1;
 		if ((s = rays_clear(r, err)) != STATUS_OK)
 			return s;
 	}
-	r->per_lane = next_per_lane(r, &counters);
+	r->turns = next_turns(r, &counters);
 	return STATUS_OK;
 }
 

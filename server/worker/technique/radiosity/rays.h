@@ -61,8 +61,8 @@ struct rays_options {
 
 struct rays;
 
-// Device memory that rays_create takes for so many patches and faces, in bytes, at most.
-uint64_t rays_bytes(uint32_t patches, uint32_t faces, const struct rays_options *options);
+// Device memory that rays_create takes for so many patches and triangles, in bytes, but for what the device rounds up.
+uint64_t rays_bytes(uint32_t patches, uint32_t triangles, const struct rays_options *options);
 
 // Make ready: upload what of the scene it needs, the table of rays and the buffers, and make the pipeline. Effects of the
 // plan other than those of alpha are left out. The elements and their buffers must outlive it; with mirrors the surfaces
