@@ -7,23 +7,19 @@
 // within a round, so that drift hits all alike. On a software device time is what the processors spent, divided by their
 // number: the wall clock's on a machine that does nothing else.
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include "server/base/angle.h"
-#include "server/base/clock.h"
 #include "server/worker/devices.h"
+#include "tests/bench/embree_rays.h"
 #include "tests/support/cast.h"
 #include "tests/support/load_scene.h"
 
 #define SIDE 512u
 #define RAYS (SIDE * SIDE)
 #define ROUNDS 9
-#define THREADS_MAX 64
 
 enum kind { PRIMARY, SECONDARY, SHADOW, KINDS };
 static const char *const kind_names[KINDS] = {"primary", "secondary", "any-hit"};
@@ -105,79 +101,16 @@ static void next_rays(const struct blob_header *b, const struct cast_ray *p, con
 	shadow->t_max = 1;
 }
 
-// ---- Embree -------------------------------------------------------------------------------------------------------------
-
-struct share {
-	RTCScene scene;
-	const struct cast_ray *rays;
-	uint32_t first, last;
-	bool any;
-	uint32_t hits;
-};
-
-static void *embree_share(void *argument)
-{
-	struct share *s = argument;
-	const int valid[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
-	struct RTCIntersectContext context;
-	rtcInitIntersectContext(&context);
-	for (uint32_t i = s->first; i + 8 <= s->last; i += 8) {
-		struct RTCRayHit8 h;
-		memset(&h, 0, sizeof h);
-		for (int k = 0; k < 8; k++) {
-			const struct cast_ray *r = &s->rays[i + (uint32_t)k];
-			h.ray.org_x[k] = r->origin[0], h.ray.org_y[k] = r->origin[1], h.ray.org_z[k] = r->origin[2];
-			h.ray.dir_x[k] = r->direction[0], h.ray.dir_y[k] = r->direction[1], h.ray.dir_z[k] = r->direction[2];
-			h.ray.tfar[k] = r->t_max;
-			h.ray.mask[k] = ~0u;
-			h.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-		}
-		if (s->any)
-			rtcOccluded8(valid, s->scene, &context, &h.ray);
-		else
-			rtcIntersect8(valid, s->scene, &context, &h);
-		for (int k = 0; k < 8; k++)
-			s->hits += s->any ? h.ray.tfar[k] < 0 : h.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
-	}
-	return NULL;
-}
-
-static uint32_t processors(void)
-{
-	const long n = sysconf(_SC_NPROCESSORS_ONLN);
-	return n < 1 ? 1 : n < THREADS_MAX ? (uint32_t)n : THREADS_MAX;
-}
+// ---- the comparison -----------------------------------------------------------------------------------------------------
 
 static bool by_processor; // time is the processors'
 
-static double now_us(void)
+static double embree_run(RTCScene scene, const struct cast_ray *rays, bool any, uint32_t *hits)
 {
-	struct timespec t;
-	if (!by_processor)
-		return (double)clock_us();
-	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-	return ((double)t.tv_sec * 1e6 + (double)t.tv_nsec * 1e-3) / processors();
+	const double start = bench_us(by_processor);
+	embree_rays(scene, rays, RAYS, 8, any, hits);
+	return RAYS / (bench_us(by_processor) - start);
 }
-
-static double embree_run(RTCScene scene, const struct cast_ray *rays, bool any, uint32_t threads, uint32_t *hits)
-{
-	pthread_t thread[THREADS_MAX];
-	struct share shares[THREADS_MAX];
-	const double start = now_us();
-	for (uint32_t t = 0; t < threads; t++) {
-		shares[t] =
-		    (struct share){scene, rays, RAYS / 8 * t / threads * 8, RAYS / 8 * (t + 1) / threads * 8, any, 0};
-		pthread_create(&thread[t], NULL, embree_share, &shares[t]);
-	}
-	*hits = 0;
-	for (uint32_t t = 0; t < threads; t++) {
-		pthread_join(thread[t], NULL);
-		*hits += shares[t].hits;
-	}
-	return RAYS / (now_us() - start);
-}
-
-// ---- the comparison -----------------------------------------------------------------------------------------------------
 
 static double best(const double *values)
 {
@@ -189,12 +122,12 @@ static double best(const double *values)
 
 static double device_run(struct cast *cast, bool any, struct error *err)
 {
-	const double start = now_us();
+	const double start = bench_us(by_processor);
 	if (cast_run(cast, any, err) != STATUS_OK) {
 		printf("FAIL: %s\n", err->text);
 		exit(1);
 	}
-	return RAYS / (now_us() - start);
+	return RAYS / (bench_us(by_processor) - start);
 }
 
 static void must(enum status s, const struct error *err)
@@ -210,7 +143,6 @@ static void bench_kind(struct device *device, struct resident_scene *scene, RTCS
 {
 	static struct cast_hit found[RAYS];
 	double embree[ROUNDS], single[ROUNDS], packet[ROUNDS];
-	const uint32_t threads = processors();
 	const bool any = kind == SHADOW;
 	struct cast s, p;
 	struct error err;
@@ -220,7 +152,7 @@ static void bench_kind(struct device *device, struct resident_scene *scene, RTCS
 	device_run(&s, any, &err);
 	device_run(&p, any, &err);
 	for (int i = 0; i < ROUNDS; i++) {
-		embree[i] = embree_run(judge, rays, any, threads, &hits);
+		embree[i] = embree_run(judge, rays, any, &hits);
 		single[i] = device_run(&s, any, &err);
 		packet[i] = device_run(&p, any, &err);
 	}
