@@ -68,6 +68,7 @@ void code_list_open(struct code_list *list, const char *folder, const char *devi
 		code_list_close(list);
 		return;
 	}
+	list->folder = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
 	const char *build = ipc_build();
 	list->device = code_piece(code_piece(0, device, strlen(device)), build, strlen(build));
 	catch_up(list);
@@ -77,6 +78,8 @@ void code_list_close(struct code_list *list)
 {
 	if (list->file >= 0)
 		close(list->file);
+	if (list->folder >= 0)
+		close(list->folder);
 	free(list->pieces);
 	*list = CODE_LIST_NONE;
 }
@@ -86,15 +89,14 @@ uint64_t code_piece(uint64_t before, const void *part, size_t bytes)
 	return XXH3_64bits_withSeed(part, bytes, before);
 }
 
-// Its number in the file, which is never 0.
-static uint64_t number_of(const struct code_list *list, uint64_t piece)
+uint64_t code_list_number(const struct code_list *list, uint64_t piece)
 {
 	return code_piece(list->device, &piece, sizeof piece) | 1u;
 }
 
 enum status code_list_ask(struct code_list *list, uint64_t piece, struct error *err)
 {
-	const uint64_t number = number_of(list, piece);
+	const uint64_t number = code_list_number(list, piece);
 	if (list->at_will || list->file < 0 || has(list, number))
 		return STATUS_OK;
 	catch_up(list);
@@ -106,7 +108,7 @@ enum status code_list_ask(struct code_list *list, uint64_t piece, struct error *
 
 void code_list_add(struct code_list *list, uint64_t piece)
 {
-	const uint64_t number = number_of(list, piece);
+	const uint64_t number = code_list_number(list, piece);
 	list->added++;
 	if (list->file < 0 || has(list, number))
 		return;

@@ -22,6 +22,7 @@
 // An open list. Others may set `at_will` and `refused`, and read all else.
 struct code_list {
 	int file; // -1: none
+	int folder; // that it is in; -1: none
 	uint32_t count;
 	uint64_t *pieces; // owned; CODE_LIST_MOST of them
 	uint64_t device; // a hash of device and build
@@ -34,13 +35,16 @@ struct code_list {
 // failure there is none. CODE_LIST_NONE may stand for one.
 void code_list_open(struct code_list *list, const char *folder, const char *device);
 
-#define CODE_LIST_NONE ((struct code_list){.file = -1})
+#define CODE_LIST_NONE ((struct code_list){.file = -1, .folder = -1})
 
 // Close it. May be called twice.
 void code_list_close(struct code_list *list);
 
 // The number of a piece that `part` belongs to, given that of the parts before it; 0 for the first.
 uint64_t code_piece(uint64_t before, const void *part, size_t bytes);
+
+// The piece's number in the list, for this device and build. It is never 0.
+uint64_t code_list_number(const struct code_list *list, uint64_t piece);
 
 // Ask before a piece is compiled. STATUS_OK: go on. STATUS_INTERNAL: it would take long, and list->refused has its number.
 enum status code_list_ask(struct code_list *list, uint64_t piece, struct error *err);

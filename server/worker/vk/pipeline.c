@@ -5,6 +5,7 @@
 
 #include "protocol/names.h"
 #include "server/worker/code_list.h"
+#include "server/worker/code_store.h"
 #include "server/worker/vk/specialise.h"
 
 _Static_assert(EFFECT_COUNT <= SPEC_EFFECTS, "every effect has a constant");
@@ -53,8 +54,8 @@ static enum status make_layout(struct device *d, struct pipeline *p, struct erro
 	return r == VK_SUCCESS ? STATUS_OK : device_error(r, "making a pipeline layout", err);
 }
 
-// A module of its own for these constants. Where SPIRV-Tools cannot make one, the driver specialises the whole module, which
-// takes it longer.
+// A module of its own for these constants, the one that an earlier process made if there is one. Where SPIRV-Tools cannot
+// make one, the driver specialises the whole module, which takes it longer.
 static enum status make_module(struct device *d, const struct pipeline *p, VkShaderModule *module, bool *specialised,
 			       struct error *err)
 {
@@ -65,7 +66,14 @@ static enum status make_module(struct device *d, const struct pipeline *p, VkSha
 		values[i] = c->of[i].value;
 	}
 	size_t bytes = p->shader->bytes;
-	uint32_t *own = specialise(p->shader->code, p->shader->bytes, ids, values, c->count, &bytes);
+	const int kept = d->code ? d->code->folder : -1;
+	const uint64_t number = d->code ? code_list_number(d->code, p->piece) : 0;
+	uint32_t *own = code_store_read(kept, number, &bytes);
+	if (!own) {
+		own = specialise(p->shader->code, p->shader->bytes, ids, values, c->count, &bytes);
+		if (own)
+			code_store_write(kept, number, own, bytes);
+	}
 	const VkShaderModuleCreateInfo code = {
 	    .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = bytes, .pCode = own ? own : p->shader->code};
 	VkResult r = vkCreateShaderModule(d->handle, &code, NULL, module);
