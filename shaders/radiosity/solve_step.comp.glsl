@@ -212,7 +212,7 @@ void test(uint i, bool there)
 		change[i] = vec4(e, 0.0);
 		source[i] = vec4(e, 0.0);
 	}
-	raise(0u, e);
+	raise(0u, abs(e));
 	raise(1u, times);
 }
 

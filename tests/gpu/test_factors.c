@@ -1,5 +1,6 @@
 // The matrix of form factors holds exactly what was put into it: dense rows from the device, by the host and by the shader,
 // rows from the host, rows that replace others, in blocks that overflow; and it says what is no row of it.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -163,6 +164,8 @@ static void check_dense(uint32_t side, uint32_t sparse, uint32_t block_entries, 
 	if (block_entries)
 		assert_true(f.block_count > 1);
 	assert_true(factors_bytes(&f) >= 8 * f.entries);
+	if (!block_entries)
+		assert_true(factors_bytes(&f) <= factors_bytes_most(f.entries, side) + 4096);
 	factors_finish(&f);
 	model_free(&m);
 }
@@ -219,7 +222,9 @@ static void what_is_no_row_is_refused(void **state)
 	struct factors f;
 	struct buffer dense;
 	const uint32_t words[4] = {1, 0, 0, 1}, falling[2] = {1, 0}, outside[1] = {2};
-	const float values[2] = {0.5f, 0.5f};
+	const uint32_t rising[2] = {0, 1};
+	const float values[2] = {0.5f, 0.5f}, negative[2] = {0.5f, -0.5f}, none[2] = {NAN, 0.5f},
+		    endless[2] = {0.5f, INFINITY};
 	struct factors_put row = {.element = 2};
 	assert_int_equal(factors_init(&f, device, 2, &err), STATUS_OK);
 	assert_int_equal(buffer_init_with(&dense, device, words, sizeof words, &err), STATUS_OK);
@@ -228,6 +233,9 @@ static void what_is_no_row_is_refused(void **state)
 	row.element = 1;
 	assert_int_equal(factors_put_row(&f, &row, falling, values, 2, &err), STATUS_INTERNAL);
 	assert_int_equal(factors_put_row(&f, &row, outside, values, 1, &err), STATUS_INTERNAL);
+	assert_int_equal(factors_put_row(&f, &row, rising, negative, 2, &err), STATUS_INTERNAL);
+	assert_int_equal(factors_put_row(&f, &row, rising, none, 2, &err), STATUS_INTERNAL);
+	assert_int_equal(factors_put_row(&f, &row, rising, endless, 2, &err), STATUS_INTERNAL);
 	assert_int_equal(factors_put_dense(&f, &dense, UNIT, &row, 1, &err), STATUS_OK);
 	assert_int_equal(factors_put_dense(&f, &dense, UNIT, &row, 1, &err), STATUS_INTERNAL); // not empty now
 	const struct factors_put many[3] = {{.element = 0}, {.element = 0}, {.element = 0}};

@@ -1,5 +1,6 @@
 #include "server/worker/technique/radiosity/factors.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,8 +8,8 @@
 #include "server/worker/vk/command.h"
 #include "server/worker/vk/pipeline.h"
 
-// Entries of the first block. Every further one is as large as all before it, so that few blocks hold many entries and a
-// small matrix takes little.
+// Entries of the first block. Every further one is half as large as all before it, so that few blocks hold many entries and
+// a small matrix takes little.
 #define FIRST_ENTRIES 65536u
 
 // What is left free of the largest buffer: such that buffer_init finds a size which all shaders have the same code for.
@@ -57,6 +58,13 @@ void factors_finish(struct factors *f)
 	memset(f, 0, sizeof *f);
 }
 
+uint64_t factors_bytes_most(uint64_t entries, uint64_t rows)
+{
+	const uint64_t all = entries + rows * (FACTORS_ALIGN - 1),
+		       spare = least(all / 2, FACTORS_BLOCK_BYTES / sizeof(uint32_t));
+	return (all + (spare > FIRST_ENTRIES ? spare : FIRST_ENTRIES)) * (sizeof(uint32_t) + sizeof(float));
+}
+
 uint64_t factors_bytes(const struct factors *f)
 {
 	uint64_t bytes = 0;
@@ -84,7 +92,7 @@ static enum status block_init(struct factors_block *b, struct device *device, ui
 	return s;
 }
 
-// Add a block for `first` entries at least, and, if it can be, for `wanted`, or for as many as there are already.
+// Add a block for `first` entries at least, and, if it can be, for `wanted`, or for half as many as there are already.
 static enum status add_block(struct factors *f, uint32_t first, uint64_t wanted, struct error *err)
 {
 	uint64_t all = 0;
@@ -94,7 +102,7 @@ static enum status add_block(struct factors *f, uint32_t first, uint64_t wanted,
 	for (uint32_t i = 0; i < f->block_count; i++)
 		all += capacity(&f->blocks[i]);
 	wanted = wanted > FACTORS_ALIGN ? wanted : FACTORS_ALIGN;
-	all = wanted > all ? wanted : all;
+	all = wanted > all / 2 ? wanted : all / 2 / FACTORS_ALIGN * FACTORS_ALIGN;
 	all = least(all > FIRST_ENTRIES ? all : FIRST_ENTRIES, f->block_entries);
 	struct factors_block *blocks = realloc(f->blocks, (f->block_count + 1) * sizeof *blocks);
 	if (!blocks)
@@ -171,12 +179,37 @@ enum status factors_write(const struct factors *f, const struct buffer *b, uint3
 	return s;
 }
 
-static bool are_columns(const uint32_t *columns, uint32_t count, uint32_t side)
+static bool is_row(const uint32_t *columns, const float *values, uint32_t count, uint32_t side)
 {
 	for (uint32_t k = 0; k < count; k++)
-		if (columns[k] >= side || (k > 0 && columns[k] <= columns[k - 1]))
+		if (columns[k] >= side || (k > 0 && columns[k] <= columns[k - 1]) || !(values[k] >= 0) ||
+		    !isfinite(values[k]))
 			return false;
 	return true;
+}
+
+// Write a row where the host does not see the block, in one go.
+static enum status send_row(const struct factors *f, const struct factors_block *b, uint32_t first, const uint32_t *columns,
+			    const float *values, uint32_t count, struct error *err)
+{
+	const uint64_t bytes = (uint64_t)count * sizeof(uint32_t);
+	struct buffer staging;
+	enum status s = buffer_init(&staging, f->device, 2 * bytes, BUFFER_STAGING, err);
+	if (s != STATUS_OK)
+		return s;
+	memcpy(staging.map, columns, bytes);
+	memcpy((char *)staging.map + bytes, values, bytes);
+	s = command_begin(f->device, err);
+	if (s == STATUS_OK) {
+		VkBufferCopy region = {.dstOffset = (uint64_t)first * sizeof(uint32_t), .size = bytes};
+		vkCmdCopyBuffer(f->device->commands, staging.handle, b->columns.handle, 1, &region);
+		region.srcOffset = bytes;
+		vkCmdCopyBuffer(f->device->commands, staging.handle, b->values.handle, 1, &region);
+		command_barrier(f->device);
+		s = command_finish(f->device, err);
+	}
+	buffer_finish(&staging, f->device);
+	return s;
 }
 
 enum status factors_put_row(struct factors *f, const struct factors_put *row, const uint32_t *columns, const float *values,
@@ -184,17 +217,19 @@ enum status factors_put_row(struct factors *f, const struct factors_put *row, co
 {
 	struct factors_place place;
 	struct factors_mark before;
-	if (row->element >= f->side || !are_columns(columns, count, f->side))
+	if (row->element >= f->side || !is_row(columns, values, count, f->side))
 		return error_set(err, STATUS_INTERNAL, "row %u of the form factors is none of this matrix", row->element);
 	factors_tidy(f);
 	enum status s = factors_find(f, &count, 1, &place, &before, err);
 	if (s != STATUS_OK)
 		return s;
 	const struct factors_block *b = &f->blocks[place.block];
-	if (count > 0)
-		s = factors_write(f, &b->columns, place.first, columns, count, err);
-	if (s == STATUS_OK && count > 0)
-		s = factors_write(f, &b->values, place.first, values, count, err);
+	if (count > 0 && b->columns.map && b->values.map) {
+		memcpy((uint32_t *)b->columns.map + place.first, columns, count * sizeof *columns);
+		memcpy((float *)b->values.map + place.first, values, count * sizeof *values);
+	} else if (count > 0) {
+		s = send_row(f, b, place.first, columns, values, count, err);
+	}
 	if (s != STATUS_OK) {
 		factors_undo(f, &before);
 		return s;

@@ -70,7 +70,7 @@ enum status factors_put_dense(struct factors *factors, const struct buffer *dens
 			      const struct factors_put *rows, uint32_t count, struct error *err);
 
 // Put one row from host memory, its columns ascending; it replaces one that was there. Fails as factors_put_dense;
-// STATUS_INTERNAL if the columns do not ascend or are none.
+// STATUS_INTERNAL if the columns do not ascend or are none, or a value is negative or no number.
 enum status factors_put_row(struct factors *factors, const struct factors_put *row, const uint32_t *columns,
 			    const float *values, uint32_t count, struct error *err);
 
@@ -86,6 +86,9 @@ void factors_remove_row(struct factors *factors, uint32_t i);
 // Move all rows together, in their order, into blocks without holes. Needs memory for the blocks old and new. STATUS_MEMORY,
 // STATUS_DEVICE; on failure the matrix is as it was.
 enum status factors_compact(struct factors *factors, struct error *err);
+
+// About the most that so many entries in so many rows will take, in bytes: what is left free at the ends of blocks counts.
+uint64_t factors_bytes_most(uint64_t entries, uint64_t rows);
 
 // Device memory of it now, in bytes.
 uint64_t factors_bytes(const struct factors *factors);

@@ -191,6 +191,12 @@ static enum status make_buffers(struct solver *s, const struct solver_problem *p
 	return status;
 }
 
+uint64_t solver_bytes(uint32_t elements)
+{
+	const uint64_t vectors = (7 + 3 * 2) * 4 * sizeof(float), partials = 8 * sizeof(float) / SUBGROUP_LEAST;
+	return (elements + (uint64_t)SOLVE_LANES) * (vectors + partials + sizeof(struct solve_row));
+}
+
 static enum status bind_gathers(struct solver *s, struct error *err)
 {
 	const uint32_t blocks = s->factors->block_count;
