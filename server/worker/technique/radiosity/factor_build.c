@@ -7,7 +7,6 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/radiosity/corners.h"
 #include "server/worker/technique/radiosity/factor_moves.h"
-#include "server/worker/technique/radiosity/rays.h"
 
 static void end_moves(struct factor_build *b, bool scene_goes)
 {
@@ -31,6 +30,7 @@ static void build_destroy(struct shelved *shelved, bool scene_goes)
 	free(b->group_first);
 	free(b->wanted);
 	free(b->queue);
+	free(b->batch);
 	free(b);
 }
 
@@ -144,7 +144,7 @@ static enum status build_create(struct resident_scene *scene, struct device *dev
 // Whether factors of the scene `keys` serve those of `scene`: places are the same, and materials where they matter.
 static bool serves(const struct factor_build *b, const struct resident_scene *scene, const struct factor_options *options)
 {
-	const bool by_material = options->mirrors || options->effects;
+	const bool by_material = options->rows.mirrors || options->effects;
 	return !memcmp(&b->options, options, sizeof *options) && b->keys.geometry == scene->keys.geometry &&
 	       (!by_material || b->keys.materials == scene->keys.materials);
 }
@@ -260,31 +260,52 @@ static uint32_t next_elements(struct factor_build *b, uint32_t *elements, uint32
 	return count;
 }
 
-// The place before the last `next_elements`, where its rows could not be made.
-struct place {
-	uint32_t done, next;
-};
-
-static enum status make_batch(struct factor_build *b, struct rays *rays, uint32_t most, struct error *err)
+// Begin a batch of rows, if none is begun.
+static enum status begin_batch(struct factor_build *b, struct row_maker *maker, uint32_t budget_us, struct error *err)
 {
-	const struct place before = {b->done, b->next};
-	uint32_t *elements = malloc(most * sizeof *elements);
-	if (!elements)
+	const uint32_t most = row_maker_batch(maker, budget_us);
+	if (b->batch_count > 0)
+		return STATUS_OK;
+	free(b->batch);
+	b->batch = malloc(most * sizeof *b->batch);
+	if (!b->batch)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	const uint32_t count = next_elements(b, elements, most);
-	enum status s = count > 0 ? rays_rows(rays, elements, count, &b->factors, err) : STATUS_OK;
+	b->batch_done = b->done;
+	b->batch_next = b->next;
+	b->batch_count = next_elements(b, b->batch, most);
+	row_maker_begin(maker, b->batch, b->batch_count);
+	return STATUS_OK;
+}
+
+void factor_build_pause(struct factor_build *b)
+{
+	if (b->batch_count == 0)
+		return;
+	b->done = b->batch_done;
+	b->next = b->batch_next;
+	b->batch_count = 0;
+}
+
+static enum status make_rows(struct factor_build *b, struct row_maker *maker, uint32_t budget_us, struct error *err)
+{
+	bool done = true;
+	enum status s = begin_batch(b, maker, budget_us, err);
+	if (s != STATUS_OK || b->batch_count == 0)
+		return s;
+	s = row_maker_step(maker, budget_us, &b->factors, &done, err);
 	if (s != STATUS_OK) {
-		b->done = before.done;
-		b->next = before.next;
-	} else if (count > 0) {
-		b->rows += count;
-		s = want_seen(b, elements, count, err);
+		factor_build_pause(b);
+		return s;
 	}
-	free(elements);
+	if (!done)
+		return STATUS_OK;
+	b->rows += b->batch_count;
+	s = want_seen(b, b->batch, b->batch_count, err);
+	b->batch_count = 0;
 	return s;
 }
 
-enum status factor_build_step(struct factor_build *b, struct rays *rays, uint32_t budget_us, struct error *err)
+enum status factor_build_step(struct factor_build *b, struct row_maker *maker, uint32_t budget_us, struct error *err)
 {
 	const uint64_t start = clock_us();
 	uint64_t spent = 0;
@@ -297,7 +318,7 @@ enum status factor_build_step(struct factor_build *b, struct rays *rays, uint32_
 		spent = clock_us() - start;
 	}
 	while (s == STATUS_OK && !factor_build_finished(b) && (spent < budget_us || spent == 0)) {
-		s = make_batch(b, rays, rays_batch(rays, (double)(budget_us - spent)), err);
+		s = make_rows(b, maker, spent < budget_us ? budget_us - (uint32_t)spent : 1, err);
 		spent = clock_us() - start;
 		spent += spent == 0;
 	}
@@ -306,7 +327,7 @@ enum status factor_build_step(struct factor_build *b, struct rays *rays, uint32_
 
 bool factor_build_finished(const struct factor_build *b)
 {
-	return b->done == b->queued && !b->moves;
+	return b->done == b->queued && b->batch_count == 0 && !b->moves;
 }
 
 double factor_build_fraction(const struct factor_build *b)

@@ -12,18 +12,15 @@
 #include "server/worker/technique/radiosity/element_buffers.h"
 #include "server/worker/technique/radiosity/elements.h"
 #include "server/worker/technique/radiosity/factors.h"
+#include "server/worker/technique/radiosity/row_maker.h"
 
 struct corners;
 struct factor_moves; // factor_moves.h
-struct rays;
 
 // What they depend on beside the scene. Compared byte by byte: zero it before filling it in.
 struct factor_options {
 	struct patch_options cut;
-	uint32_t factors; // enum radiosity_factors
-	uint32_t rays; // of a row
-	uint32_t mirrors; // whether light goes on by mirrors
-	uint32_t bounces; // by mirrors, at most
+	struct row_options rows;
 	uint32_t effects; // bits 1 << candil_Effect, of those that matter to rays
 };
 
@@ -43,6 +40,9 @@ struct factor_build {
 	uint32_t *queue; // groups, in the order in which they were wanted
 	uint32_t queued, done; // groups of the queue, and of those that have all their rows
 	uint32_t next; // row within queue[done]
+	uint32_t *batch; // elements whose rows are begun
+	uint32_t batch_count; // 0: none are
+	uint32_t batch_done, batch_next; // where `done` and `next` were before it
 	uint32_t rows; // made
 	uint32_t taken; // over from the scene as loaded, where nodes have moved
 	struct factor_moves *moves; // NULL: nothing is taken over, or all that can be has been
@@ -57,8 +57,11 @@ void factor_build_release(struct factor_build *build); // NULL is allowed
 // Want the rows of an element's group.
 void factor_build_want(struct factor_build *build, uint32_t element);
 
-// Make rows with `rays`, which must be of these elements and options, for about budget_us, at least one batch.
-enum status factor_build_step(struct factor_build *build, struct rays *rays, uint32_t budget_us, struct error *err);
+// Make rows with `maker`, which must be of these elements and options, for about budget_us, at least one piece.
+enum status factor_build_step(struct factor_build *build, struct row_maker *maker, uint32_t budget_us, struct error *err);
+
+// Forget what the maker has begun, before it goes.
+void factor_build_pause(struct factor_build *build);
 
 // Whether all that are wanted have their rows, and the share of the rows that do, 0…1.
 bool factor_build_finished(const struct factor_build *build);

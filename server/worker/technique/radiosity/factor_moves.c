@@ -47,7 +47,7 @@ bool factor_moves_init(struct factor_moves *m, const struct factor_build *from, 
 {
 	const struct edited *e = &scene->edited;
 	*m = (struct factor_moves){.from = from};
-	if (b->options.mirrors || !same_elements(&from->elements, &b->elements))
+	if (b->options.rows.mirrors || !same_elements(&from->elements, &b->elements))
 		return false;
 	m->moved = calloc(b->elements.patches.count + 1, sizeof *m->moved);
 	m->boxes = calloc(e->move_count + 1, sizeof *m->boxes);

@@ -13,7 +13,7 @@
 #include "server/worker/technique/radiosity/display.h"
 #include "server/worker/technique/radiosity/display_views.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
-#include "server/worker/technique/radiosity/rays.h"
+#include "server/worker/technique/radiosity/row_maker.h"
 #include "server/worker/technique/radiosity/solution.h"
 #include "server/worker/technique/radiosity/solver.h"
 #include "server/worker/trace/trace.h"
@@ -38,8 +38,21 @@ struct technique_job {
 
 static bool has_mirrors(const struct plan *plan, const struct resident_scene *scene)
 {
-	return radiosity_settings(plan)->mirrors == RADIOSITY_MIRRORS_RAYS && plan_has(plan, candil_Effect_EFFECT_GLOSSY) &&
+	return radiosity_has_mirrors(radiosity_settings(plan)) && plan_has(plan, candil_Effect_EFFECT_GLOSSY) &&
 	       (scene->view.facts & FACT_POLISHED);
+}
+
+// Only what the way reads is filled in, so that what it does not read makes no other rows.
+static void rows_of(const struct plan *plan, const struct resident_scene *scene, struct row_options *o)
+{
+	const struct radiosity_settings *s = radiosity_settings(plan);
+	o->way = s->factors;
+	o->rays = s->factors != ROWS_BY_HEMICUBE ? s->rays : 0;
+	o->mirrors = has_mirrors(plan, scene);
+	o->bounces = o->mirrors ? s->bounces : 0;
+	o->near = s->factors == ROWS_BY_HEMISPHERE && !o->mirrors ? s->near : 0;
+	o->pixels = s->factors == ROWS_BY_HEMICUBE ? s->pixels : 0;
+	o->origins = s->factors == ROWS_BY_HEMICUBE ? s->origins : 0;
 }
 
 static void options_of(const struct plan *plan, const struct resident_scene *scene, struct solution_options *o)
@@ -48,10 +61,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	memset(o, 0, sizeof *o);
 	o->factors.cut.edge = (double)s->edge;
 	o->factors.cut.count = s->edge > 0 ? 0 : s->patches;
-	o->factors.factors = s->factors;
-	o->factors.rays = s->rays;
-	o->factors.mirrors = has_mirrors(plan, scene);
-	o->factors.bounces = o->factors.mirrors ? s->bounces : 0;
+	rows_of(plan, scene, &o->factors.rows);
 	o->factors.effects = plan->effects & (1u << candil_Effect_EFFECT_ALPHA_MASK);
 	o->effects = plan->effects;
 	o->points = s->points;
@@ -130,13 +140,18 @@ static uint64_t radiosity_bytes(const struct devices *devices, const struct resi
 	const uint32_t triangles = scene_count(scene, BLOB_TRIANGLES);
 	const double n = patches_guess(plan, scene);
 	const uint32_t patches = (uint32_t)n;
-	const struct rays_options rays = {.rays = radiosity_settings(plan)->rays};
-	const double entries = n * entries_guess(n, rays.rays);
+	const struct row_scene of = {triangles, scene_count(scene, BLOB_VERTICES), triangles, patches};
+	struct row_options rows = {0};
+	rows_of(plan, scene, &rows);
+	const double samples = rows.way == ROWS_BY_HEMISPHERE ? rows.rays
+			       : rows.way == ROWS_BY_HEMICUBE ? 3.0 * rows.pixels * rows.pixels * rows.origins
+							      : INFINITY;
+	const double entries = n * entries_guess(n, samples);
 	return deferred_bytes(devices, plan, radiosity_settings(plan)->direct.rows) +
 	       display_bytes(devices, scene, plan, &display) +
 	       display_field_bytes(triangles, triangles, patches, display.corners) +
-	       element_buffers_bytes(triangles, triangles, patches) + rays_bytes(patches, triangles, &rays) +
-	       (uint64_t)(entries * (sizeof(uint32_t) + sizeof(float)));
+	       element_buffers_bytes(triangles, triangles, patches) + row_maker_bytes(&of, &rows) +
+	       solver_bytes(2 * patches) + factors_bytes_most((uint64_t)entries, patches);
 }
 
 static void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
@@ -180,7 +195,7 @@ static enum status radiosity_begin(struct devices *devices, struct resident_scen
 	options_of(plan, scene, &options);
 	enum status s = devices_gl(devices, &j->gl, err);
 	if (s == STATUS_OK)
-		s = solution_acquire(scene, devices->vk, plan, &options, &j->solution, err);
+		s = solution_acquire(scene, devices->vk, j->gl, plan, &options, &j->solution, err);
 	if (s == STATUS_OK)
 		s = display_init(&j->display, devices, scene, plan, &display, &j->field, err);
 	if (s == STATUS_OK)
@@ -305,8 +320,8 @@ static const char *radiosity_cannot(const struct plan *plan, candil_Effect effec
 {
 	if (effect == candil_Effect_EFFECT_CAUSTICS)
 		return "mirrors pass on the light of surfaces, but not that of point, spot and directional lights";
-	if (effect == candil_Effect_EFFECT_GLOSSY && radiosity_settings(plan)->mirrors == RADIOSITY_MIRRORS_OFF)
-		return "radiosity.mirrors=off: metals are diffuse";
+	if (effect == candil_Effect_EFFECT_GLOSSY && !radiosity_has_mirrors(radiosity_settings(plan)))
+		return "radiosity.mirrors or radiosity.factors says so: metals are diffuse";
 	return NULL;
 }
 

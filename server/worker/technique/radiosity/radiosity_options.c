@@ -1,5 +1,6 @@
 #include "server/worker/technique/radiosity/radiosity_options.h"
 
+#include "server/worker/technique/radiosity/hemicube.h"
 #include "server/worker/technique/radiosity/patches.h"
 #include "server/worker/technique/radiosity/solver.h"
 
@@ -9,9 +10,12 @@ _Static_assert(offsetof(struct radiosity_settings, direct) == 0, "direct_setting
 #define PATCHES_DEFAULT 4096u
 #define RAYS_DEFAULT 1024u
 
-static const char *const factor_ways[] = {"hemisphere", NULL};
-static const char *const mirror_ways[] = {"rays", "off", NULL};
-static const char *const solvers[] = {"jacobi", "gauss-seidel", "gradient", NULL};
+static const char *const factor_ways[] = {"hemisphere", "hemicube", "analytic", NULL};
+static const char *const mirror_ways[] = {"auto", "off", NULL};
+static const char *const near_ways[] = {"off", "on", NULL};
+static const char *const pixel_words[] = {"16", "32", "64", "128", "256", "512", "1024", NULL};
+static const uint32_t pixel_numbers[] = {16, 32, 64, 128, 256, 512, 1024};
+static const char *const solvers[] = {"gradient", "jacobi", "gauss-seidel", NULL};
 static const char *const point_words[] = {"1", "4", "16", "64", "256", "1024", "4096", NULL};
 static const uint32_t point_numbers[] = {1, 4, 16, 64, 256, 1024, LIMIT_RADIOSITY_POINTS};
 static const char *const displays[] = {"vertex", "constant", "gather", NULL};
@@ -22,6 +26,9 @@ static const struct option_rule rules[] = {
     OPTION_WHOLE("radiosity.patches", 1, PATCHES_MOST, struct radiosity_settings, patches),
     OPTION_WORD("radiosity.factors", factor_ways, struct radiosity_settings, factors),
     OPTION_WHOLE("radiosity.rays", 16, LIMIT_RADIOSITY_RAYS, struct radiosity_settings, rays),
+    OPTION_WORD("radiosity.near", near_ways, struct radiosity_settings, near),
+    OPTION_NUMBER("radiosity.hemicube", pixel_words, pixel_numbers, struct radiosity_settings, pixels),
+    OPTION_WHOLE("radiosity.origins", 1, HEMICUBE_ORIGINS_MOST, struct radiosity_settings, origins),
     OPTION_WORD("radiosity.mirrors", mirror_ways, struct radiosity_settings, mirrors),
     OPTION_WHOLE("radiosity.bounces", 0, LIMIT_RADIOSITY_BOUNCES, struct radiosity_settings, bounces),
     OPTION_NUMBER("radiosity.points", point_words, point_numbers, struct radiosity_settings, points),
@@ -44,6 +51,8 @@ void radiosity_options_default(void *settings)
 	direct_options_default(&s->direct);
 	s->patches = PATCHES_DEFAULT;
 	s->rays = RAYS_DEFAULT;
+	s->pixels = 64;
+	s->origins = 4;
 	s->bounces = 10;
 	s->points = 16;
 	s->residual = 1e-5f;

@@ -3,10 +3,10 @@
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_OPTIONS_H
 
 #include "server/worker/technique/direct/direct_options.h"
+#include "server/worker/technique/radiosity/row_maker.h"
 
 // The words of the options.
-enum radiosity_factors { RADIOSITY_BY_HEMISPHERE };
-enum radiosity_mirrors { RADIOSITY_MIRRORS_RAYS, RADIOSITY_MIRRORS_OFF };
+enum radiosity_mirrors { RADIOSITY_MIRRORS_AUTO, RADIOSITY_MIRRORS_OFF }; // auto: by rays or portals, as the factors
 enum radiosity_display { RADIOSITY_DISPLAY_VERTEX, RADIOSITY_DISPLAY_CONSTANT, RADIOSITY_DISPLAY_GATHER };
 enum radiosity_show {
 	RADIOSITY_SHOW_NONE,
@@ -23,8 +23,11 @@ struct radiosity_settings {
 	struct direct_settings direct; // first: direct_settings() reads them
 	float edge; // metres: a patch's sides are no longer; 0: `patches` decides
 	uint32_t patches; // as many or somewhat less, but at least one a face
-	uint32_t factors; // enum radiosity_factors
+	uint32_t factors; // enum row_way
 	uint32_t rays; // of a row of form factors
+	uint32_t near; // 1: near pairs by contour integrals
+	uint32_t pixels; // of a hemicube's face
+	uint32_t origins; // hemicubes of a patch
 	uint32_t mirrors; // enum radiosity_mirrors
 	uint32_t bounces; // of a ray by mirrors, at most
 	uint32_t points; // of a patch, from which lights are looked at
@@ -40,6 +43,12 @@ struct radiosity_settings {
 extern const struct option_table radiosity_options[];
 void radiosity_options_default(void *settings);
 enum status radiosity_options_check(const struct plan *plan, struct error *err);
+
+// Whether these settings let light go on by mirrors, where a scene has some.
+static inline bool radiosity_has_mirrors(const struct radiosity_settings *s)
+{
+	return s->mirrors != RADIOSITY_MIRRORS_OFF && s->factors == ROWS_BY_HEMISPHERE;
+}
 
 // The settings in a plan of this technique.
 static inline const struct radiosity_settings *radiosity_settings(const struct plan *plan)

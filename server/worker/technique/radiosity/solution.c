@@ -8,7 +8,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/radiosity/corners.h"
 #include "server/worker/technique/radiosity/light.h"
-#include "server/worker/technique/radiosity/rays.h"
+#include "server/worker/technique/radiosity/row_maker.h"
 #include "server/worker/technique/radiosity/solver.h"
 #include "server/worker/technique/radiosity/surfaces.h"
 
@@ -23,12 +23,14 @@ static const double shares[SOLUTION_STAGES] = {[SOLUTION_SURFACES] = 0.02,
 static void finish_making(struct solution *v)
 {
 	solver_destroy(v->solver);
-	rays_destroy(v->rays);
+	if (v->rows_by)
+		factor_build_pause(v->factors);
+	row_maker_destroy(v->rows_by);
 	light_destroy(v->light);
 	surfaces_destroy(v->surfaces);
 	buffer_finish(&v->buffers.surfaces, v->device);
 	v->solver = NULL;
-	v->rays = NULL;
+	v->rows_by = NULL;
 	v->light = NULL;
 	v->surfaces = NULL;
 	v->scene = NULL;
@@ -64,13 +66,12 @@ static const struct shelf_kind kind = {
 
 // ---- making one ---------------------------------------------------------------------------------------------------------
 
-static enum status make_passes(struct solution *v, const struct plan *plan, struct error *err)
+static enum status make_passes(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)
 {
 	const struct factor_options *f = &v->options.factors;
 	const struct patch_scene of = {plan, v->scene, &v->factors->elements, &v->buffers};
-	const struct rays_options rays = {.rays = f->rays, .mirrors = f->mirrors, .bounces = f->bounces};
 	const struct light_options light = {
-	    .points = v->options.points, .sky_points = v->options.sky_points, .bounces = f->bounces};
+	    .points = v->options.points, .sky_points = v->options.sky_points, .bounces = f->rows.bounces};
 	const uint64_t start = clock_us();
 	enum status s = surfaces_create(&of, v->device, &v->surfaces, err);
 	if (s == STATUS_OK)
@@ -80,9 +81,9 @@ static enum status make_passes(struct solution *v, const struct plan *plan, stru
 	if (s == STATUS_OK && v->light)
 		s = light_compile(v->light, err);
 	if (s == STATUS_OK)
-		s = rays_create(v->device, v->scene, plan, &v->factors->elements, &v->buffers, &rays, &v->rays, err);
+		s = row_maker_create(&of, &f->rows, v->device, gl, &v->rows_by, err);
 	if (s == STATUS_OK)
-		s = rays_compile(v->rays, err);
+		s = row_maker_compile(v->rows_by, err);
 	if (s == STATUS_OK)
 		s = solver_compile(v->device, (enum solver_way)v->options.solver, err);
 	v->compile_us = clock_us() - start;
@@ -100,8 +101,9 @@ static enum status make_arrays(struct solution *v, struct error *err)
 								      : error_set(err, STATUS_MEMORY, "out of memory");
 }
 
-static enum status solution_create(struct resident_scene *scene, struct device *device, const struct plan *plan,
-				   const struct solution_options *options, struct solution **out, struct error *err)
+static enum status solution_create(struct resident_scene *scene, struct device *device, struct gl_device *gl,
+				   const struct plan *plan, const struct solution_options *options, struct solution **out,
+				   struct error *err)
 {
 	struct solution *v = calloc(1, sizeof *v);
 	if (!v)
@@ -122,7 +124,7 @@ static enum status solution_create(struct resident_scene *scene, struct device *
 	if (s == STATUS_OK && count > 0)
 		s = buffer_init(&v->buffers.surfaces, device, count * sizeof *v->made_of, BUFFER_DEVICE, err);
 	if (s == STATUS_OK && count > 0)
-		s = make_passes(v, plan, err);
+		s = make_passes(v, gl, plan, err);
 	if (s == STATUS_OK)
 		*out = v;
 	else
@@ -143,8 +145,9 @@ static struct solution *solution_find(const struct shelf *s, const struct reside
 	return NULL;
 }
 
-enum status solution_acquire(struct resident_scene *scene, struct device *device, const struct plan *plan,
-			     const struct solution_options *options, struct solution **solution, struct error *err)
+enum status solution_acquire(struct resident_scene *scene, struct device *device, struct gl_device *gl,
+			     const struct plan *plan, const struct solution_options *options, struct solution **solution,
+			     struct error *err)
 {
 	struct shelf *shelf = shelf_of(scene, &kind);
 	if (!shelf)
@@ -155,7 +158,7 @@ enum status solution_acquire(struct resident_scene *scene, struct device *device
 		while (shelf_drop_idle(shelf, kind.kept - 1))
 			;
 		do
-			s = solution_create(scene, device, plan, options, &v, err);
+			s = solution_create(scene, device, gl, plan, options, &v, err);
 		while (s == STATUS_MEMORY && shelf_drop_idle(shelf, 0));
 		if (s != STATUS_OK)
 			return s;
@@ -259,7 +262,7 @@ static enum status begin_solving(struct solution *v, struct error *err)
 
 static enum status do_factors(struct solution *v, uint32_t budget_us, struct error *err)
 {
-	enum status s = factor_build_step(v->factors, v->rays, budget_us, err);
+	enum status s = factor_build_step(v->factors, v->rows_by, budget_us, err);
 	if (s != STATUS_OK || !factor_build_finished(v->factors))
 		return s;
 	v->rows = v->factors->rows - v->rows;

@@ -46,7 +46,7 @@ struct solution {
 	enum solution_stage stage;
 	struct surfaces *surfaces; // until it is done
 	struct light *light; // until it is done; NULL: the scene has none
-	struct rays *rays; // until it is done
+	struct row_maker *rows_by; // until it is done
 	struct solver *solver;
 	// By element, in host memory.
 	struct radiosity_surface *made_of;
@@ -62,8 +62,9 @@ struct solution {
 
 // Hold the solution of a scene by these options, beginning a new one if there is none for the same places, materials and
 // lights. A new one compiles its code. Pair with solution_release. STATUS_MEMORY, STATUS_DEVICE, and as patches_init.
-enum status solution_acquire(struct resident_scene *scene, struct device *device, const struct plan *plan,
-			     const struct solution_options *options, struct solution **solution, struct error *err);
+enum status solution_acquire(struct resident_scene *scene, struct device *device, struct gl_device *gl,
+			     const struct plan *plan, const struct solution_options *options, struct solution **solution,
+			     struct error *err);
 void solution_release(struct solution *solution); // NULL is allowed
 
 // Work on it for about budget_us, at least one piece. STATUS_BAD_ARGUMENT: there is no solution (solver.h).

@@ -8,9 +8,9 @@
 
 // The words of radiosity.solver.
 enum solver_way {
+	SOLVER_GRADIENT, // conjugate gradients on the system that is symmetric by reciprocity (solver_parts.h)
 	SOLVER_JACOBI, // H ← D + F B of the iteration before
 	SOLVER_GAUSS_SEIDEL, // the same block by block of rows, each with what those before it have found
-	SOLVER_GRADIENT, // conjugate gradients on the system that is symmetric by reciprocity (solver_parts.h)
 };
 
 // What is to be solved. The arrays are the caller's, 3 floats for each element, and are copied.
