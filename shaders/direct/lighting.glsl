@@ -37,6 +37,9 @@
 #define DIRECT_MAPS true        // if defined: lights have shadow maps
 #define DIRECT_MAPS_FOR_ALL false // every light has one
 #endif
+#ifndef DIRECT_OWN
+#define DIRECT_OWN false          // each pixel has a set of points of its own: noise in the place of a pattern
+#endif
 #ifndef DIRECT_TURN
 #define DIRECT_TURN turn.y        // which set of points
 #endif
@@ -68,7 +71,7 @@ float direct_open(bool met, vec3 origin, vec3 normal, vec3 segment, float t_max)
 // Luminance of the diffuse reflection: with shadows (x) and without (y).
 vec2 direct_share = vec2(0.0);
 
-// With DIRECT_SHARP, a number that the pixel shares with none.
+// With DIRECT_SHARP or DIRECT_OWN, a number that the pixel shares with none.
 uint direct_place = 0u;
 
 // Number of rays that this invocation traced.
@@ -107,7 +110,8 @@ uint direct_pattern(uvec2 pixel)
 // The shift of the point sets. The two halves of the samples have different ones.
 uint direct_shift()
 {
-	return hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.x);
+	uint shift = hash_combine(hash_combine(hash(job.seed[0]), job.seed[1]), turn.x);
+	return DIRECT_OWN ? hash_combine(shift, direct_place) : shift;
 }
 
 // 32 bits that choose a light: step i of `count` even steps, whose position within the step depends on the sample.

@@ -22,6 +22,8 @@ static const struct gl_source show_source = {.name = "show", .compute = source_r
 static const struct gl_source light_source = {.name = "light", .compute = source_radiosity_light_comp};
 static const struct gl_source gather_source = {.name = "gather", .compute = source_radiosity_gather_comp};
 
+#define LAMP_POINTS 64u // on lamps, of a pixel, over all samples
+
 // The scene's buffers that shaders read as texels.
 static const struct {
 	uint32_t binding;
@@ -85,16 +87,28 @@ static struct deferred_pass *add_pass(struct display *d, const struct gl_source 
 	return pass;
 }
 
+// In pictures of many samples, whose pixels share no points on lamps, enough of them.
+static struct lighting_wish light_of(const struct display_options *o, const struct plan *plan)
+{
+	const uint32_t least = plan->samples < DIRECT_SOFT_BELOW ? 1 : (LAMP_POINTS - 1) / plan->samples + 1;
+	struct lighting_wish wish = o->light;
+	wish.points = wish.points > least ? wish.points : least;
+	return wish;
+}
+
 // Direct light's own passes. Where mirrors are, what they reflect is no part of it.
 static enum status add_light(struct display *d, struct devices *devices, struct resident_scene *scene,
 			     const struct plan *plan, struct error *err)
 {
 	const struct plan shown = display_plan(plan);
-	const enum status s = lighting_init(&d->lighting, devices, scene, &shown, &d->options.light, err);
+	const struct lighting_wish wish = light_of(&d->options, plan);
+	const enum status s = lighting_init(&d->lighting, devices, scene, &shown, &wish, err);
 	if (s != STATUS_OK)
 		return s;
 	d->pass_count = d->lighting.pass_count;
 	memcpy(d->passes, d->lighting.passes, d->pass_count * sizeof *d->passes);
+	if (plan->samples >= DIRECT_SOFT_BELOW)
+		gl_define(&d->passes[0].defines, "DIRECT_OWN", "true");
 	if (d->options.bounces == 0)
 		return STATUS_OK;
 	d->passes[0].source = &light_source;
