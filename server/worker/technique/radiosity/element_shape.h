@@ -4,6 +4,7 @@
 
 #include "server/worker/technique/radiosity/elements.h"
 
+// An element as a polygon.
 struct element_shape {
 	struct form_polygon polygon;
 	double normal[3]; // unit, on the element's side
@@ -12,6 +13,7 @@ struct element_shape {
 	double area; // m²
 };
 
+// Make that of an element, below the count.
 void element_shape_get(const struct elements *elements, uint32_t element, struct element_shape *out);
 
 // Whether a part of each may be in front of the other's plane: if not, their form factor is 0.

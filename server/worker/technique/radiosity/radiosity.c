@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "server/base/clock.h"
-#include "server/scene/casters.h"
 #include "server/worker/devices.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/deferred/deferred.h"
@@ -16,6 +15,7 @@
 #include "server/worker/technique/radiosity/row_maker.h"
 #include "server/worker/technique/radiosity/solution.h"
 #include "server/worker/technique/radiosity/solver.h"
+#include "server/worker/technique/radiosity/surfaces.h"
 #include "server/worker/trace/trace.h"
 
 #define SOLVE_SHARE 0.9 // share of the job's work that making the solution counts for
@@ -39,7 +39,7 @@ struct technique_job {
 static bool has_mirrors(const struct plan *plan, const struct resident_scene *scene)
 {
 	return radiosity_has_mirrors(radiosity_settings(plan)) && plan_has(plan, candil_Effect_EFFECT_GLOSSY) &&
-	       (scene->view.facts & FACT_POLISHED);
+	       (radiosity_settings(plan)->mirrors == RADIOSITY_MIRRORS_ON || surfaces_may_mirror(&scene->view));
 }
 
 // Only what the way reads is filled in, so that what it does not read makes no other rows.
@@ -339,7 +339,7 @@ static uint32_t glossy_materials(const struct resident_scene *scene)
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < scene_count(scene, BLOB_MATERIALS); i++) {
 		const bool lobe = m[i].specular_weight > 0 || m[i].metallic > 0;
-		const bool mirror = m[i].metallic >= 1 && (double)(m[i].roughness * m[i].roughness) <= GGX_ALPHA_LEAST;
+		const bool mirror = m[i].metallic >= 1 && (double)(m[i].roughness * m[i].roughness) <= PATCH_MIRROR_ALPHA;
 		count += uses[i].triangles > 0 && !(m[i].flags & MATERIAL_UNLIT) && lobe && !mirror;
 	}
 	return count;

@@ -11,7 +11,7 @@ _Static_assert(offsetof(struct radiosity_settings, direct) == 0, "direct_setting
 #define RAYS_DEFAULT 1024u
 
 static const char *const factor_ways[] = {"hemisphere", "hemicube", "analytic", NULL};
-static const char *const mirror_ways[] = {"auto", "off", NULL};
+static const char *const mirror_ways[] = {"auto", "on", "off", NULL};
 static const char *const near_ways[] = {"off", "on", NULL};
 static const char *const pixel_words[] = {"16", "32", "64", "128", "256", "512", "1024", NULL};
 static const uint32_t pixel_numbers[] = {16, 32, 64, 128, 256, 512, 1024};

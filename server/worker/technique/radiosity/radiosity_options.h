@@ -6,7 +6,11 @@
 #include "server/worker/technique/radiosity/row_maker.h"
 
 // The words of the options.
-enum radiosity_mirrors { RADIOSITY_MIRRORS_AUTO, RADIOSITY_MIRRORS_OFF }; // auto: by rays or portals, as the factors
+enum radiosity_mirrors {
+	RADIOSITY_MIRRORS_AUTO,
+	RADIOSITY_MIRRORS_ON,
+	RADIOSITY_MIRRORS_OFF
+}; // auto: by rays or portals, as the factors
 enum radiosity_display { RADIOSITY_DISPLAY_VERTEX, RADIOSITY_DISPLAY_CONSTANT, RADIOSITY_DISPLAY_GATHER };
 enum radiosity_show {
 	RADIOSITY_SHOW_NONE,
@@ -44,7 +48,7 @@ extern const struct option_table radiosity_options[];
 void radiosity_options_default(void *settings);
 enum status radiosity_options_check(const struct plan *plan, struct error *err);
 
-// Whether these settings let light go on by mirrors, where a scene has some.
+// Whether these settings let light go on by mirrors, where a scene has some; `on`, as if it had.
 static inline bool radiosity_has_mirrors(const struct radiosity_settings *s)
 {
 	return s->mirrors != RADIOSITY_MIRRORS_OFF && s->factors == ROWS_BY_HEMISPHERE;

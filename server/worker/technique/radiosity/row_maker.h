@@ -45,10 +45,12 @@ void row_maker_begin(struct row_maker *maker, const uint32_t *elements, uint32_t
 enum status row_maker_step(struct row_maker *maker, uint32_t budget_us, struct factors *factors, bool *done,
 			   struct error *err);
 
-// Device memory of it for a scene of so many triangles, vertices, faces and patches, in bytes, at most.
+// How large a scene is.
 struct row_scene {
 	uint32_t triangles, vertices, faces, patches;
 };
+
+// Device memory of it for such a scene, in bytes, at most.
 uint64_t row_maker_bytes(const struct row_scene *scene, const struct row_options *options);
 
 #endif

@@ -45,6 +45,7 @@ enum status solver_step(struct solver *solver, uint32_t budget_us, struct error 
 // Device memory that a solver of so many elements takes, in bytes.
 uint64_t solver_bytes(uint32_t elements);
 
+// Whether it has ended, and what it has come to.
 bool solver_finished(const struct solver *solver);
 double solver_residual(const struct solver *solver); // so far: above the one asked for if it ended without reaching it
 uint32_t solver_iterations(const struct solver *solver); // done

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "server/base/clock.h"
+#include "server/scene/ranges.h"
 #include "server/worker/technique/common/scene_traits.h"
 #include "shaders/patch_surface_comp.h"
 
@@ -95,4 +96,18 @@ float surfaces_progress(const struct surfaces *s)
 uint64_t surfaces_bytes(uint32_t faces)
 {
 	return sizeof(struct scene_params) + sizeof(struct pass_counters) + (uint64_t)faces * 2 * sizeof(uint32_t);
+}
+
+bool surfaces_may_mirror(const struct blob_view *scene)
+{
+	const struct material *m = scene->sections[BLOB_MATERIALS];
+	const struct material_use *uses = scene->sections[BLOB_MATERIAL_USES];
+	bool found = false;
+	for (uint32_t i = 0; i < scene->counts[BLOB_MATERIALS] && !found; i++) {
+		const float least = m[i].roughness * range_of_texture(scene, m[i].surface_texture, 1).low;
+		const float metal = m[i].metallic * range_of_texture(scene, m[i].surface_texture, 2).high;
+		found = uses[i].triangles > 0 && !(m[i].flags & MATERIAL_UNLIT) && metal > 0 &&
+			(double)(least * least) <= PATCH_MIRROR_ALPHA;
+	}
+	return found;
 }

@@ -37,6 +37,9 @@ enum status surfaces_step(struct surfaces *surfaces, uint32_t budget_us, struct 
 bool surfaces_finished(const struct surfaces *surfaces);
 float surfaces_progress(const struct surfaces *surfaces); // 0…1
 
+// Whether some of the scene may be a mirror, by factors of materials and ranges of their textures. Any thread.
+bool surfaces_may_mirror(const struct blob_view *scene);
+
 // Device memory of it, beside the scene's and the elements', for so many faces, in bytes.
 uint64_t surfaces_bytes(uint32_t faces);
 
