@@ -5,13 +5,17 @@
 #include "server/worker/technique/direct/direct_options.h"
 #include "server/worker/technique/radiosity/row_maker.h"
 
-// The words of the options.
+// Whether light goes on by mirrors.
 enum radiosity_mirrors {
 	RADIOSITY_MIRRORS_AUTO,
 	RADIOSITY_MIRRORS_ON,
 	RADIOSITY_MIRRORS_OFF
 }; // auto: by rays or portals, as the factors
+
+// How light is shown: between the corners of patches, by patch, or by a gather.
 enum radiosity_display { RADIOSITY_DISPLAY_VERTEX, RADIOSITY_DISPLAY_CONSTANT, RADIOSITY_DISPLAY_GATHER };
+
+// What is shown in place of light.
 enum radiosity_show {
 	RADIOSITY_SHOW_NONE,
 	RADIOSITY_SHOW_B,
