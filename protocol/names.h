@@ -32,6 +32,7 @@
 #define TECHNIQUE_NOISE 2u // its error falls with the number of samples, and it estimates that error
 #define TECHNIQUE_LENS 4u // it has lenses with a radius, every pixel filter, and panoramas
 #define TECHNIQUE_VOXELS 8u // it has voxels to show: `candil inspect`
+#define TECHNIQUE_PATCHES 16u // it has patches and form factors to show, likewise
 
 // X(NAME, number, "name", traits, options), the last bits 1u << number of the techniques whose options it takes: those that
 // begin with their names and a dot.
@@ -39,7 +40,7 @@
 	X(AUTO, 0, "auto", 0u, 0u) \
 	X(PT, 1, "pt", TECHNIQUE_RENDERS | TECHNIQUE_NOISE | TECHNIQUE_LENS, 1u << 1) \
 	X(VCT, 2, "vct", TECHNIQUE_RENDERS | TECHNIQUE_VOXELS, 1u << 2 | 1u << 4) \
-	X(RADIOSITY, 3, "radiosity", TECHNIQUE_RENDERS, 1u << 3 | 1u << 4) \
+	X(RADIOSITY, 3, "radiosity", TECHNIQUE_RENDERS | TECHNIQUE_PATCHES, 1u << 3 | 1u << 4) \
 	X(DIRECT, 4, "direct", TECHNIQUE_RENDERS, 1u << 4)
 
 // The number of the technique that "auto" stands for where nothing is asked for that it could be chosen by, and in a sweep:

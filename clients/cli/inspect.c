@@ -1,36 +1,22 @@
-// inspect: the voxels of a scene as pictures and figures.
+// inspect: the voxels or the patches of a scene as pictures and figures.
 #include <errno.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/cli/inspect_pictures.h"
+#include "clients/cli/inspect_say.h"
 #include "clients/cli/interrupt.h"
-#include "clients/cli/job.h"
 #include "clients/cli/output.h"
-#include "clients/cli/report.h"
 #include "clients/cli/view.h"
-#include "protocol/limits.h"
 #include "protocol/names.h"
 
-// Options that a picture adds to those of --set.
-enum { OWN_SHOW, OWN_LEVEL, OWN_AXIS, OWN_SLICE, OWN_OPTIONS };
 static const char *const own_words[OWN_OPTIONS] = {"show", "level", "axis", "slice"};
-#define MIB (1.0 / 1048576.0)
+#define SETTINGS (sizeof(((struct inspect *)0)->job.options.settings) / sizeof(struct candil_option))
 
-struct inspect {
-	struct job job;
-	struct inspect_list list;
-	uint32_t done; // pictures that are written
-	bool framed; // the scene has no camera
-	char own[OWN_OPTIONS][LIMIT_OPTION_NAME + 1]; // names of the own options: the technique's name, a dot, a word
-	char wrong[256]; // the sentence that says what inspect cannot take
-};
-
-static const char *extension(const struct inspect *inspect)
+static uint32_t own_count(const struct inspect *inspect)
 {
-	return inspect->job.options.request.format == CANDIL_FORMAT_PNG ? "png" : "exr";
+	return inspect->patches ? OWN_SHOW + 1 : OWN_OPTIONS;
 }
 
 // ---- the pictures ----------------------------------------------------------------------------------------------------
@@ -38,7 +24,7 @@ static const char *extension(const struct inspect *inspect)
 static bool inspect_write_image(const struct inspect *inspect, struct inspect_picture *p, const struct candil_image *image)
 {
 	char name[PATH_MAX];
-	if (!inspect_name(p, inspect->job.options.output, extension(inspect), name, sizeof(name))) {
+	if (!inspect_name(p, inspect->job.options.output, inspect_extension(inspect), name, sizeof(name))) {
 		errno = ENAMETOOLONG;
 		return false;
 	}
@@ -78,24 +64,45 @@ static enum exit_code inspect_see_through(struct inspect *inspect, const struct 
 	return job_follow(&inspect->job, id, inspect_take_event, inspect);
 }
 
+// The options of a picture of voxels beside the user's.
+static size_t add_cells(const struct inspect *inspect, const struct inspect_picture *p, char text[3][16],
+			struct candil_option *options)
+{
+	size_t count = 0;
+	snprintf(text[0], sizeof(text[0]), "%" PRIu32, p->level);
+	snprintf(text[1], sizeof(text[1]), "%c", "xyz"[p->axis]);
+	snprintf(text[2], sizeof(text[2]), "%" PRIu32, p->slice);
+	options[count++] = (struct candil_option){inspect->own[OWN_LEVEL], text[0]};
+	if (p->slice != INSPECT_NO_SLICE) {
+		options[count++] = (struct candil_option){inspect->own[OWN_AXIS], text[1]};
+		options[count++] = (struct candil_option){inspect->own[OWN_SLICE], text[2]};
+	}
+	return count;
+}
+
+// The user's options, but for one that only the picture of a row takes.
+static size_t take_settings(const struct inspect *inspect, const char *show, struct candil_option *options)
+{
+	const struct candil_render_request *r = &inspect->job.options.request;
+	const bool row = strcmp(show, INSPECT_SHOW_ROW) == 0;
+	size_t count = 0;
+	for (size_t i = 0; i < r->option_count; i++)
+		if (row || strcmp(r->options[i].name, inspect->row) != 0)
+			options[count++] = r->options[i];
+	return count;
+}
+
 // Make the next picture of the list.
 static enum exit_code make_picture(struct inspect *inspect)
 {
 	const struct inspect_picture *p = &inspect->list.pictures[inspect->done];
 	struct candil_render_request request = inspect->job.options.request;
-	struct candil_option options[sizeof(inspect->job.options.settings) / sizeof(*inspect->job.options.settings)];
-	char level[16], axis[] = "x", slice[16];
-	size_t count = request.option_count;
-	memcpy(options, inspect->job.options.settings, count * sizeof(*options));
-	snprintf(level, sizeof(level), "%" PRIu32, p->level);
-	snprintf(slice, sizeof(slice), "%" PRIu32, p->slice);
-	axis[0] = "xyz"[p->axis];
+	struct candil_option options[SETTINGS];
+	char text[3][16];
+	size_t count = take_settings(inspect, p->show, options);
 	options[count++] = (struct candil_option){inspect->own[OWN_SHOW], p->show};
-	options[count++] = (struct candil_option){inspect->own[OWN_LEVEL], level};
-	if (p->slice != INSPECT_NO_SLICE) {
-		options[count++] = (struct candil_option){inspect->own[OWN_AXIS], axis};
-		options[count++] = (struct candil_option){inspect->own[OWN_SLICE], slice};
-	}
+	if (!inspect->patches)
+		count += add_cells(inspect, p, text, &options[count]);
 	request.options = options;
 	request.option_count = count;
 	request.width = p->width;
@@ -110,7 +117,7 @@ static enum exit_code make_others(struct inspect *inspect)
 	const struct candil_error error = {.code = CANDIL_STATUS_UNSUPPORTED,
 					   .text = "the daemon tells nothing of its voxels: it is older than this candil"};
 	enum exit_code code = EXIT_DONE;
-	if (!inspect_others(&inspect->list, &inspect->job.options.request, &inspect->job.target.info))
+	if (!inspect->patches && !inspect_others(&inspect->list, &inspect->job.options.request, &inspect->job.target.info))
 		return job_fail(&inspect->job, &error);
 	while (code == EXIT_DONE && inspect->done < inspect->list.count) {
 		if (interrupt_seen())
@@ -121,40 +128,6 @@ static enum exit_code make_others(struct inspect *inspect)
 }
 
 // ---- the answer ------------------------------------------------------------------------------------------------------
-
-static json_t *inspect_picture_json(const struct inspect *inspect, const struct inspect_picture *p)
-{
-	char name[PATH_MAX] = "";
-	inspect_name(p, inspect->job.options.output, extension(inspect), name, sizeof(name));
-	json_t *o = json_pack("{s:o,s:s,s:s,s:o}", "image", cli_json_text(name), "kind", p->kind, "show", p->show, "level",
-			      cli_json_u64(p->level));
-	if (p->slice != INSPECT_NO_SLICE) {
-		json_object_set_new(o, "axis", json_pack("s#", &"xyz"[p->axis], 1));
-		json_object_set_new(o, "slice", cli_json_u64(p->slice));
-	}
-	json_object_set_new(o, "width", cli_json_u64(p->width));
-	json_object_set_new(o, "height", cli_json_u64(p->height));
-	json_object_set_new(o, "bytes", cli_json_u64(p->bytes));
-	json_object_set_new(o, "elapsed_us", cli_json_u64(p->done.elapsed_us));
-	json_object_set_new(o, "stages", report_stages_json(&p->done));
-	return o;
-}
-
-static json_t *inspect_answer_json(const struct inspect *inspect)
-{
-	const struct candil_done *first = &inspect->list.pictures[0].done;
-	json_t *images = json_array();
-	for (uint32_t i = 0; i < inspect->list.count; i++)
-		json_array_append_new(images, inspect_picture_json(inspect, &inspect->list.pictures[i]));
-	json_t *answer = json_pack(
-	    "{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->job.options.scene), "scene_hash",
-	    cli_json_text(inspect->job.target.info.hash), "technique",
-	    candil_technique_name(inspect->job.accepted.technique), "device", cli_json_text(first->device), "format",
-	    candil_format_name(inspect->job.options.request.format), "figures", report_figures_json(first), "stages",
-	    report_stages_json(first), "elapsed_us", cli_json_u64(first->elapsed_us), "images", images);
-	job_put_warnings(&inspect->job, answer);
-	return answer;
-}
 
 // Write PREFIX.json, whole or not at all.
 static enum exit_code inspect_write_json(struct inspect *inspect)
@@ -173,27 +146,6 @@ static enum exit_code inspect_write_json(struct inspect *inspect)
 	free(text);
 	errno = failure;
 	return good ? EXIT_DONE : job_fail_output(&inspect->job, name);
-}
-
-static void inspect_print_answer(const struct inspect *inspect)
-{
-	const struct candil_done *done = &inspect->list.pictures[0].done;
-	printf("images     %" PRIu32 ", %s-….%s; figures in %s.json\n", inspect->list.count, inspect->job.options.output,
-	       extension(inspect), inspect->job.options.output);
-	printf("grid       %g x %g x %g voxels of %.6g m, %.0f entries\n", inspect_figure(done, "grid.x"),
-	       inspect_figure(done, "grid.y"), inspect_figure(done, "grid.z"), inspect_figure(done, "voxel"),
-	       inspect_figure(done, "entries"));
-	for (uint32_t i = 0, told = 0; i < done->figure_count; i++) {
-		const struct candil_figure *f = &done->figures[i];
-		if (strncmp(f->name, "occupied.", 9) == 0)
-			printf("%s%.3g %%", told++ ? ", " : "occupied   by level, from the voxels up: ", 100 * f->value);
-	}
-	printf("\nmemory     %.2f MiB: voxels %.2f, light %.2f, pyramid %.2f\n", inspect_figure(done, "bytes.all") * MIB,
-	       inspect_figure(done, "bytes.voxels") * MIB, inspect_figure(done, "bytes.light") * MIB,
-	       inspect_figure(done, "bytes.pyramid") * MIB);
-	report_print_stages(done, stdout);
-	if (inspect->framed)
-		puts("camera     the scene has none: its bounds are framed");
 }
 
 static enum exit_code inspect_answer(struct inspect *inspect)
@@ -217,32 +169,54 @@ static void name_own_options(struct inspect *inspect)
 	const char *technique = candil_technique_name(inspect->job.options.request.technique);
 	for (size_t i = 0; i < OWN_OPTIONS; i++)
 		snprintf(inspect->own[i], sizeof(inspect->own[i]), "%s.%s", technique, own_words[i]);
+	if (inspect->patches)
+		snprintf(inspect->row, sizeof(inspect->row), "%s." INSPECT_SHOW_ROW, technique);
+}
+
+// The sentence on an option that inspect sets itself, or NULL.
+static const char *find_own_option(struct inspect *inspect)
+{
+	const struct candil_render_request *r = &inspect->job.options.request;
+	const char *names[OWN_OPTIONS];
+	char list[128];
+	for (size_t k = 0; k < own_count(inspect); k++)
+		names[k] = inspect->own[k];
+	names_list(names, own_count(inspect), "and", list, sizeof(list));
+	for (size_t i = 0; i < r->option_count; i++)
+		for (size_t k = 0; k < own_count(inspect); k++)
+			if (strcmp(r->options[i].name, inspect->own[k]) == 0) {
+				snprintf(inspect->wrong, sizeof(inspect->wrong),
+					 "%s %s set by inspect: candil render takes %s", list,
+					 own_count(inspect) > 1 ? "are" : "is", own_count(inspect) > 1 ? "them" : "it");
+				return inspect->wrong;
+			}
+	return NULL;
 }
 
 // Check a parsed command line. Returns the sentence that says what inspect cannot take; NULL: it can take everything.
 static const char *inspect_settle(struct inspect *inspect)
 {
 	const struct candil_render_request *r = &inspect->job.options.request;
+	const unsigned traits = technique_traits((unsigned)r->technique);
 	if (strcmp(inspect->job.options.output, "-") == 0)
 		return "-o PREFIX is what the files' names begin with: there are several";
-	if (!(technique_traits((unsigned)r->technique) & TECHNIQUE_VOXELS)) {
-		char list[64];
-		technique_list(TECHNIQUE_VOXELS, "or", list, sizeof(list));
-		snprintf(inspect->wrong, sizeof(inspect->wrong), "--technique %s alone has voxels to inspect", list);
+	if (!(traits & (TECHNIQUE_VOXELS | TECHNIQUE_PATCHES))) {
+		char voxels[64], patches[64];
+		technique_list(TECHNIQUE_VOXELS, "or", voxels, sizeof(voxels));
+		technique_list(TECHNIQUE_PATCHES, "or", patches, sizeof(patches));
+		snprintf(inspect->wrong, sizeof(inspect->wrong),
+			 "--technique %s has voxels to inspect, --technique %s has patches; others have neither", voxels,
+			 patches);
 		return inspect->wrong;
 	}
+	inspect->patches = traits & TECHNIQUE_PATCHES;
 	name_own_options(inspect);
-	if (r->option_count + OWN_OPTIONS > sizeof(inspect->job.options.settings) / sizeof(*inspect->job.options.settings))
-		return "--set can be given 12 times at most";
-	for (size_t i = 0; i < r->option_count; i++)
-		for (size_t k = 0; k < OWN_OPTIONS; k++)
-			if (strcmp(r->options[i].name, inspect->own[k]) == 0) {
-				snprintf(inspect->wrong, sizeof(inspect->wrong),
-					 "%s, %s, %s and %s are set by inspect: candil render takes them", inspect->own[0],
-					 inspect->own[1], inspect->own[2], inspect->own[3]);
-				return inspect->wrong;
-			}
-	return NULL;
+	if (r->option_count + own_count(inspect) > SETTINGS) {
+		snprintf(inspect->wrong, sizeof(inspect->wrong), "--set can be given %zu times at most",
+			 SETTINGS - own_count(inspect));
+		return inspect->wrong;
+	}
+	return find_own_option(inspect);
 }
 
 // Find out before anything is computed whether the first file can be written.
@@ -250,16 +224,16 @@ static enum exit_code inspect_probe_output(struct inspect *inspect)
 {
 	char name[PATH_MAX];
 	errno = ENAMETOOLONG;
-	const bool good =
-	    inspect_name(&inspect->list.pictures[0], inspect->job.options.output, extension(inspect), name, sizeof(name)) &&
-	    output_probe(name);
+	const bool good = inspect_name(&inspect->list.pictures[0], inspect->job.options.output, inspect_extension(inspect),
+				       name, sizeof(name)) &&
+			  output_probe(name);
 	return good ? EXIT_DONE : job_fail_output(&inspect->job, inspect->job.options.output);
 }
 
 static enum exit_code do_inspect(struct inspect *inspect)
 {
 	struct candil_render_request *r = &inspect->job.options.request;
-	inspect_first(&inspect->list, r);
+	inspect_first(&inspect->list, inspect->patches, r);
 	enum exit_code code = inspect_probe_output(inspect);
 	if (code != EXIT_DONE)
 		return code;
@@ -269,7 +243,7 @@ static enum exit_code do_inspect(struct inspect *inspect)
 	inspect->framed = !r->has_camera && !r->camera_name && inspect->job.target.info.camera_count == 0;
 	if (inspect->framed)
 		view_frame_bounds(&inspect->job.target.info, r);
-	progress_say(&inspect->job.progress, "making voxels");
+	progress_say(&inspect->job.progress, inspect->patches ? "making patches" : "making voxels");
 	code = make_picture(inspect);
 	if (code == EXIT_DONE)
 		code = make_others(inspect);
@@ -297,7 +271,7 @@ static enum exit_code run_inspect(struct cli *cli, const struct command *self, i
 
 const struct command inspect_command = {
     .name = "inspect",
-    .summary = "show the voxels of a scene, as pictures and figures",
+    .summary = "show the voxels or the patches of a scene, as pictures and figures",
     .help =
 	"Usage: candil inspect SCENE -o PREFIX [options]\n\n"
 	"The voxels that {voxels} follows light through, cell by cell, as they are: nothing is filtered. Files:\n\n"
@@ -313,22 +287,45 @@ const struct command inspect_command = {
 	"                             that axis: x from +x with +y up, y from +y with -z up, z from +z with +y up. A cell\n"
 	"                             is a whole number of pixels\n"
 	"  PREFIX.json                figures and times; with --json they go to standard output instead\n\n"
+	"With --technique {patches} the patches between which light goes, each of one colour, and their form factors:\n\n"
+	"  PREFIX-b.png               radiosity B = M + albedo H, W/m²\n"
+	"  PREFIX-e.png               of that M, what they emit\n"
+	"  PREFIX-albedo.png          diffuse albedo\n"
+	"  PREFIX-id.png              another colour for each side of each patch\n"
+	"  PREFIX-normal.png          normal, 0.5 + 0.5 times x, y, z, of the side that is seen\n"
+	"  PREFIX-row.png             the form factors from the patch in the middle of the picture, or from the side of a\n"
+	"                             patch of --set {patches}.row=N; its largest is 1\n"
+	"  PREFIX.json                as above\n\n"
 	"Options are those of candil render but --progressive: --set {voxels}.resolution=256, --size WxH (which slices do "
 	"not\n"
-	"exceed, unless they have more cells), --camera, --format exr, --exposure EV, --light and so on; --spp is 1.\n"
+	"exceed, unless they have more cells), --camera, --format exr, --exposure EV, --light and so on; --spp is 1, and\n"
+	"the technique, where none is given, {voxels}. There is no default light, and without light there are no form "
+	"factors.\n"
 	"A cell that holds the eye is looked through. `candil render --technique {voxels}\n"
 	"--set {voxels}.show=none|albedo|normal|emission|irradiance|radiance|coverage`, with {voxels}.level=N, and\n"
-	"{voxels}.axis=x|y|z with {voxels}.slice=K, makes any one of these pictures.\n\n"
+	"{voxels}.axis=x|y|z with {voxels}.slice=K, makes any one of these pictures; and so does\n"
+	"`--technique {patches} --set {patches}.show=none|b|e|albedo|id|normal|row`.\n\n"
 	"--json: {\"scene\", \"scene_hash\", \"technique\", \"device\", \"format\", \"figures\": [{\"name\", \"value\", "
 	"\"unit\"}],\n"
-	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\", \"images\": [{\"image\", \"kind\": \"view\"|\"level\"|\"slice\", "
-	"\"show\",\n"
-	"\"level\", \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", \"elapsed_us\", \"stages\"}],\n"
+	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\", \"images\": [{\"image\", \"kind\": "
+	"\"view\"|\"level\"|\"slice\"|\"patches\",\n"
+	"\"show\", \"level\" (of voxels), \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", "
+	"\"elapsed_us\", "
+	"\"stages\"}],\n"
 	"\"warnings\": [] (about the scene), \"warnings_more\"}. Stages beside\n"
-	"the figures are the first image's, for which the voxels were made, if the daemon had none yet. Figures: grid.x,\n"
-	"grid.y, grid.z (cells), low.x, low.y, low.z (the grid's low corner), voxel (a cell's side), entries (voxels of\n"
-	"surface, two at most a cell: by the way they face), occupied.0, occupied.1… (share of a level's cells), bytes.…,\n"
-	"levels, cones, bounces.\n"
+	"the figures are the first image's, for which voxels or patches were made, if the daemon had none yet. Figures of\n"
+	"voxels: grid.x, grid.y, grid.z (cells), low.x, low.y, low.z (the grid's low corner), voxel (a cell's side), "
+	"entries\n"
+	"(voxels of surface, two at most a cell: by the way they face), occupied.0, occupied.1… (share of a level's "
+	"cells),\n"
+	"bytes.…, levels, cones, bounces. Of patches: patches, edge (m), check.rows and check.factors (rows of form "
+	"factors\n"
+	"that light reaches, and their entries), sum.least, sum.mean, sum.most (a row's sum; 1 in a closed room), "
+	"sum.all.…\n"
+	"(with the share that meets nothing: 1), reciprocity.mean and reciprocity.most (how far area times factor there "
+	"and\n"
+	"back differ, as a share of the larger; the mean is by light exchanged), values.1e-1 (factors of 0.1 and more),\n"
+	"values.1e-2 (of 0.01 to 0.1)… values.0 (below 1e-7), and those of every such render.\n"
 	"Exit codes: 0 every file is written; others as in candil --help. Files already written stay.\n",
     .run = run_inspect,
 };

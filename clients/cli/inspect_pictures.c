@@ -15,10 +15,15 @@ static struct inspect_picture *add_picture(struct inspect_list *list, const char
 	return p;
 }
 
-void inspect_first(struct inspect_list *list, const struct candil_render_request *request)
+void inspect_first(struct inspect_list *list, bool patches, const struct candil_render_request *request)
 {
+	// The last may be of nothing: of a row that no option names and nothing is in the middle of the picture for.
+	static const char *const shows[] = {"b", "e", "albedo", "id", "normal", INSPECT_SHOW_ROW};
 	list->count = 0;
-	add_picture(list, "view", "radiance", request);
+	if (!patches)
+		add_picture(list, "view", "radiance", request);
+	for (size_t i = 0; patches && i < sizeof(shows) / sizeof(shows[0]); i++)
+		add_picture(list, INSPECT_PATCHES, shows[i], request);
 }
 
 double inspect_figure(const struct candil_done *done, const char *name)
@@ -97,7 +102,9 @@ bool inspect_others(struct inspect_list *list, const struct candil_render_reques
 bool inspect_name(const struct inspect_picture *p, const char *prefix, const char *extension, char *name, size_t capacity)
 {
 	int length;
-	if (p->slice != INSPECT_NO_SLICE)
+	if (strcmp(p->kind, INSPECT_PATCHES) == 0)
+		length = snprintf(name, capacity, "%s-%s.%s", prefix, p->show, extension);
+	else if (p->slice != INSPECT_NO_SLICE)
 		length = snprintf(name, capacity, "%s-slice-%c-%s.%s", prefix, "xyz"[p->axis], p -> show, extension);
 	else if (p->level > 0)
 		length = snprintf(name, capacity, "%s-level-%u-%s.%s", prefix, p->level, p->show, extension);

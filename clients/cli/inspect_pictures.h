@@ -1,4 +1,4 @@
-// The list of the pictures that `candil inspect` makes of a scene's voxels.
+// The list of the pictures that `candil inspect` makes of a scene's voxels or patches.
 #ifndef CANDIL_CLI_INSPECT_PICTURES_H
 #define CANDIL_CLI_INSPECT_PICTURES_H
 
@@ -6,9 +6,11 @@
 
 #define INSPECT_PICTURES_MAX 32u
 #define INSPECT_NO_SLICE UINT32_MAX
+#define INSPECT_PATCHES "patches" // kind of the pictures of patches
+#define INSPECT_SHOW_ROW "row" // what the picture of one row of form factors shows
 
 struct inspect_picture {
-	const char *kind; // "view", "slice" or "level"
+	const char *kind; // "view", "slice" or "level"; of patches "patches"
 	const char *show; // value of the option "show"
 	uint32_t level;
 	uint32_t axis; // of a slice: 0 x, 1 y, 2 z
@@ -23,18 +25,20 @@ struct inspect_list {
 	uint32_t count;
 };
 
-// Begin the list with the first picture, the view of the radiance. The figures of its answer say what else there is.
-void inspect_first(struct inspect_list *list, const struct candil_render_request *request);
+// Begin the list. Of patches these are all pictures. Of voxels it is the first one, the view of the radiance, and the
+// figures of its answer say what else there is.
+void inspect_first(struct inspect_list *list, bool patches, const struct candil_render_request *request);
 
-// Add all others, once the first is done. A cell of a slice is a whole number of pixels, and a slice has no more pixels than
-// the request asks for, unless the grid has more cells. false: the figures tell of no grid.
+// Add all others of voxels, once the first is done. A cell of a slice is a whole number of pixels, and a slice has no more
+// pixels than the request asks for, unless the grid has more cells. false: the figures tell of no grid.
 bool inspect_others(struct inspect_list *list, const struct candil_render_request *request,
 		    const struct candil_scene_info *scene);
 
 // The value of the figure with this name; NaN: there is none.
 double inspect_figure(const struct candil_done *done, const char *name);
 
-// Write the name of a picture's file, for example "PREFIX-slice-x-radiance.png". false: it does not fit.
+// Write the name of a picture's file, for example "PREFIX-slice-x-radiance.png", "PREFIX-albedo.png". false: it does not
+// fit.
 bool inspect_name(const struct inspect_picture *picture, const char *prefix, const char *extension, char *name,
 		  size_t capacity);
 

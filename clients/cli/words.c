@@ -83,9 +83,13 @@ static size_t words_put_mark(struct words *w, const char *text)
 		unsigned traits; // of the techniques that are listed, unless there is `put`
 		void (*put)(struct words *w);
 	} marks[] = {
-	    {"{techniques}", TECHNIQUE_RENDERS, NULL}, {"{noise}", TECHNIQUE_NOISE, NULL},
-	    {"{voxels}", TECHNIQUE_VOXELS, NULL},      {"{auto}", 0, words_put_auto},
-	    {"{effects}", 0, words_put_effects},       {"{shares}", 0, words_put_shares},
+	    {"{techniques}", TECHNIQUE_RENDERS, NULL},
+	    {"{noise}", TECHNIQUE_NOISE, NULL},
+	    {"{voxels}", TECHNIQUE_VOXELS, NULL},
+	    {"{patches}", TECHNIQUE_PATCHES, NULL},
+	    {"{auto}", 0, words_put_auto},
+	    {"{effects}", 0, words_put_effects},
+	    {"{shares}", 0, words_put_shares},
 	    {"{lights}", 0, words_put_lights},
 	};
 	for (size_t i = 0; i < sizeof(marks) / sizeof(marks[0]); i++) {

@@ -4,7 +4,8 @@
 //   {techniques}  the techniques that render, with "or" before the last
 //   {auto}        the technique that "auto" stands for
 //   {noise}       the techniques whose error falls with the number of samples, with "or" before the last
-//   {voxels}      the technique that `candil inspect` looks into
+//   {voxels}      the technique whose voxels `candil inspect` looks into
+//   {patches}     the technique whose patches it looks into
 //   {effects}     all effects, with "or" before the last
 //   {lights}      the kinds of lights with their keys, as --light takes them, "or" between them
 //   {shares}      a material's shares, with "or" before the last

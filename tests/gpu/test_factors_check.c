@@ -26,10 +26,17 @@ static bool near(double a, double b, double relative)
 	return fabs(a - b) <= relative * fmax(fabs(a), fabs(b));
 }
 
+// A factor is at least 10^-(decade + 1).
+static uint32_t decade_of(float value)
+{
+	const double decade = ceil(-log10((double)value) - 1e-9) - 1;
+	return (uint32_t)fmin(fmax(decade, 0), FACTORS_DECADES - 1);
+}
+
 // The report of a dense matrix; a row without entries counts as never put.
 static struct factors_report report_of(const struct system *s, const struct factors *f)
 {
-	struct factors_report r = {.sum_least = INFINITY};
+	struct factors_report r = {.sum_least = INFINITY, .all_least = INFINITY};
 	const uint32_t n = s->count;
 	double all = 0, different = 0;
 	for (uint32_t i = 0; i < n; i++) {
@@ -41,6 +48,8 @@ static struct factors_report report_of(const struct system *s, const struct fact
 			const double b = (double)s->area[j] * (double)s->matrix[(size_t)j * n + i];
 			sum += (double)s->matrix[(size_t)i * n + j];
 			r.entries += s->matrix[(size_t)i * n + j] != 0;
+			if (s->matrix[(size_t)i * n + j] != 0)
+				r.decades[decade_of(s->matrix[(size_t)i * n + j])]++;
 			if (j >= i || f->rows[j].block == NONE || (a == 0 && b == 0))
 				continue;
 			r.pairs++;
@@ -52,9 +61,14 @@ static struct factors_report report_of(const struct system *s, const struct fact
 		r.sum_least = fmin(r.sum_least, sum);
 		r.sum_most = fmax(r.sum_most, sum);
 		r.sum_mean += sum;
-		r.closure_error = fmax(r.closure_error, fabs(sum + (double)f->rows[i].escaped + (double)f->rows[i].cut - 1));
+		const double whole = sum + (double)f->rows[i].escaped + (double)f->rows[i].cut;
+		r.all_least = fmin(r.all_least, whole);
+		r.all_most = fmax(r.all_most, whole);
+		r.all_mean += whole;
+		r.closure_error = fmax(r.closure_error, fabs(whole - 1));
 	}
 	r.sum_mean /= r.rows;
+	r.all_mean /= r.rows;
 	r.reciprocity_mean = different / all;
 	return r;
 }
@@ -72,6 +86,9 @@ static void check_report(const struct system *s, const struct factors *f)
 	assert_int_equal(r.pairs, right.pairs);
 	assert_true(near(r.sum_least, right.sum_least, 1e-12) && near(r.sum_most, right.sum_most, 1e-12));
 	assert_true(near(r.sum_mean, right.sum_mean, 1e-12) && near(r.closure_error, right.closure_error, 1e-9));
+	assert_true(near(r.all_least, right.all_least, 1e-12) && near(r.all_most, right.all_most, 1e-12));
+	assert_true(near(r.all_mean, right.all_mean, 1e-12));
+	assert_memory_equal(r.decades, right.decades, sizeof r.decades);
 	assert_true(near(r.reciprocity_most, right.reciprocity_most, 1e-9));
 	assert_true(near(r.reciprocity_mean, right.reciprocity_mean, 1e-9));
 }
@@ -202,6 +219,43 @@ static void averaging_makes_it_reciprocal(void **state)
 	system_free(&was);
 }
 
+// In slices, of some rows alone, and with rows that come meanwhile: what counts is the matrix at the end.
+static void slices_begin_anew_where_rows_come(void **state)
+{
+	(void)state;
+	model_seed(14);
+	struct factors f;
+	struct factors_check check;
+	struct factors_report all, some;
+	struct system s = noisy(201);
+	const uint32_t columns[2] = {3, 9};
+	const float values[2] = {0.25f, 1e-9f};
+	uint8_t *which = calloc(s.count, 1);
+	system_put(&s, device, 4000, &f);
+	for (uint32_t i = 0; i < 100; i++)
+		which[i] = 1;
+	assert_int_equal(factors_check_init(&check, &f, s.area, which, &err), STATUS_OK);
+	assert_int_equal(factors_check_step(&check, 0, &err), STATUS_OK);
+	assert_false(factors_check_finished(&check));
+	assert_int_equal(factors_put_row(&f, &(struct factors_put){.element = 5}, columns, values, 2, &err), STATUS_OK);
+	assert_int_equal(factors_compact(&f, &err), STATUS_OK);
+	uint32_t steps = 1;
+	for (; !factors_check_finished(&check); steps++)
+		assert_int_equal(factors_check_step(&check, 0, &err), STATUS_OK);
+	assert_true(steps >= 1 + 201 / 16);
+	some = check.report;
+	factors_check_finish(&check);
+	assert_true(some.rows == 100 && some.decades[0] >= 1 && some.decades[FACTORS_DECADES - 1] >= 1);
+	// The same as of a matrix that has no other rows.
+	for (uint32_t i = 100; i < s.count; i++)
+		factors_remove_row(&f, i);
+	assert_int_equal(factors_check(&f, s.area, &all, &err), STATUS_OK);
+	assert_memory_equal(&all, &some, sizeof all);
+	factors_finish(&f);
+	system_free(&s);
+	free(which);
+}
+
 // As on a device whose memory the host does not see.
 static void hide(struct factors *f)
 {
@@ -249,10 +303,12 @@ int main(void)
 		printf("skipped: %s\n", err.text);
 		return SKIPPED;
 	}
-	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(reports_are_right), cmocka_unit_test(a_matrix_without_rows_has_a_report),
-	    cmocka_unit_test(closing_makes_sums_one), cmocka_unit_test(averaging_makes_it_reciprocal),
-	    cmocka_unit_test(memory_that_the_host_does_not_see_is_copied)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(reports_are_right),
+					   cmocka_unit_test(a_matrix_without_rows_has_a_report),
+					   cmocka_unit_test(closing_makes_sums_one),
+					   cmocka_unit_test(averaging_makes_it_reciprocal),
+					   cmocka_unit_test(slices_begin_anew_where_rows_come),
+					   cmocka_unit_test(memory_that_the_host_does_not_see_is_copied)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	devices_finish(&(struct devices){.vk = device});
 	return failed;

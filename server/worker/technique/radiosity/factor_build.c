@@ -88,7 +88,7 @@ static uint32_t node_of(const struct factor_build *b, uint32_t patch)
 	return low;
 }
 
-static uint32_t group_of(const struct factor_build *b, uint32_t element)
+uint32_t factor_build_group(const struct factor_build *b, uint32_t element)
 {
 	const uint32_t patches = b->elements.patches.count;
 	const bool back = element >= patches;
@@ -100,9 +100,15 @@ static uint32_t group_size(const struct factor_build *b, uint32_t group)
 	return b->group_first[group / 2 + 1] - b->group_first[group / 2];
 }
 
+uint32_t factor_build_group_elements(const struct factor_build *b, uint32_t group, uint32_t *first)
+{
+	*first = b->group_first[group / 2] + (group % 2 ? b->elements.patches.count : 0);
+	return group_size(b, group);
+}
+
 void factor_build_want(struct factor_build *b, uint32_t element)
 {
-	const uint32_t group = group_of(b, element);
+	const uint32_t group = factor_build_group(b, element);
 	if (b->wanted[group])
 		return;
 	b->wanted[group] = 1;
@@ -247,8 +253,8 @@ static uint32_t next_elements(struct factor_build *b, uint32_t *elements, uint32
 {
 	uint32_t count = 0;
 	while (b->done < b->queued && count < most) {
-		const uint32_t group = b->queue[b->done], size = group_size(b, group);
-		const uint32_t first = b->group_first[group / 2] + (group % 2 ? b->elements.patches.count : 0);
+		uint32_t first;
+		const uint32_t size = factor_build_group_elements(b, b->queue[b->done], &first);
 		for (; b->next < size && count < most; b->next++)
 			if (!factor_build_has(b, first + b->next))
 				elements[count++] = first + b->next;

@@ -67,6 +67,10 @@ void factor_build_pause(struct factor_build *build);
 bool factor_build_finished(const struct factor_build *build);
 double factor_build_fraction(const struct factor_build *build);
 
+// The group of an element; and of a group, below 2 · node_count, its elements: returns how many follow *first.
+uint32_t factor_build_group(const struct factor_build *build, uint32_t element);
+uint32_t factor_build_group_elements(const struct factor_build *build, uint32_t group, uint32_t *first);
+
 // Whether an element has a row.
 bool factor_build_has(const struct factor_build *build, uint32_t element);
 

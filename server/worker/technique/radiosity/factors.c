@@ -129,6 +129,7 @@ enum status factors_find(struct factors *f, const uint32_t *counts, uint32_t n, 
 			 struct factors_mark *before, struct error *err)
 {
 	uint64_t wanted = 0;
+	f->changes++;
 	*before = (struct factors_mark){.block_count = f->block_count};
 	if (f->block_count > 0)
 		before->entries = f->blocks[f->block_count - 1].entries;
@@ -270,6 +271,7 @@ void factors_remove_row(struct factors *f, uint32_t i)
 	struct factors_row *r = &f->rows[i];
 	if (r->block == NONE)
 		return;
+	f->changes++;
 	f->holes += factors_padded(r->count);
 	f->entries -= r->count;
 	*r = no_row;
@@ -329,6 +331,7 @@ enum status factors_compact(struct factors *f, struct error *err)
 	f->blocks = next.blocks;
 	f->block_count = next.block_count;
 	f->holes = 0;
+	f->changes++;
 	next.blocks = old.blocks;
 	next.block_count = old.block_count;
 done:

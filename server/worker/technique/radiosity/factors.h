@@ -43,6 +43,7 @@ struct factors {
 	uint32_t block_count;
 	uint64_t entries; // of all rows
 	uint64_t holes; // entries of blocks that rows which are gone have left
+	uint64_t changes; // grows whenever rows come, go or move: who goes through them in slices looks for it
 	uint32_t block_entries; // that a block holds at most; a test may lower it
 	bool packs_on_host; // the device's memory is the host's, and factors_put_dense does it there; a test may clear it
 };

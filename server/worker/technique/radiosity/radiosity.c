@@ -16,6 +16,7 @@
 #include "server/worker/technique/radiosity/solution.h"
 #include "server/worker/technique/radiosity/solver.h"
 #include "server/worker/technique/radiosity/surfaces.h"
+#include "server/worker/technique/radiosity/survey.h"
 #include "server/worker/trace/trace.h"
 
 #define SOLVE_SHARE 0.9 // share of the job's work that making the solution counts for
@@ -28,6 +29,8 @@ struct technique_job {
 	struct plan plan;
 	struct solution *solution; // held
 	bool made; // some of the solution was made by this job
+	struct survey *survey; // of what radiosity.show shows
+	uint64_t survey_us; // host time of it
 	bool placed; // `field` has the solution's values
 	struct display_field field;
 	struct display display;
@@ -177,6 +180,7 @@ static void radiosity_end(struct technique_job *j)
 	deferred_destroy(j->deferred);
 	display_finish(&j->display);
 	display_field_finish(&j->field);
+	survey_destroy(j->survey);
 	solution_release(j->solution);
 	free(j);
 }
@@ -202,6 +206,12 @@ static enum status radiosity_begin(struct devices *devices, struct resident_scen
 		s = deferred_create(devices, scene, &shown, radiosity_settings(plan)->direct.rows,
 				    display_traces(&display) ? TRACE_BINDINGS : 0, j->display.passes, j->display.pass_count,
 				    &j->deferred, err);
+	if (s != STATUS_OK) {
+		radiosity_end(j);
+		return s;
+	}
+	if (display.plain)
+		s = survey_create(j->solution, true, &j->survey, err);
 	if (s != STATUS_OK) {
 		radiosity_end(j);
 		return s;
@@ -278,6 +288,14 @@ static enum status place_field(struct technique_job *j, struct error *err)
 	return s;
 }
 
+static enum status step_survey(struct technique_job *j, uint32_t budget_us, struct error *err)
+{
+	const uint64_t start = clock_us();
+	const enum status s = survey_step(j->survey, budget_us, err);
+	j->survey_us += clock_us() - start;
+	return s;
+}
+
 static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status s = STATUS_OK;
@@ -288,6 +306,8 @@ static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, s
 		return s;
 	}
 	result->fraction = SOLVE_SHARE;
+	if (j->survey && !survey_finished(j->survey))
+		return step_survey(j, budget_us, err);
 	if (!j->placed)
 		return place_field(j, err);
 	if (!display_ready(&j->display))
@@ -305,6 +325,10 @@ static enum status radiosity_read(struct technique_job *j, struct frame **frame,
 	(*frame)->diagram = j->display.options.plain;
 	if (solution_finished(j->solution))
 		solution_account(j->solution, j->made, *frame);
+	if (j->survey_us > 0)
+		frame_add_stage(*frame, "check", j->survey_us);
+	if (j->display.options.plain)
+		survey_account(j->solution, *frame);
 	return STATUS_OK;
 }
 

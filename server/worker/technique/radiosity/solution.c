@@ -46,6 +46,7 @@ static void solution_destroy(struct shelved *shelved, bool scene_goes)
 	free(v->direct);
 	free(v->irradiance);
 	free(v->corners);
+	free(v->reached);
 	free(v);
 }
 
@@ -194,17 +195,19 @@ static enum status do_surfaces(struct solution *v, uint32_t budget_us, struct er
 	return s;
 }
 
-// Want the rows of what shines or is lit. A background is behind anything.
+bool solution_is_lit(const struct solution *v, uint32_t element)
+{
+	bool lit = has_background(v);
+	for (uint32_t c = 0; c < 3; c++)
+		lit = lit || v->made_of[element].emission[c] > 0 || v->direct[3 * element + c] > 0;
+	return lit;
+}
+
 static void want_lit(struct solution *v)
 {
-	const bool all = has_background(v);
-	for (uint32_t i = 0; i < v->factors->elements.count; i++) {
-		bool lit = all;
-		for (int c = 0; c < 3; c++)
-			lit = lit || v->made_of[i].emission[c] > 0 || v->direct[3 * i + (uint32_t)c] > 0;
-		if (lit)
+	for (uint32_t i = 0; i < v->factors->elements.count; i++)
+		if (solution_is_lit(v, i))
 			factor_build_want(v->factors, i);
-	}
 }
 
 static enum status do_light(struct solution *v, uint32_t budget_us, struct error *err)

@@ -6,6 +6,7 @@
 
 #include "server/worker/image/frame.h"
 #include "server/worker/technique/radiosity/factor_build.h"
+#include "server/worker/technique/radiosity/factors_check.h"
 
 struct surfaces;
 struct light;
@@ -53,6 +54,9 @@ struct solution {
 	float *direct; // irradiance straight from lights and sky, W/m², 3 each
 	float *irradiance; // all of it
 	float *corners; // irradiance at its four corners, 12 each
+	uint8_t *reached; // 1: its light reaches the element (survey.h); NULL: not known
+	struct factors_report report; // on the rows of those elements
+	bool reported; // it is there
 	double residual;
 	uint32_t iterations;
 	uint64_t rows; // of form factors that were made for it
@@ -74,6 +78,10 @@ enum status solution_step(struct solution *solution, uint32_t budget_us, struct 
 // Whether its making is over, and the share of it that is done, 0…1.
 bool solution_finished(const struct solution *solution);
 double solution_fraction(const struct solution *solution);
+
+// Whether an element shines, or light straight from a lamp or the sky is on it. A background is behind anything. Of a
+// solution that knows its direct light.
+bool solution_is_lit(const struct solution *solution, uint32_t element);
 
 // Add its figures to a frame's account, and its stages' times where the frame's job has made it.
 void solution_account(const struct solution *solution, bool made, struct frame *frame);

@@ -1,0 +1,99 @@
+#include "clients/cli/inspect_say.h"
+
+#include <inttypes.h>
+#include <limits.h>
+#include <string.h>
+
+#include "clients/cli/report.h"
+
+#define MIB (1.0 / 1048576.0)
+
+const char *inspect_extension(const struct inspect *inspect)
+{
+	return inspect->job.options.request.format == CANDIL_FORMAT_PNG ? "png" : "exr";
+}
+
+// ---- JSON ------------------------------------------------------------------------------------------------------------
+
+static json_t *inspect_picture_json(const struct inspect *inspect, const struct inspect_picture *p)
+{
+	char name[PATH_MAX] = "";
+	inspect_name(p, inspect->job.options.output, inspect_extension(inspect), name, sizeof(name));
+	json_t *o = json_pack("{s:o,s:s,s:s}", "image", cli_json_text(name), "kind", p->kind, "show", p->show);
+	if (!inspect->patches)
+		json_object_set_new(o, "level", cli_json_u64(p->level));
+	if (p->slice != INSPECT_NO_SLICE) {
+		json_object_set_new(o, "axis", json_pack("s#", &"xyz"[p->axis], 1));
+		json_object_set_new(o, "slice", cli_json_u64(p->slice));
+	}
+	json_object_set_new(o, "width", cli_json_u64(p->width));
+	json_object_set_new(o, "height", cli_json_u64(p->height));
+	json_object_set_new(o, "bytes", cli_json_u64(p->bytes));
+	json_object_set_new(o, "elapsed_us", cli_json_u64(p->done.elapsed_us));
+	json_object_set_new(o, "stages", report_stages_json(&p->done));
+	return o;
+}
+
+json_t *inspect_answer_json(const struct inspect *inspect)
+{
+	const struct candil_done *first = &inspect->list.pictures[0].done;
+	json_t *images = json_array();
+	for (uint32_t i = 0; i < inspect->list.count; i++)
+		json_array_append_new(images, inspect_picture_json(inspect, &inspect->list.pictures[i]));
+	json_t *answer = json_pack(
+	    "{s:o,s:o,s:s,s:o,s:s,s:o,s:o,s:o,s:o}", "scene", cli_json_text(inspect->job.options.scene), "scene_hash",
+	    cli_json_text(inspect->job.target.info.hash), "technique",
+	    candil_technique_name(inspect->job.accepted.technique), "device", cli_json_text(first->device), "format",
+	    candil_format_name(inspect->job.options.request.format), "figures", report_figures_json(first), "stages",
+	    report_stages_json(first), "elapsed_us", cli_json_u64(first->elapsed_us), "images", images);
+	job_put_warnings(&inspect->job, answer);
+	return answer;
+}
+
+// ---- lines -----------------------------------------------------------------------------------------------------------
+
+static void print_voxels(const struct candil_done *done)
+{
+	printf("grid       %g x %g x %g voxels of %.6g m, %.0f entries\n", inspect_figure(done, "grid.x"),
+	       inspect_figure(done, "grid.y"), inspect_figure(done, "grid.z"), inspect_figure(done, "voxel"),
+	       inspect_figure(done, "entries"));
+	for (uint32_t i = 0, told = 0; i < done->figure_count; i++) {
+		const struct candil_figure *f = &done->figures[i];
+		if (strncmp(f->name, "occupied.", 9) == 0)
+			printf("%s%.3g %%", told++ ? ", " : "occupied   by level, from the voxels up: ", 100 * f->value);
+	}
+	printf("\nmemory     %.2f MiB: voxels %.2f, light %.2f, pyramid %.2f\n", inspect_figure(done, "bytes.all") * MIB,
+	       inspect_figure(done, "bytes.voxels") * MIB, inspect_figure(done, "bytes.light") * MIB,
+	       inspect_figure(done, "bytes.pyramid") * MIB);
+}
+
+static void print_patches(const struct candil_done *done)
+{
+	printf("patches    %.0f, no side longer than %.6g m\n", inspect_figure(done, "patches"),
+	       inspect_figure(done, "edge"));
+	printf("factors    %.0f in %.0f rows that light reaches; %.2f MiB in all that are kept\n",
+	       inspect_figure(done, "check.factors"), inspect_figure(done, "check.rows"),
+	       inspect_figure(done, "bytes.factors") * MIB);
+	printf("row sums   %.6f … %.6f, mean %.6f; with what meets nothing %.6f … %.6f, mean %.6f\n",
+	       inspect_figure(done, "sum.least"), inspect_figure(done, "sum.most"), inspect_figure(done, "sum.mean"),
+	       inspect_figure(done, "sum.all.least"), inspect_figure(done, "sum.all.most"),
+	       inspect_figure(done, "sum.all.mean"));
+	printf("reciprocal to %.3g %% of the light exchanged; of single pairs to %.3g %%\n",
+	       100 * inspect_figure(done, "reciprocity.mean"), 100 * inspect_figure(done, "reciprocity.most"));
+	printf("solved     to a residual of %.2e, in %.0f iterations\n", inspect_figure(done, "residual"),
+	       inspect_figure(done, "iterations"));
+}
+
+void inspect_print_answer(const struct inspect *inspect)
+{
+	const struct candil_done *done = &inspect->list.pictures[0].done;
+	printf("images     %" PRIu32 ", %s-….%s; figures in %s.json\n", inspect->list.count, inspect->job.options.output,
+	       inspect_extension(inspect), inspect->job.options.output);
+	if (inspect->patches)
+		print_patches(done);
+	else
+		print_voxels(done);
+	report_print_stages(done, stdout);
+	if (inspect->framed)
+		puts("camera     the scene has none: its bounds are framed");
+}
