@@ -1,11 +1,16 @@
 // The radiance of an equirectangular environment map, and choosing its directions. Radiance is interpolated bilinearly between
 // the middles of the texels, across the seam too. The includer declares sky_texels[] (vec4: struct environment_texel) and
-// sky_rows[] (struct environment_row); `job` names the map's size and turn.
+// sky_rows[] (struct environment_row), or defines what finds them; `job` names the map's size and turn.
 #ifndef COMMON_SKY_SAMPLE_GLSL
 #define COMMON_SKY_SAMPLE_GLSL
 
 #include "common/sampling.glsl"
 #include "common/sky_place.glsl"
+
+#ifndef SKY_TEXEL
+#define SKY_TEXEL(x, y) sky_texels[(y) * job.sky_width + (x)]
+#define SKY_ROW(i) sky_rows[i]
+#endif
 
 struct sky_view {
 	vec3 radiance;
@@ -20,9 +25,9 @@ sky_view sky_at(vec3 w)
 	uint last = job.sky_height - 1u;
 	uint x0 = from.x < 0.0 ? job.sky_width - 1u : min(uint(from.x), job.sky_width - 1u);
 	uint x1 = x0 + 1u < job.sky_width ? x0 + 1u : 0u;
-	uint y0 = min(uint(max(from.y, 0.0)), last) * job.sky_width;
-	uint y1 = min(uint(from.y + 1.0), last) * job.sky_width;
-	vec4 a = sky_texels[y0 + x0], b = sky_texels[y0 + x1], c = sky_texels[y1 + x0], d = sky_texels[y1 + x1];
+	uint y0 = min(uint(max(from.y, 0.0)), last);
+	uint y1 = min(uint(from.y + 1.0), last);
+	vec4 a = SKY_TEXEL(x0, y0), b = SKY_TEXEL(x1, y0), c = SKY_TEXEL(x0, y1), d = SKY_TEXEL(x1, y1);
 	vec4 above = part.x < 0.5 ? a : b, below = part.x < 0.5 ? c : d;
 	vec3 radiance = mix(mix(a.rgb, b.rgb, part.x), mix(c.rgb, d.rgb, part.x), part.y);
 	return sky_view(radiance * job.sky_scale, part.y < 0.5 ? above.w : below.w);
@@ -37,7 +42,7 @@ uint sky_pick(uvec2 pick)
 	umulExtended(pick.x, count, row, low);
 	uaddCarry(low, ((pick.y & 127u) * count) >> 7, carry);
 	row += carry;
-	environment_row e = sky_rows[row];
+	environment_row e = SKY_ROW(row);
 	return float(pick.y >> 8) * UNIT_24 < e.keep ? row : e.alias;
 }
 

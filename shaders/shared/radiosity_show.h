@@ -14,6 +14,7 @@
 #define RADIOSITY_TEXTURES_UNIT 7 // uint: struct texture_info, ten a texture
 #define RADIOSITY_TEXELS_UNIT 8 // uint
 #define RADIOSITY_SRGB_UNIT 11 // float
+#define RADIOSITY_SKY_UNIT 12 // uint: struct environment_row of the environment, two a row
 
 #define RADIOSITY_FACE_WORDS 5
 #define RADIOSITY_TEXTURE_WORDS 10

@@ -150,6 +150,20 @@ void room_shine(struct room *r)
 	v->emitter_power = (float)(24 * PI);
 }
 
+void room_surround(struct room *r, struct model *around, const struct environment_texel *texels,
+		   const struct environment_row *rows)
+{
+	model_init(around);
+	model_close(around);
+	around->header.environment_width = 2;
+	around->header.environment_height = 1;
+	around->scene.view.sections[BLOB_ENVIRONMENT] = texels;
+	around->scene.view.sections[BLOB_ENVIRONMENT_ROWS] = rows;
+	around->scene.view.counts[BLOB_ENVIRONMENT] = around->scene.view.counts[BLOB_ENVIRONMENT_ROWS] = 2;
+	r->plan.environment =
+	    (struct plan_environment){.scene = &around->scene, .width = 2, .height = 1, .scale = 1, .power = 1};
+}
+
 // ---- pictures
 // -------------------------------------------------------------------------------------------------------------
 

@@ -37,6 +37,10 @@ void room_finish(struct room *room);
 void room_shine(struct room *room); // let all of the box emit
 void room_polish_floor(struct room *room); // make the box's floor, y = −1, a mirror
 
+// Give it surroundings of two texels by one, which `around` keeps.
+void room_surround(struct room *room, struct model *around, const struct environment_texel *texels,
+		   const struct environment_row *rows);
+
 // Draw it. The frame is the caller's.
 struct frame *room_draw(struct room *room, const struct display_options *options, const float *values);
 

@@ -253,6 +253,44 @@ static void rays_that_escape_see_the_background(void **state)
 	room_finish(&r);
 }
 
+// A picture of the surroundings that is the same everywhere, one half of which is looked at nine times as often as the
+// other: weights make up for it.
+static void an_environment_is_weighted(void **state)
+{
+	(void)state;
+	static const float light[3] = {3, 2, 1};
+	static const struct environment_texel texels[2] = {{{1, 2, 4}, (float)(0.9 / (2 * PI))},
+							   {{1, 2, 4}, (float)(0.1 / (2 * PI))}};
+	static const struct environment_row rows[2] = {{1, 0}, {0.2f, 0}};
+	struct model around;
+	struct room r;
+	room_init(&r, ROOM_SHAPES, 1);
+	room_surround(&r, &around, texels, rows);
+	float *values = same_corners(&r, light);
+	const struct display_options options = {.corners = true, .gather = 100, .light = {.points = 1}};
+	struct frame *f = room_draw(&r, &options, values);
+	double sum[3] = {0}, count = 0;
+	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+		if (!f->met[i])
+			continue;
+		count++;
+		for (int c = 0; c < 3; c++) {
+			const double got = (double)f->radiance[3 * i + (uint32_t)c];
+			const double expected = room_albedo[c] * (double)texels[0].radiance[c];
+			assert_true(fabs(got - expected) < 0.15 * expected);
+			sum[c] += got / expected;
+		}
+	}
+	assert_true(count > SIDE * SIDE / 3);
+	assert_true(f->rays <= (uint64_t)(150 * count) && f->rays >= (uint64_t)(100 * count));
+	for (int c = 0; c < 3; c++)
+		assert_true(fabs(sum[c] / count - 1) < 2e-3);
+	frame_destroy(f);
+	free(values);
+	room_finish(&r);
+	model_finish(&around);
+}
+
 // ---- mirrors
 // --------------------------------------------------------------------------------------------------------------
 
@@ -363,14 +401,11 @@ int main(void)
 {
 	if (!room_begin())
 		return SKIPPED;
-	const struct CMUnitTest tests[] = {cmocka_unit_test(constant_is_albedo_times_irradiance),
-					   cmocka_unit_test(vertex_keeps_what_is_linear),
-					   cmocka_unit_test(values_are_shown_as_they_are),
-					   cmocka_unit_test(a_furnace_is_even),
-					   cmocka_unit_test(shining_walls_are_counted_once),
-					   cmocka_unit_test(rays_that_escape_see_the_background),
-					   cmocka_unit_test(mirrors_show_what_is_before_them),
-					   cmocka_unit_test(bands_and_slices_change_no_bit),
-					   cmocka_unit_test(views_are_of_elements)};
+	const struct CMUnitTest tests[] = {
+	    cmocka_unit_test(constant_is_albedo_times_irradiance), cmocka_unit_test(vertex_keeps_what_is_linear),
+	    cmocka_unit_test(values_are_shown_as_they_are),        cmocka_unit_test(a_furnace_is_even),
+	    cmocka_unit_test(shining_walls_are_counted_once),      cmocka_unit_test(rays_that_escape_see_the_background),
+	    cmocka_unit_test(an_environment_is_weighted),          cmocka_unit_test(mirrors_show_what_is_before_them),
+	    cmocka_unit_test(bands_and_slices_change_no_bit),      cmocka_unit_test(views_are_of_elements)};
 	return cmocka_run_group_tests(tests, NULL, NULL) + room_end();
 }

@@ -17,6 +17,7 @@ _Static_assert(sizeof(struct texture_info) == 4 * RADIOSITY_TEXTURE_WORDS, "shad
 _Static_assert(offsetof(struct material, emission) == 16 && offsetof(struct material, metallic) == 56 &&
 		   offsetof(struct material, surface_texture) == 64 && offsetof(struct material, flags) == 80,
 	       "shaders/radiosity/place.glsl knows where they are");
+_Static_assert(sizeof(struct environment_row) == 8, "shaders fetch it as two words");
 
 static const struct gl_source show_source = {.name = "show", .compute = source_radiosity_show_comp};
 static const struct gl_source light_source = {.name = "light", .compute = source_radiosity_light_comp};
@@ -58,6 +59,8 @@ static void bind(const struct display *d)
 		gl_texels_bind(&d->views[i], views[i].unit);
 	if (d->sky)
 		sky_map_bind(d->sky);
+	if (d->sky_table)
+		gl_texels_bind(&d->sky_table->rows, RADIOSITY_SKY_UNIT);
 }
 
 static void bind_show(void *user, const struct deferred_area *area)
@@ -165,6 +168,8 @@ enum status display_init(struct display *d, struct devices *devices, struct resi
 		s = view_scene(d, device, scene, err);
 	if (s == STATUS_OK && plan_has_sky(plan))
 		s = sky_map_get(plan->environment.scene, device, &d->sky, err);
+	if (s == STATUS_OK && plan_has_sky(plan) && options->gather > 0)
+		s = display_sky_get(plan->environment.scene, device, &d->sky_table, err);
 	if (s == STATUS_OK && options->gather > 0)
 		s = add_light(d, devices, scene, plan, err);
 	if (s != STATUS_OK) {
