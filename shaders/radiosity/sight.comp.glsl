@@ -1,6 +1,5 @@
-// Rays between points of pairs of elements, an invocation a pair. The points are those of a table of Sobol' points in four
-// dimensions, two for each element, rotated for each pair (Cranley and Patterson 1976). What a dispatch finds is added to what
-// those before it have found.
+// Rays between points of pairs of elements, SIGHT_AT_ONCE of them an invocation. The points are those of a table of Sobol' points in four
+// dimensions, two for each element, rotated for each pair (Cranley and Patterson 1976).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -82,15 +81,16 @@ bool stopped(end a, end b, vec3 from, vec3 way, bool some)
 void main()
 {
 	bool mine = gl_GlobalInvocationID.x < push.count;
-	uint slot = push.first + (mine ? gl_GlobalInvocationID.x : 0u);
-	uvec2 pair = pairs[slot];
+	uint slot = mine ? gl_GlobalInvocationID.x : 0u;
+	uvec2 pair = pairs[push.first + slot / push.all];
+	uint point = slot % push.all * SIGHT_AT_ONCE;
 	// Lengths in units of the first patch's: squares of squares stay in a float's range.
 	float unit = inversesqrt(max(radiosity_patches[pair.x >= PATCH_COUNT ? pair.x - PATCH_COUNT : pair.x].area, 1e-30));
 	uint h = hash_combine(hash(pair.x), pair.y);
 	uvec4 turn = uvec4(hash(h ^ 0x68bc21ebu), hash(h ^ 0x02e5be93u), hash(h ^ 0x967a889bu), hash(h ^ 0x368cc8b7u));
 	sight_result r = sight_result(0.0, 0.0, 0u, 0u);
-	for (uint k = 0u; k < push.points; k++) {
-		vec4 u = vec4((sight_table[push.light + push.point + k] + turn) >> 8) * UNIT_24;
+	for (uint k = 0u; k < SIGHT_AT_ONCE; k++) {
+		vec4 u = vec4((sight_table[push.point + point + k] + turn) >> 8) * UNIT_24;
 		end a = end_at(pair.x, u.xy);
 		end b = end_at(pair.y, u.zw);
 		vec3 way = (b.at - a.at) * unit;
@@ -105,7 +105,7 @@ void main()
 		bool some = mine && weight > 0.0 && dot(a.normal, to - a.at) > off_a && dot(b.normal, from - b.at) > off_b;
 		if (EFFECT_ALPHA_BLEND) {
 			trace_chance = h | 1u;
-			trace_index = push.point + k;
+			trace_index = point + k;
 		}
 		bool met = stopped(a, b, from, to - from, some);
 		r.all += some ? weight : 0.0;
@@ -115,10 +115,6 @@ void main()
 	}
 	if (!mine)
 		return;
-	if (push.point > 0u) {
-		sight_result before = results[slot];
-		r = sight_result(before.seen + r.seen, before.all + r.all, before.free + r.free, before.rays + r.rays);
-	}
 	results[slot] = r;
 	if (trace_cut)
 		atomicAdd(counters.cut, 1u);

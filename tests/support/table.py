@@ -20,6 +20,7 @@ SOURCE, BUILD = os.environ["CANDIL_SOURCE"], os.environ["CANDIL_BUILD"]
 PAGE = os.path.join(SOURCE, "tests", "hard", "TABLE.md")
 HEAD = "Measured "
 TECHNIQUES = ("pt", "direct", "vct")
+ALL = (*TECHNIQUES, "radiosity")  # of the page, in its order
 DRIFT = .01  # of the tolerance: so much may a value be off the page where it was measured; bits of another sum move it by less
 PRINTED = 1e-5  # the rounding of six digits
 REMEDY = "if the new values are right, `sh deploy/test --table` writes tests/hard/TABLE.md anew"
@@ -38,6 +39,8 @@ KINDS = {
     "range": ("Radiances decades apart", "What is dim is below the rounding of what is bright."),
     "many": ("Very many", "Sums over thousands of lamps, layers or samples, each of which is next to nothing of all."),
     "away": ("Behind and away", "Light from behind is none, by every sign of every cosine: 0 is exact."),
+    "form": ("Form factors", "What two patches exchange is a millionth of a millionth of either where they graze each other from afar, and "
+             "all of it where they nearly touch; what is hidden, behind or in one plane is exactly 0."),
     "camera": ("Cameras", "Fields of view of a tenth of a degree and of 179, parallel rays, pictures of one pixel."),
     "closed": ("Light that stays", "In a closed room an error of one bounce is in all that follow."),
     "rough": ("Polished and rough", "A lobe is a spike at roughness 0 and a hemisphere at 1; in a white world it may neither lose light nor gain any."),
@@ -104,7 +107,7 @@ def measured(tests):
     if twice:
         sys.exit(f"two rows of one name: {twice}")
     order = {key: i for i, key in reversed(list(enumerate((row["kind"], row["case"]) for row in rows)))}
-    return sorted(rows, key=lambda r: (list(KINDS).index(r["kind"]), order[r["kind"], r["case"]], TECHNIQUES.index(r["technique"])))
+    return sorted(rows, key=lambda r: (list(KINDS).index(r["kind"]), order[r["kind"], r["case"]], ALL.index(r["technique"])))
 
 
 def line_of(row):
@@ -115,7 +118,7 @@ def line_of(row):
 
 
 def page_of(rows, day):
-    count = ", ".join(f"{sum(r['technique'] == t for r in rows)} of `{t}`" for t in TECHNIQUES)
+    count = ", ".join(f"{sum(r['technique'] == t for r in rows)} of `{t}`" for t in ALL)
     text = f"""# Hard cases
 
 Where numbers are short, light is rare or shapes are next to nothing: what candil answers, beside what is right. Each row is the check

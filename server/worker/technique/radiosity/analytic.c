@@ -114,26 +114,27 @@ static double largest(const struct form_polygon *p)
 	return most;
 }
 
-// Whether all of a shape is as near to the plane of another as the rounding of their corners to float may have brought it.
-static bool is_in_plane(const struct element_shape *s, const struct element_shape *plane, double rounding)
+// Whether no more of a shape is in front of the plane of another than the rounding of their corners to float may have
+// brought there: neighbours in a wall, and on a convex body.
+static bool barely_faces(const struct element_shape *s, const struct element_shape *plane, double rounding)
 {
 	for (uint32_t k = 0; k < s->polygon.corners; k++) {
 		double r[3];
 		for (int c = 0; c < 3; c++)
 			r[c] = s->polygon.at[k][c] - plane->middle[c];
-		if (fabs(vec3_dot(r, plane->normal)) > rounding * (1 + sqrt(vec3_dot(r, r)) / plane->radius))
+		if (vec3_dot(r, plane->normal) > rounding * (1 + sqrt(vec3_dot(r, r)) / plane->radius))
 			return false;
 	}
 	return true;
 }
 
 // The unobstructed form factor from one to the other; 0 if it is less than its error. What sees each other only because of
-// rounding, as neighbours in a wall, is not worth the time that its digits take.
+// rounding is not worth the time that its digits take.
 static double factor_of(const struct element_shape *from, const struct element_shape *to)
 {
 	double error;
 	const double rounding = FLOAT_ROUNDING * fmax(largest(&from->polygon), largest(&to->polygon));
-	const bool doubtful = is_in_plane(from, to, rounding) && is_in_plane(to, from, rounding);
+	const bool doubtful = barely_faces(from, to, rounding) || barely_faces(to, from, rounding);
 	const double enough = doubtful ? ANALYTIC_ENOUGH * fmin(from->area, to->area) : 0;
 	const double exchange = form_factor_exchange(&from->polygon, &to->polygon, enough, &error);
 	return exchange > error ? exchange / from->area : 0;

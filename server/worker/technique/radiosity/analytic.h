@@ -4,8 +4,8 @@
 //
 // An entry of a row is F_ij = A F(i, j) · share / A_i. Which of three a pair is, is decided by SIGHT_PROBE rays between it:
 // - none is stopped: the share is 1, and the entry has no noise. Its relative error is at most 1e-6, of which the float that
-//   it is stored as has 6e-8. Elements that are in one plane but for the rounding of their corners see nothing of each
-//   other, or less than ANALYTIC_ENOUGH.
+//   it is stored as has 6e-8. Elements of which one is in front of the other's plane by no more than the rounding of
+//   corners have less than ANALYTIC_ENOUGH, or nothing.
 // - all are: there is no entry.
 // - some are: the share is estimated by more rays, and the entry has their error.
 // Pairs of which one is behind the other's plane have no entry, and no rays.

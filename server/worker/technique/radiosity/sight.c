@@ -11,12 +11,9 @@
 #include "shaders/shared/sight.h"
 #include "shaders/sight_comp.h"
 
-// Rays of an invocation in one dispatch: software drivers end an invocation's loops after some 65,000 rounds in all.
-#define RAYS_AT_ONCE 16u
-
 #define FIRST_PAIRS 256u // when it is not known how long a pair takes
 
-_Static_assert(SIGHT_PROBE % RAYS_AT_ONCE == 0, "a probe is whole dispatches");
+_Static_assert(SIGHT_PROBE % SIGHT_AT_ONCE == 0, "a probe is whole dispatches");
 
 static const struct shader sight_shader = {.name = "sight",
 					   .code = shader_sight_comp,
@@ -25,13 +22,22 @@ static const struct shader sight_shader = {.name = "sight",
 					   .texels = TRACE_TEXELS,
 					   .push_bytes = sizeof(struct patch_push)};
 
+_Static_assert(SIGHT_RAYS_MOST / SIGHT_AT_ONCE <= SIGHT_PAIRS_MOST, "results of a pair have room");
+
+// What the rays of a pair met, as in struct sight_result.
+struct found {
+	double seen, all;
+	uint32_t free, rays;
+};
+
 struct sight {
 	struct patch_pass pass;
 	uint32_t rays;
 	struct buffer pairs; // two uint each, in the host's memory
-	struct buffer results; // struct sight_result
+	struct buffer results; // struct sight_result, SIGHT_PAIRS_MOST of them
 	struct buffer table; // struct table_ray: SIGHT_PROBE of them, then `rays`
-	struct sight_result *found; // of SIGHT_PAIRS_MOST
+	struct sight_result *read; // a copy of them
+	struct found *found; // of SIGHT_PAIRS_MOST pairs
 	uint32_t *partly; // pairs of those that are partly hidden
 	double pair_us; // 0: not known
 };
@@ -68,9 +74,10 @@ static enum status sight_init(struct sight *s, const struct patch_scene *of, str
 	const uint32_t effects = effects_of(of->plan);
 	struct device *d = s->pass.device;
 	struct constants c = {0};
+	s->read = malloc(SIGHT_PAIRS_MOST * sizeof *s->read);
 	s->found = malloc(SIGHT_PAIRS_MOST * sizeof *s->found);
 	s->partly = malloc(SIGHT_PAIRS_MOST * sizeof *s->partly);
-	if (!s->found || !s->partly)
+	if (!s->read || !s->found || !s->partly)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	enum status status = resident_upload(of->scene, d, TRACE_BINDINGS, err);
 	if (status == STATUS_OK)
@@ -96,9 +103,9 @@ enum status sight_create(const struct patch_scene *of, uint32_t rays, struct dev
 			 struct error *err)
 {
 	*out = NULL;
-	if (rays < SIGHT_PROBE || rays > SIGHT_RAYS_MOST || rays % RAYS_AT_ONCE)
+	if (rays < SIGHT_PROBE || rays > SIGHT_RAYS_MOST || rays % SIGHT_AT_ONCE)
 		return error_set(err, STATUS_BAD_ARGUMENT, "%u rays between a pair: multiples of %u from %u to %u can be",
-				 rays, RAYS_AT_ONCE, SIGHT_PROBE, SIGHT_RAYS_MOST);
+				 rays, SIGHT_AT_ONCE, SIGHT_PROBE, SIGHT_RAYS_MOST);
 	struct sight *s = calloc(1, sizeof *s);
 	if (!s)
 		return error_set(err, STATUS_MEMORY, "out of memory");
@@ -121,6 +128,7 @@ void sight_destroy(struct sight *s)
 	buffer_finish(&s->pairs, s->pass.device);
 	buffer_finish(&s->results, s->pass.device);
 	buffer_finish(&s->table, s->pass.device);
+	free(s->read);
 	free(s->found);
 	free(s->partly);
 	free(s);
@@ -141,15 +149,34 @@ uint32_t (*sight_pairs(struct sight *s))[2]
 	return s->pairs.map;
 }
 
-// Trace the rays of so many points of the table between each of the first `count` pairs of the buffer, and read what they
-// found.
+// Add up what the invocations of each pair found, in their order.
+static void add_up(const struct sight_result *of, uint32_t pairs, uint32_t each, struct found *out)
+{
+	for (uint32_t k = 0; k < pairs; k++) {
+		out[k] = (struct found){0};
+		for (uint32_t i = 0; i < each; i++, of++) {
+			out[k].seen += (double)of->seen;
+			out[k].all += (double)of->all;
+			out[k].free += of->free;
+			out[k].rays += of->rays;
+		}
+	}
+}
+
+// Trace the rays of so many points of the table, from `first` on, between each of the first `count` pairs of the buffer.
 static enum status look(struct sight *s, uint32_t count, uint32_t first, uint32_t rays, struct error *err)
 {
+	const uint32_t each = rays / SIGHT_AT_ONCE, fit = SIGHT_PAIRS_MOST / each;
 	enum status status = STATUS_OK;
-	for (uint32_t point = 0; status == STATUS_OK && point < rays; point += RAYS_AT_ONCE) {
-		const struct patch_push push = {
-		    .count = count, .light = first, .point = point, .points = RAYS_AT_ONCE, .all = rays};
+	for (uint32_t at = 0, n; status == STATUS_OK && at < count; at += n) {
+		n = count - at < fit ? count - at : fit;
+		const struct patch_push push = {.first = at, .count = n * each, .all = each, .point = first};
 		status = patch_pass_run(&s->pass, &push, err);
+		if (status == STATUS_OK)
+			status =
+			    buffer_read(&s->results, s->pass.device, 0, (uint64_t)n * each * sizeof *s->read, s->read, err);
+		if (status == STATUS_OK)
+			add_up(s->read, n, each, s->found + at);
 	}
 	struct pass_counters counters = {0};
 	if (status == STATUS_OK)
@@ -157,8 +184,7 @@ static enum status look(struct sight *s, uint32_t count, uint32_t first, uint32_
 	if (status == STATUS_OK && counters.cut > 0)
 		return error_set(err, STATUS_TRAVERSAL_CUT,
 				 "the driver ended a loop of the traversal: the form factors would be wrong");
-	return status == STATUS_OK ? buffer_read(&s->results, s->pass.device, 0, count * sizeof *s->found, s->found, err)
-				   : status;
+	return status;
 }
 
 // Turned so that the lower element comes first: both ways round, a pair is the same rays.
@@ -182,7 +208,7 @@ enum status sight_find(struct sight *s, uint32_t count, float *share, struct err
 	if (status == STATUS_OK)
 		status = look(s, count, 0, SIGHT_PROBE, err);
 	for (uint32_t k = 0; status == STATUS_OK && k < count; k++) {
-		const struct sight_result *r = &s->found[k];
+		const struct found *r = &s->found[k];
 		// Of a pair so much on edge that no points face each other nothing is known to be hidden.
 		share[k] = r->free == r->rays ? 1 : 0;
 		if (r->free == 0 || r->free == r->rays)
@@ -193,7 +219,7 @@ enum status sight_find(struct sight *s, uint32_t count, float *share, struct err
 	if (status == STATUS_OK && partly > 0)
 		status = look(s, partly, SIGHT_PROBE, s->rays, err);
 	for (uint32_t k = 0; status == STATUS_OK && k < partly; k++)
-		share[s->partly[k]] = fminf(s->found[k].seen / s->found[k].all, 1);
+		share[s->partly[k]] = (float)fmin(s->found[k].seen / s->found[k].all, 1);
 	if (status == STATUS_OK)
 		s->pair_us = (double)(clock_us() - start) / count;
 	return status;
