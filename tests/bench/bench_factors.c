@@ -12,15 +12,14 @@
 #include <string.h>
 
 #include "server/worker/devices.h"
-#include "server/worker/technique/radiosity/rays.h"
 #include "server/worker/vk/command.h"
 #include "shaders/factor_dump_comp.h"
 #include "shaders/shared/factor_rays.h"
 #include "tests/bench/embree_rays.h"
+#include "tests/bench/factor_subject.h"
 #include "tests/support/cast.h"
-#include "tests/support/load_scene.h"
 
-#define ROWS 256u
+#define ROWS FACTOR_ROWS
 #define ROUNDS 9
 
 static const struct shader dump_shader = {.name = "factor_dump",
@@ -34,53 +33,11 @@ static struct error err;
 
 static void must(enum status s)
 {
-	if (s == STATUS_OK)
-		return;
-	printf("FAIL: %s\n", err.text);
-	exit(1);
-}
-
-// A scene, cut, and what makes its rows.
-struct subject {
-	struct device *device;
-	struct resident_scene scene;
-	struct loaded_scene loaded;
-	struct elements elements;
-	struct element_buffers buffers;
-	struct rays *rays;
-	uint32_t list[ROWS];
-	uint32_t per_row;
-};
-
-static void subject_init(struct subject *s, struct device *device, const char *loader, const char *file, double edge,
-			 const struct rays_options *options)
-{
-	const struct plan plan = {0};
-	memset(s, 0, sizeof *s);
-	s->device = device;
-	s->per_row = options->rays;
-	must(load_scene(loader, file, &s->loaded, &err));
-	s->scene = (struct resident_scene){.blob = s->loaded.blob, .bytes = s->loaded.bytes, .fd = s->loaded.fd};
-	blob_view_init(&s->scene.view, s->loaded.blob);
-	must(elements_init(&s->elements, &s->scene.view, &(struct patch_options){.edge = edge}, &err));
-	must(element_buffers_init(&s->buffers, &s->elements, device, &err));
-	must(rays_create(device, &s->scene, &plan, &s->elements, &s->buffers, options, &s->rays, &err));
-	for (uint32_t i = 0; i < ROWS; i++)
-		s->list[i] = (uint32_t)((i + 0.5) * s->elements.patches.count / ROWS);
-}
-
-static void subject_finish(struct subject *s)
-{
-	rays_destroy(s->rays);
-	element_buffers_finish(&s->buffers, s->device);
-	elements_finish(&s->elements);
-	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
-		buffer_finish(&s->scene.buffers[i], s->device);
-	loaded_scene_finish(&s->loaded);
+	factor_must(s, &err);
 }
 
 // The rays of all rows, as the device makes them.
-static struct cast_ray *dump(const struct subject *s)
+static struct cast_ray *dump(const struct factor_subject *s)
 {
 	struct device *d = s->device;
 	const uint32_t count = ROWS * s->per_row;
@@ -115,7 +72,7 @@ static struct cast_ray *dump(const struct subject *s)
 	return rays;
 }
 
-static double run_rows(struct subject *s, bool put)
+static double run_rows(struct factor_subject *s, bool put)
 {
 	struct factors factors;
 	const double start = bench_us(s->device->info.software);
@@ -140,14 +97,14 @@ static double run_rows(struct subject *s, bool put)
 	return ROWS * (double)s->per_row / us;
 }
 
-static double run_walk(struct subject *s, struct cast *cast)
+static double run_walk(struct factor_subject *s, struct cast *cast)
 {
 	const double start = bench_us(s->device->info.software);
 	must(cast_run(cast, false, &err));
 	return ROWS * (double)s->per_row / (bench_us(s->device->info.software) - start);
 }
 
-static double run_embree(const struct subject *s, RTCScene judge, const struct cast_ray *rays, uint32_t width)
+static double run_embree(const struct factor_subject *s, RTCScene judge, const struct cast_ray *rays, uint32_t width)
 {
 	uint32_t hits;
 	const uint32_t count = ROWS * s->per_row;
@@ -182,7 +139,7 @@ static double most(double a, double b)
 	return a > b ? a : b;
 }
 
-static void bench_scene(struct subject *s, RTCDevice embree, const char *name)
+static void bench_scene(struct factor_subject *s, RTCDevice embree, const char *name)
 {
 	RTCScene judge = cast_judge(embree, s->loaded.blob);
 	struct cast cast;
@@ -227,11 +184,11 @@ int main(int argc, char **argv)
 	       "/ Embree | differ |\n"
 	       "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
 	for (int i = 4; i < argc; i++) {
-		static struct subject s;
+		static struct factor_subject s;
 		const struct rays_options o = {.rays = (uint32_t)strtoul(argv[3], NULL, 10)};
-		subject_init(&s, device, argv[1], argv[i], strtod(argv[2], NULL), &o);
+		factor_subject_init(&s, device, argv[1], argv[i], strtod(argv[2], NULL), &o);
 		bench_scene(&s, embree, strrchr(argv[i], '/') ? strrchr(argv[i], '/') + 1 : argv[i]);
-		subject_finish(&s);
+		factor_subject_finish(&s);
 	}
 	rtcReleaseDevice(embree);
 	devices_finish(&(struct devices){.vk = device});
