@@ -35,7 +35,7 @@ double bench_us(bool by_processor)
 	do { \
 		struct RTCRayHit##WIDTH h; \
 		memset(&h, 0, sizeof h); \
-		for (int k = 0; k < WIDTH; k++) { \
+		for (int k = 0; k < (WIDTH); k++) { \
 			const struct cast_ray *r = &(s)->rays[(i) + (uint32_t)k]; \
 			h.ray.org_x[k] = r->origin[0], h.ray.org_y[k] = r->origin[1], h.ray.org_z[k] = r->origin[2]; \
 			h.ray.dir_x[k] = r->direction[0], h.ray.dir_y[k] = r->direction[1], \
@@ -48,7 +48,7 @@ double bench_us(bool by_processor)
 			rtcOccluded##WIDTH(valid, (s)->scene, context, &h.ray); \
 		else \
 			rtcIntersect##WIDTH(valid, (s)->scene, context, &h); \
-		for (int k = 0; k < WIDTH; k++) \
+		for (int k = 0; k < (WIDTH); k++) \
 			(s)->hits += (s)->any ? h.ray.tfar[k] < 0 : h.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID; \
 	} while (0)
 

@@ -15,10 +15,11 @@ struct factor_rows {
 	struct factors_put *lost; // by row
 };
 
-// Make them, `batch` rows at a time.
-static inline struct factor_rows factor_rows_of(struct traced_mesh *t, const struct rays_options *options, uint32_t batch)
+// Make them, `batch` rows at a time, with these effects.
+static inline struct factor_rows factor_rows_with(struct traced_mesh *t, const struct rays_options *options, uint32_t batch,
+						  uint32_t effects)
 {
-	const struct plan plan = {0};
+	const struct plan plan = {.effects = effects};
 	struct error err = {0};
 	struct rays *rays;
 	enum status s = rays_create(t->device, &t->scene, &plan, &t->elements, &t->buffers, options, &rays, &err);
@@ -44,6 +45,11 @@ static inline struct factor_rows factor_rows_of(struct traced_mesh *t, const str
 	free(list);
 	rays_destroy(rays);
 	return f;
+}
+
+static inline struct factor_rows factor_rows_of(struct traced_mesh *t, const struct rays_options *options, uint32_t batch)
+{
+	return factor_rows_with(t, options, batch, 0);
 }
 
 static inline void factor_rows_finish(struct factor_rows *f)

@@ -142,6 +142,38 @@ static void a_screen_hides_what_is_behind_it(void **state)
 	}
 }
 
+// A screen that is not there by its mask hides nothing; one that is blended hides its alpha, and lets through the same rays
+// whatever the traversal.
+static void a_screen_may_be_let_through(void **state)
+{
+	static const struct {
+		uint32_t flags;
+		float cutoff, alpha;
+		double through;
+	} screens[] = {
+	    {MATERIAL_ALPHA_MASK, 2, 1, 1}, {MATERIAL_ALPHA_MASK, .5f, 1, 0}, {MATERIAL_ALPHA_BLEND, 0, .25f, .75}};
+	const uint32_t effects = 1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_ALPHA_BLEND;
+	(void)state;
+	for (size_t k = 0; k < sizeof screens / sizeof *screens; k++) {
+		struct traced_mesh t;
+		struct rays_options o = {.rays = 16384};
+		facing_squares(1);
+		add_quad(&m, (const double[3]){-9, -9, 0.5}, (const double[3]){19, 0, 0}, (const double[3]){0, 19, 0}, 1);
+		traced_mesh_init(&t, device, &m, INFINITY);
+		t.materials[1].flags = screens[k].flags;
+		t.materials[1].alpha_cutoff = screens[k].cutoff;
+		t.materials[1].alpha = screens[k].alpha;
+		struct factor_rows f = factor_rows_with(&t, &o, 6, effects);
+		check_factor(&f, 0, 1, FACING * screens[k].through, o.rays);
+		o.traversal = TRACE_SINGLE;
+		struct factor_rows single = factor_rows_with(&t, &o, 1, effects);
+		assert_memory_equal(f.counts, single.counts, (size_t)f.side * f.side * sizeof *f.counts);
+		factor_rows_finish(&f);
+		factor_rows_finish(&single);
+		traced_mesh_finish(&t);
+	}
+}
+
 // From the barycentre: what a point sees.
 static void cells_from_the_barycentre_have_a_points_factor(void **state)
 {
@@ -292,6 +324,7 @@ int main(void)
 					   cmocka_unit_test(sizes_do_not_matter),
 					   cmocka_unit_test(patches_have_what_analysis_says),
 					   cmocka_unit_test(a_screen_hides_what_is_behind_it),
+					   cmocka_unit_test(a_screen_may_be_let_through),
 					   cmocka_unit_test(cells_from_the_barycentre_have_a_points_factor),
 					   cmocka_unit_test(nothing_leaves_a_closed_room),
 					   cmocka_unit_test(bits_are_those_of_any_batch_and_traversal),
