@@ -32,8 +32,8 @@ layout(std430, set = 0, binding = BIND_PATCH_TRIANGLES) readonly buffer FaceTria
 };
 #include "radiosity/patch_point.glsl"
 
-// Twice the area, in texels, of a triangle in a texture; 0 for none.
-float texels_under(uint index, triangle tri)
+// The area, in texels, of a part `share` of a triangle in a texture, with a margin for what is narrow; 0 for none.
+float texels_under(uint index, triangle tri, float share)
 {
 	if (!EFFECT_TEXTURES || index == NONE)
 		return 0.0;
@@ -45,7 +45,9 @@ float texels_under(uint index, triangle tri)
 		p[i] = vec2(dot(to_vec3(t.row_u), set), dot(to_vec3(t.row_v), set)) * vec2(t.width, t.height);
 	}
 	vec2 a = p[1] - p[0], b = p[2] - p[0];
-	return abs(a.x * b.y - a.y * b.x) + length(a) + length(b);
+	float side = sqrt(min(share, 1.0));
+	float area = share * 0.5 * abs(a.x * b.y - a.y * b.x) + side * (length(a) + length(b));
+	return (t.flags & TEXTURE_NEAREST) != 0u ? max(area, PATCH_TEXELS_NEAREST) : area;
 }
 
 bool colours_vary(triangle tri)
@@ -72,14 +74,14 @@ uint points_of(radiosity_patch p)
 			break;
 		triangle tri = triangles[ids[k]];
 		material m = materials[tri.material];
-		float most = max(texels_under(m.albedo_texture, tri), texels_under(m.emission_texture, tri));
+		float share = p.area / max(area_of(corners_of(tri)), 1e-30);
+		float most = max(texels_under(m.albedo_texture, tri, share), texels_under(m.emission_texture, tri, share));
 		if (EFFECT_GLOSSY)
-			most = max(most, texels_under(m.surface_texture, tri));
+			most = max(most, texels_under(m.surface_texture, tri, share));
 		textured = textured || (EFFECT_TEXTURES && (m.albedo_texture != NONE || m.emission_texture != NONE ||
 							    (EFFECT_GLOSSY && m.surface_texture != NONE)));
 		// Written as a comparison that a NaN fails.
-		float share = most * p.area / max(area_of(corners_of(tri)), 1e-30);
-		texels = max(texels, share < float(PATCH_POINTS_MOST) ? uint(share) : PATCH_POINTS_MOST);
+		texels = max(texels, most < float(PATCH_POINTS_MOST) ? uint(most) : PATCH_POINTS_MOST);
 		vary = vary || colours_vary(tri);
 		if (EFFECT_VERTEX_COLORS && job.has_colors != 0u) {
 			float rgba[4] = colors[tri.vertex[0]].rgba;

@@ -28,10 +28,12 @@
 #define PATCH_MIRROR_ALPHA 0.0025
 
 // Points of a patch at which its material is looked at: one where nothing varies, some where colours of vertices do; where
-// textures do, so many for each texel of the largest, between two bounds. All are powers of two.
+// textures do, so many for each texel of the largest, between two bounds. All are powers of two. A patch that is smaller
+// than a texel needs few where texels are interpolated, and where they are not those of a number of texels.
 #define PATCH_POINTS_COLOURED 256
 #define PATCH_POINTS_TEXEL 64
-#define PATCH_POINTS_TEXTURED 512
+#define PATCH_POINTS_TEXTURED 64
+#define PATCH_TEXELS_NEAREST 8.0
 #define PATCH_POINTS_MOST 2048
 
 // What a dispatch does, for patches `first` to first + count - 1.

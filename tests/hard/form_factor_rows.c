@@ -230,7 +230,7 @@ static void closed_forms(void)
 	for (size_t i = 0; i < sizeof expected_of_floats / sizeof *expected_of_floats; i++) {
 		const struct expected *e = &expected_of_floats[i];
 		const double f = e->exchange / form_factor_area(&e->a);
-		for (int way = ANALYTIC; way <= BY_RAYS; way++) {
+		for (enum way way = ANALYTIC; way <= BY_RAYS; way++) {
 			// What few rays would find, and what is between the planes that rays are moved off to begin, is not
 			// for rays.
 			if (way == BY_RAYS && (f < 0.01 || f > 0.99 || strstr(e->name, "needle")))
@@ -353,7 +353,7 @@ int main(void)
 	}
 	printf("{\"device\": \"%s\"}\n", device->info.name);
 	closed_forms();
-	for (int way = ANALYTIC; way <= BY_RAYS; way++) {
+	for (enum way way = ANALYTIC; way <= BY_RAYS; way++) {
 		nothing_and_hidden(way);
 		sizes(way);
 		bodies(way);
