@@ -293,6 +293,31 @@ static void rows_are_put_whole(void **state)
 	traced_mesh_finish(&t);
 }
 
+// Near the budget a batch has fewer rows, beyond it there are none at all.
+static void batches_keep_to_the_budget(void **state)
+{
+	struct traced_mesh t;
+	const struct rays_options o = {.rays = 64};
+	const struct plan plan = {0};
+	const uint64_t budget = device->budget;
+	struct rays *rays;
+	struct error err;
+	(void)state;
+	cornell_box(&m);
+	traced_mesh_init(&t, device, &m, 0.04);
+	const uint64_t row = t.elements.count * sizeof(uint32_t);
+	assert_int_equal(resident_upload(&t.scene, device, TRACE_BINDINGS, &err), STATUS_OK);
+	device->budget = device->bytes + 64 * row;
+	assert_int_equal(rays_create(device, &t.scene, &plan, &t.elements, &t.buffers, &o, &rays, &err), STATUS_OK);
+	assert_true(rays_batch(rays, 1e9) <= 32 && device->bytes <= device->budget);
+	rays_destroy(rays);
+	device->budget = device->bytes;
+	assert_int_equal(rays_create(device, &t.scene, &plan, &t.elements, &t.buffers, &o, &rays, &err), STATUS_MEMORY);
+	assert_null(rays);
+	device->budget = budget;
+	traced_mesh_finish(&t);
+}
+
 static void options_are_checked(void **state)
 {
 	static const struct rays_options bad[] = {
@@ -329,6 +354,7 @@ int main(void)
 					   cmocka_unit_test(nothing_leaves_a_closed_room),
 					   cmocka_unit_test(bits_are_those_of_any_batch_and_traversal),
 					   cmocka_unit_test(rows_are_put_whole),
+					   cmocka_unit_test(batches_keep_to_the_budget),
 					   cmocka_unit_test(options_are_checked)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	devices_finish(&(struct devices){.vk = device});

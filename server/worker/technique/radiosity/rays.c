@@ -60,6 +60,14 @@ static uint32_t rows_of(uint32_t side)
 	return fit < 1 ? 1 : fit > ROWS_MOST ? ROWS_MOST : (uint32_t)fit;
 }
 
+// Rows of a batch that leave others half of the memory that is left.
+static uint32_t rows_within(const struct device *d, uint32_t side)
+{
+	const uint64_t left = d->budget > d->bytes ? d->budget - d->bytes : 0;
+	const uint64_t fit = left / 2 / ((uint64_t)side * sizeof(uint32_t)), rows = rows_of(side);
+	return fit < 1 ? 1 : fit < rows ? (uint32_t)fit : (uint32_t)rows;
+}
+
 // A row's sum is at most 1 for each element that a ray meets.
 static uint32_t weight_of(const struct rays_options *o)
 {
@@ -221,7 +229,7 @@ enum status rays_create(struct device *device, struct resident_scene *scene, con
 	r->elements = buffers;
 	r->options = *options;
 	r->side = elements->count;
-	r->rows_most = rows_of(r->side);
+	r->rows_most = rows_within(device, r->side);
 	r->weight = weight_of(options);
 	r->turns = 1;
 	r->lost = calloc(r->rows_most, sizeof *r->lost);

@@ -46,7 +46,8 @@
 #include "server/worker/trace/trace.h"
 #include "server/worker/vk/pipeline.h"
 
-#define RAYS_DENSE_BYTES (64u << 20) // of the rows of a batch, at most, where one row does not take more
+// Bytes of the rows of a batch, at most, where one row does not take more; near the device's budget they are fewer.
+#define RAYS_DENSE_BYTES (64u << 20)
 #define RAYS_BOUNCES_MOST 64u
 
 // How rows are made.
