@@ -5,7 +5,6 @@
 #include "shared/hemicube.h"
 
 layout(location = HEMICUBE_SIZES) uniform uvec4 sizes;
-layout(location = HEMICUBE_RANGE) uniform uvec4 range;
 layout(std430, binding = BIND_HEMICUBE_CELLS) readonly buffer Cells {
 	hemicube_cell hemicube_cells[];
 };

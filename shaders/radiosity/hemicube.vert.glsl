@@ -15,6 +15,9 @@ layout(location = 0) out vec2 barycentric;
 layout(location = 0) in vec3 position;
 #endif
 
+layout(std430, binding = BIND_HEMICUBE_INSTANCES) readonly buffer Instances {
+	uint instances[];
+};
 layout(location = HEMICUBE_NEAR) uniform float near;
 #ifdef HEMICUBE_MIRRORED
 layout(location = 1) flat out uint cell;
@@ -27,8 +30,8 @@ void main()
 	vec3 position = to_vec3(vertices[triangles[corner / 3u].vertex[corner % 3u]].position);
 	barycentric = vec2(corner % 3u == 1u, corner % 3u == 2u);
 #endif
-	uint i = range.x + uint(gl_InstanceID) / HEMICUBE_FACES;
-	uint face = uint(gl_InstanceID) % HEMICUBE_FACES;
+	uint i = instances[gl_InstanceID] >> 3;
+	uint face = instances[gl_InstanceID] & 7u;
 	hemicube_cell c = hemicube_cells[i];
 	vec3 p = position - hemicube_vec3(c.eye);
 	vec3 at = vec3(dot(p, hemicube_vec3(c.x)), dot(p, hemicube_vec3(c.y)), dot(p, hemicube_vec3(c.z)));

@@ -28,7 +28,10 @@ void main()
 	uint first = rows[row].first;
 	for (uint i = gl_LocalInvocationIndex; i < count; i += HEMICUBE_LANES) {
 		uint element = lists[row * sizes.w + i];
-		entries[first + i] = hemicube_entry(element, dense[row * sizes.z + element]);
-		dense[row * sizes.z + element] = 0u;
+		uint at = 2u * (row * sizes.z + element);
+		entries[first + i].element = element;
+		entries[first + i].weight[0] = dense[at];
+		entries[first + i].weight[1] = dense[at + 1u] & ~HEMICUBE_MET;
+		dense[at] = dense[at + 1u] = 0u;
 	}
 }

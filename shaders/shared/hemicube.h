@@ -14,12 +14,16 @@
 
 // Storage blocks of the passes.
 #define BIND_HEMICUBE_CELLS 22 // struct hemicube_cell, by cell
-#define BIND_HEMICUBE_DENSE 23 // uint: rows of as many words as there are elements
+#define BIND_HEMICUBE_DENSE 23 // uint: rows of two words for each element: a sum's low bits, and its high bits with a flag
 #define BIND_HEMICUBE_ROWS 24 // struct hemicube_row, by row
 #define BIND_HEMICUBE_LISTS 25 // uint: for each row room for the elements that it has met, in no order
 #define BIND_HEMICUBE_ENTRIES 26 // struct hemicube_entry, row by row
 #define BIND_HEMICUBE_MIRRORS 27 // struct hemicube_mirror, by element
-#define BIND_HEMICUBE_SEEN 28 // uint: for each cell a bit for each plane of mirrors
+#define BIND_HEMICUBE_SEEN 28 // uint: for each cell eight bits for each plane of mirrors, one for each face that sees it
+#define BIND_HEMICUBE_INSTANCES 29 // uint: cell · 8 + face, of what is drawn
+
+#define BIND_HEMICUBE_PIXELS \
+	28 // struct hemicube_pixels; then for each pixel its number among all of the pass, and its weight
 
 #define UNIT_HEMICUBE_IDS 0 // texture: triangle + 1, or 0
 #define UNIT_HEMICUBE_TABLE 1 // texel buffer: uint, hemicube_table.h
@@ -28,7 +32,7 @@
 #define IMAGE_HEMICUBE_FOUND 0 // image: the same of these cells
 
 #define HEMICUBE_SIZES 8 // uniform location, uvec4: n, cells side by side, elements, elements that a row has room for
-#define HEMICUBE_RANGE 9 // uniform location, uvec4: first cell, cells, mirrors on the way so far, mirrors at most
+#define HEMICUBE_BOUNCES 9 // uniform location, uvec2: mirrors on the way so far, mirrors at most
 #define HEMICUBE_NEAR 10 // uniform location, float: metres
 #define HEMICUBE_TRIANGLE 11 // uniform location, uint: first triangle of the draw
 #define HEMICUBE_PLANES 12 // uniform location, uint: words of a cell in BIND_HEMICUBE_SEEN
@@ -54,20 +58,31 @@ struct hemicube_corner {
 };
 LAYOUT_ASSERT(hemicube_corner, 16)
 
-// What is known of a row beside its entries.
+// What is known of a row beside its entries. Sums have two words, the low one first.
 struct hemicube_row {
-	uint escaped; // weight that met nothing
-	uint cut; // weight that a limit of mirrors cut off
+	uint escaped[2]; // weight that met nothing
+	uint cut[2]; // weight that a limit of mirrors cut off
 	uint count; // elements that it has met
 	uint first; // of its entries
 };
-LAYOUT_ASSERT(hemicube_row, 16)
+LAYOUT_ASSERT(hemicube_row, 24)
 
 struct hemicube_entry {
 	uint element;
-	uint weight;
+	uint weight[2];
 };
-LAYOUT_ASSERT(hemicube_entry, 8)
+LAYOUT_ASSERT(hemicube_entry, 12)
+
+#define HEMICUBE_MET 0x80000000u // bit of a high word of the dense rows: the element is in the row's list
+
+// Pixels at mirrors, whose light goes on by rays.
+struct hemicube_pixels {
+	uint groups[3]; // of the dispatch that follows them
+	uint count;
+	uint cut; // 1: the driver ended a loop
+	uint unused;
+};
+LAYOUT_ASSERT(hemicube_pixels, 24)
 
 struct hemicube_mirror {
 	uint plane; // + 1; 0: it is no mirror

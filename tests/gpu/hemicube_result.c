@@ -67,6 +67,13 @@ static void read_rows(struct hemicube_result *r, const struct factors *factors)
 struct hemicube_result hemicube_result_make(struct patch_model *m, const struct hemicube_options *options, uint32_t first,
 					    uint32_t count, uint32_t batch)
 {
+	return hemicube_result_of(m, NULL, options, first, count, batch);
+}
+
+struct hemicube_result hemicube_result_of(struct patch_model *m, const struct radiosity_surface *surfaces,
+					  const struct hemicube_options *options, uint32_t first, uint32_t count,
+					  uint32_t batch)
+{
 	struct hemicube_result r = {.first = first, .count = count, .side = m->elements.count};
 	struct factors factors;
 	struct hemicube *h;
@@ -79,6 +86,8 @@ struct hemicube_result hemicube_result_make(struct patch_model *m, const struct 
 	const uint64_t before = device->bytes;
 	if (hemicube_create(gl, &m->scene, &everything, &m->elements, options, &h, &err) != STATUS_OK)
 		fail_msg("%s", err.text);
+	if (surfaces)
+		assert_int_equal(hemicube_reflect(h, surfaces, &err), STATUS_OK);
 	const struct patches *p = &m->elements.patches;
 	assert_true(device->bytes - before <= hemicube_bytes(m->count, 3 * m->count, p->count, options));
 	make(h, &r, batch, &factors);

@@ -22,6 +22,9 @@ struct hemicube_result {
 // Make rows, `batch` at a time at most, 0: as many as there can be.
 struct hemicube_result hemicube_result_make(struct patch_model *model, const struct hemicube_options *options,
 					    uint32_t first, uint32_t count, uint32_t batch);
+struct hemicube_result hemicube_result_of(struct patch_model *model, const struct radiosity_surface *surfaces,
+					  const struct hemicube_options *options, uint32_t first, uint32_t count,
+					  uint32_t batch);
 void hemicube_result_finish(struct hemicube_result *result);
 
 static inline double factor_at(const struct hemicube_result *r, uint32_t row, uint32_t column)

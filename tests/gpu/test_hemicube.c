@@ -244,8 +244,12 @@ static void options_out_of_range_are_refused(void **state)
 {
 	(void)state;
 	static const struct hemicube_options bad[] = {
-	    {.pixels = 0, .origins = 1},  {.pixels = 33, .origins = 1},    {.pixels = 1026, .origins = 1},
-	    {.pixels = 32, .origins = 0}, {.pixels = 32, .origins = 1025}, {.pixels = 32, .origins = 1, .bounces = 11}};
+	    {.pixels = 0, .origins = 1},
+	    {.pixels = 33, .origins = 1},
+	    {.pixels = 1026, .origins = 1},
+	    {.pixels = 32, .origins = 0},
+	    {.pixels = 32, .origins = 1025},
+	    {.pixels = 32, .origins = 1, .mirrors = HEMICUBE_MIRRORS_PORTAL, .bounces = 11}};
 	cube(0, 1, 1);
 	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
 		struct hemicube *h;

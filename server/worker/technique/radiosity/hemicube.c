@@ -12,6 +12,7 @@
 #include "server/worker/technique/radiosity/hemicube_job.h"
 #include "shaders/gl/hemicube_frag.h"
 #include "shaders/gl/hemicube_pack_comp.h"
+#include "shaders/gl/hemicube_rays_comp.h"
 #include "shaders/gl/hemicube_sum_comp.h"
 #include "shaders/gl/hemicube_vert.h"
 
@@ -19,10 +20,8 @@
 #define ROWS_MOST 256u // of a batch
 #define CELL_BYTES (32ull << 20) // of a pass's pictures, at most, where one layer does not take more
 #define CELLS_MOST 256u // of a pass
+#define SEEN_BYTES (16ull << 20) // of what cells tell about planes of mirrors, where one layer does not tell more
 #define ABREAST_PIXELS 128u // of a face's side, up to which cells lie side by side
-#define SUM_MOST 3.4e9 // of a row: a word holds it, and what products of middles have too much
-#define NEAR 0x1p-50 // of the scene's largest coordinate
-#define NEAR_LEAST 1e-36f // metres: a depth is still a normal float
 
 #define ALPHA (1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_ALPHA_BLEND)
 #define ALPHA_FROM (1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_VERTEX_COLORS)
@@ -30,6 +29,7 @@
 static const struct gl_source draw_source = {
     .name = "hemicube", .vertex = source_hemicube_vert, .fragment = source_hemicube_frag};
 static const struct gl_source sum_source = {.name = "hemicube_sum", .compute = source_hemicube_sum_comp};
+static const struct gl_source rays_source = {.name = "hemicube_rays", .compute = source_hemicube_rays_comp};
 static const struct gl_source pack_source = {.name = "hemicube_pack", .compute = source_hemicube_pack_comp};
 
 // ---- sizes ------------------------------------------------------------------------------------------------------------
@@ -40,9 +40,14 @@ static uint32_t abreast_of(const struct hemicube_options *o)
 	return o->pixels <= ABREAST_PIXELS ? HEMICUBE_ABREAST_MOST : 1;
 }
 
+// By portals each level of mirrors has two words for each pixel, by rays there are two in all.
 static uint64_t layer_bytes(const struct hemicube_options *o)
 {
-	return (uint64_t)abreast_of(o) * 3 * o->pixels * o->pixels * (sizeof(uint32_t) + sizeof(float));
+	const uint64_t portals = o->bounces > 0 ? o->bounces : 1;
+	const uint64_t found = o->mirrors == HEMICUBE_MIRRORS_OFF      ? 0
+			       : o->mirrors == HEMICUBE_MIRRORS_PORTAL ? portals * 2 * sizeof(uint32_t)
+								       : 2 * sizeof(uint32_t);
+	return (uint64_t)abreast_of(o) * 3 * o->pixels * o->pixels * (sizeof(uint32_t) + sizeof(float) + found);
 }
 
 static uint32_t cells_of(const struct hemicube_options *o)
@@ -51,16 +56,17 @@ static uint32_t cells_of(const struct hemicube_options *o)
 	return fit > CELLS_MOST ? CELLS_MOST / abreast_of(o) * abreast_of(o) : (uint32_t)fit;
 }
 
-// Elements that a row has room for: as many as there are, or pixels.
+// Elements that a row has room for: as many as there are, or as pixels meet.
 static uint32_t list_of(uint32_t side, const struct hemicube_options *o)
 {
-	const uint64_t pixels = 3ull * o->pixels * o->pixels * o->origins;
+	const uint64_t paths = o->mirrors == HEMICUBE_MIRRORS_OFF ? 1 : o->bounces + 1;
+	const uint64_t pixels = 3ull * o->pixels * o->pixels * o->origins * paths;
 	return pixels < side ? (uint32_t)pixels : side;
 }
 
 static uint64_t row_bytes(uint32_t side, const struct hemicube_options *o)
 {
-	return (uint64_t)side * sizeof(uint32_t) +
+	return (uint64_t)side * 2 * sizeof(uint32_t) +
 	       (uint64_t)list_of(side, o) * (sizeof(uint32_t) + sizeof(struct hemicube_entry)) + sizeof(struct hemicube_row);
 }
 
@@ -74,13 +80,19 @@ uint64_t hemicube_bytes(uint32_t triangles, uint32_t vertices, uint32_t patches,
 {
 	const uint64_t of_triangle =
 	    3 * sizeof(uint32_t) + 3 * sizeof(struct hemicube_corner) + sizeof(struct radiosity_face);
-	return triangles * of_triangle + vertices * 3ull * sizeof(float) +
-	       rows_of(2 * patches, o) * row_bytes(2 * patches, o) + cells_of(o) * sizeof(struct hemicube_cell) +
+	const uint64_t seen = (uint64_t)cells_of(o) * (triangles + sizeof(uint32_t));
+	const uint64_t of_mirrors = o->mirrors == HEMICUBE_MIRRORS_OFF
+					? 0
+					: 2ull * patches * sizeof(struct hemicube_mirror) +
+					      (seen < SEEN_BYTES ? seen : SEEN_BYTES + abreast_of(o) * (uint64_t)triangles);
+	return of_mirrors + triangles * of_triangle + vertices * 3ull * sizeof(float) +
+	       rows_of(2 * patches, o) * row_bytes(2 * patches, o) +
+	       cells_of(o) * (sizeof(struct hemicube_cell) + HEMICUBE_FACES * sizeof(uint32_t)) +
 	       cells_of(o) / abreast_of(o) * layer_bytes(o) + hemicube_table_entries(o->pixels) * sizeof(uint32_t) +
-	       sizeof(struct scene_params);
+	       sizeof(struct scene_params) + sizeof(struct hemicube_pixels);
 }
 
-// ---- the scene --------------------------------------------------------------------------------------------------------
+// ---- making it --------------------------------------------------------------------------------------------------------
 
 // Of a plan's effects, those that change what is there.
 static uint32_t effects_of(const struct plan *plan)
@@ -88,111 +100,16 @@ static uint32_t effects_of(const struct plan *plan)
 	return plan->effects & ALPHA ? plan->effects & (ALPHA | ALPHA_FROM) : 0;
 }
 
-static bool is_cut(const struct hemicube *h, uint32_t triangle)
-{
-	const struct triangle *triangles = scene_section(h->scene, BLOB_TRIANGLES);
-	const struct material *materials = scene_section(h->scene, BLOB_MATERIALS);
-	const uint32_t flags = (h->effects >> candil_Effect_EFFECT_ALPHA_MASK & 1 ? MATERIAL_ALPHA_MASK : 0u) |
-			       (h->effects >> candil_Effect_EFFECT_ALPHA_BLEND & 1 ? MATERIAL_ALPHA_BLEND : 0u);
-	return (materials[triangles[triangle].material].flags & flags) != 0;
-}
-
-static enum status make_runs(struct hemicube *h, struct error *err)
-{
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < h->triangle_count; i++)
-		count += i == 0 || is_cut(h, i) != is_cut(h, i - 1);
-	h->runs = calloc(count, sizeof *h->runs);
-	if (!h->runs)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	for (uint32_t i = 0; i < h->triangle_count; i++) {
-		if (i == 0 || is_cut(h, i) != is_cut(h, i - 1))
-			h->runs[h->run_count++] = (struct hemicube_run){.first = i, .cut = is_cut(h, i)};
-		h->runs[h->run_count - 1].end = i + 1;
-	}
-	return STATUS_OK;
-}
-
-static enum status upload_positions(struct hemicube *h, struct error *err)
-{
-	const struct vertex *vertices = scene_section(h->scene, BLOB_VERTICES);
-	const uint32_t count = scene_count(h->scene, BLOB_VERTICES);
-	float(*at)[3] = malloc(count * sizeof *at), most = 0;
-	if (!at)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	for (uint32_t i = 0; i < count; i++)
-		for (int c = 0; c < 3; c++) {
-			at[i][c] = vertices[i].position[c];
-			most = fmaxf(most, fabsf(at[i][c]));
-		}
-	h->near = fmaxf((float)(NEAR * (double)most), NEAR_LEAST);
-	const enum status s = gl_buffer_init(&h->positions, h->device, count * sizeof *at, at, err);
-	free(at);
-	return s;
-}
-
-static enum status upload_triangles(struct hemicube *h, struct error *err)
-{
-	const struct vertex *vertices = scene_section(h->scene, BLOB_VERTICES);
-	const struct triangle *triangles = scene_section(h->scene, BLOB_TRIANGLES);
-	const uint32_t count = h->triangle_count;
-	uint32_t(*indices)[3] = malloc(count * sizeof *indices);
-	struct hemicube_corner(*corners)[3] = malloc(count * sizeof *corners);
-	enum status s = indices && corners ? STATUS_OK : error_set(err, STATUS_MEMORY, "out of memory");
-	for (uint32_t i = 0; s == STATUS_OK && i < count; i++)
-		for (int k = 0; k < 3; k++) {
-			indices[i][k] = triangles[i].vertex[k];
-			memcpy(corners[i][k].at, vertices[indices[i][k]].position, sizeof corners[i][k].at);
-			corners[i][k].word = h->elements->triangles[i];
-		}
-	if (s == STATUS_OK)
-		s = gl_buffer_init(&h->indices, h->device, count * sizeof *indices, indices, err);
-	if (s == STATUS_OK)
-		s = gl_buffer_init(&h->corners, h->device, count * sizeof *corners, corners, err);
-	free(indices);
-	free(corners);
-	return s;
-}
-
-static enum status upload_table(struct hemicube *h, struct error *err)
-{
-	const uint32_t count = hemicube_table_entries(h->options.pixels);
-	double *table;
-	uint32_t *words = malloc(count * sizeof *words);
-	if (!words)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = hemicube_table_make(h->options.pixels, h->options.middles, &table, err);
-	if (s == STATUS_OK) {
-		hemicube_table_round(h->options.pixels, table, h->unit, words);
-		s = gl_buffer_init(&h->table, h->device, count * sizeof *words, words, err);
-		free(table);
-	}
-	free(words);
-	return s;
-}
-
-// ---- making it --------------------------------------------------------------------------------------------------------
-
-static enum status texels_of(struct hemicube *h, const struct gl_buffer *buffer, GLenum format, uint32_t texel_bytes,
-			     unsigned *texture, struct error *err)
-{
-	GLint most = 0;
-	glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-	if (buffer->bytes / texel_bytes > (uint64_t)most)
-		return error_set(err, STATUS_MEMORY, "the scene has more corners than the OpenGL device's %d texels", most);
-	glCreateTextures(GL_TEXTURE_BUFFER, 1, texture);
-	glTextureBuffer(*texture, format, buffer->name);
-	return gl_check(h->device, "viewing a buffer as texels", err);
-}
-
 static enum status make_rows(struct hemicube *h, struct error *err)
 {
 	const uint64_t rows = h->rows_most, list = rows * h->list_most;
 	h->host_rows = calloc(rows, sizeof *h->host_rows);
 	h->host_cells = calloc(h->cells_most, sizeof *h->host_cells);
-	if (!h->host_rows || !h->host_cells)
+	h->host_faces = calloc((size_t)h->cells_most * HEMICUBE_FACES, sizeof *h->host_faces);
+	h->levels[0].views = calloc(h->cells_most, sizeof *h->levels[0].views);
+	if (!h->host_rows || !h->host_cells || !h->host_faces || !h->levels[0].views)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = gl_buffer_init(&h->dense, h->device, rows * h->elements->count * sizeof(uint32_t), NULL, err);
+	enum status s = gl_buffer_init(&h->dense, h->device, rows * h->elements->count * 2 * sizeof(uint32_t), NULL, err);
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&h->rows, h->device, rows * sizeof *h->host_rows, NULL, err);
 	if (s == STATUS_OK)
@@ -201,17 +118,25 @@ static enum status make_rows(struct hemicube *h, struct error *err)
 		s = gl_buffer_init(&h->entries, h->device, list * sizeof(struct hemicube_entry), NULL, err);
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&h->cells, h->device, h->cells_most * sizeof *h->host_cells, NULL, err);
+	if (s == STATUS_OK)
+		s = gl_buffer_init(&h->instances, h->device, h->cells_most * HEMICUBE_FACES * sizeof *h->host_faces, NULL,
+				   err);
 	return s;
+}
+
+static struct gl_texture_desc cells_desc(const struct hemicube *h, GLenum format)
+{
+	return (struct gl_texture_desc){.target = GL_TEXTURE_2D_ARRAY,
+					.format = format,
+					.width = h->abreast * 2 * h->options.pixels,
+					.height = h->options.pixels + h->options.pixels / 2,
+					.depth = h->cells_most / h->abreast,
+					.levels = 1};
 }
 
 static enum status make_target(struct hemicube *h, struct hemicube_target *t, struct error *err)
 {
-	struct gl_texture_desc desc = {.target = GL_TEXTURE_2D_ARRAY,
-				       .format = GL_R32UI,
-				       .width = h->abreast * 2 * h->options.pixels,
-				       .height = h->options.pixels + h->options.pixels / 2,
-				       .depth = h->cells_most / h->abreast,
-				       .levels = 1};
+	struct gl_texture_desc desc = cells_desc(h, GL_R32UI);
 	enum status s = gl_texture_init(&t->ids, h->device, &desc, err);
 	desc.format = GL_DEPTH_COMPONENT32F;
 	if (s == STATUS_OK)
@@ -234,6 +159,36 @@ static void finish_target(struct hemicube *h, struct hemicube_target *t)
 	gl_texture_finish(&t->depths, h->device);
 }
 
+static enum status make_portals(struct hemicube *h, struct error *err)
+{
+	const struct gl_texture_desc desc = cells_desc(h, GL_RG32UI);
+	enum status s =
+	    gl_buffer_init(&h->seen, h->device, (uint64_t)h->cells_most * h->seen_words * sizeof(uint32_t), NULL, err);
+	for (uint32_t i = 0; s == STATUS_OK && i <= h->options.bounces; i++) {
+		struct hemicube_level *l = &h->levels[i];
+		if (i > 0)
+			l->views = calloc(h->cells_most, sizeof *l->views);
+		l->seen = calloc((size_t)h->cells_most * h->seen_words, sizeof *l->seen);
+		if (!l->views || !l->seen)
+			return error_set(err, STATUS_MEMORY, "out of memory");
+		if (i < h->options.bounces || i == 0)
+			s = gl_texture_init(&l->found, h->device, &desc, err);
+	}
+	return s;
+}
+
+static enum status make_mirrors(struct hemicube *h, struct error *err)
+{
+	enum status s =
+	    gl_buffer_init(&h->mirrors, h->device, h->elements->count * sizeof *h->planes.mirrors, h->planes.mirrors, err);
+	if (s == STATUS_OK && hemicube_has_rays(h)) {
+		const uint64_t cells = h->cells_most, pixels = cells * 3 * h->options.pixels * h->options.pixels;
+		s = gl_buffer_init(&h->pixels, h->device, sizeof(struct hemicube_pixels) + pixels * 2 * sizeof(uint32_t),
+				   NULL, err);
+	}
+	return s == STATUS_OK && hemicube_has_portals(h) ? make_portals(h, err) : s;
+}
+
 static void make_vertex_array(struct hemicube *h)
 {
 	glCreateVertexArrays(1, &h->vertex_array);
@@ -248,23 +203,12 @@ static enum status make_buffers(struct hemicube *h, const struct plan *plan, str
 {
 	struct scene_params job;
 	scene_params_fill(plan, &h->scene->view, false, &job);
-	enum status s = upload_positions(h, err);
-	if (s == STATUS_OK)
-		s = upload_triangles(h, err);
-	if (s == STATUS_OK)
-		s = upload_table(h, err);
-	if (s == STATUS_OK)
-		s = gl_buffer_init(&h->faces, h->device, h->elements->patches.faces.count * sizeof *h->elements->faces,
-				   h->elements->faces, err);
-	if (s == STATUS_OK)
-		s = texels_of(h, &h->corners, GL_RGBA32UI, sizeof(struct hemicube_corner), &h->corner_texels, err);
-	if (s == STATUS_OK)
-		s = texels_of(h, &h->table, GL_R32UI, sizeof(uint32_t), &h->table_texels, err);
+	enum status s = hemicube_upload(h, err);
 	if (s == STATUS_OK)
 		s = make_rows(h, err);
 	if (s == STATUS_OK)
 		s = make_target(h, &h->target, err);
-	if (s == STATUS_OK && effects_of(plan))
+	if (s == STATUS_OK && (h->effects || h->options.mirrors == HEMICUBE_MIRRORS_HYBRID))
 		s = gl_buffer_init(&h->job, h->device, sizeof job, &job, err);
 	if (s == STATUS_OK)
 		make_vertex_array(h);
@@ -282,26 +226,52 @@ static enum status make_program(struct hemicube *h, const struct gl_source *sour
 	return s;
 }
 
+// Whether some triangles have masks (`cut`), or have none.
+static bool has_runs(const struct hemicube *h, bool cut)
+{
+	bool some = false;
+	for (uint32_t i = 0; i < h->run_count; i++)
+		some |= h->runs[i].cut == cut;
+	return some;
+}
+
+// Programs that draw, within mirrors or not: first of triangles without masks, then with.
+static enum status make_draws(struct hemicube *h, bool mirrored, struct gl_program *draw[2], struct error *err)
+{
+	enum status s = STATUS_OK;
+	for (int cut = 0; s == STATUS_OK && cut < 2; cut++) {
+		struct gl_defines defines = {0};
+		if (cut) {
+			gl_define(&defines, "HEMICUBE_CUT", "1");
+			scene_define(&defines, h->scene, h->effects);
+		}
+		if (mirrored)
+			gl_define(&defines, "HEMICUBE_MIRRORED", "1");
+		if (has_runs(h, cut))
+			s = make_program(h, &draw_source, &defines, &draw[cut], err);
+	}
+	return s;
+}
+
 static enum status make_programs(struct hemicube *h, struct error *err)
 {
-	struct gl_defines none = {0}, cut = {0};
-	bool whole = false, masked = false;
-	enum status s = STATUS_OK;
-	for (uint32_t i = 0; i < h->run_count; i++) {
-		masked |= h->runs[i].cut;
-		whole |= !h->runs[i].cut;
-	}
-	gl_define(&cut, "HEMICUBE_CUT", "1");
-	scene_define(&cut, h->scene, h->effects);
-	if (whole)
-		s = make_program(h, &draw_source, &none, &h->draw[0], err);
-	if (s == STATUS_OK && masked)
-		s = make_program(h, &draw_source, &cut, &h->draw[1], err);
+	const struct gl_defines none = {0};
+	enum status s = make_draws(h, false, h->draw, err);
 	if (s == STATUS_OK)
 		s = make_program(h, &sum_source, &none, &h->sum, err);
-	if (s == STATUS_OK)
-		s = make_program(h, &pack_source, &none, &h->pack, err);
-	return s;
+	return s == STATUS_OK ? make_program(h, &pack_source, &none, &h->pack, err) : s;
+}
+
+static enum status make_mirror_programs(struct hemicube *h, struct error *err)
+{
+	struct gl_defines sums = {0}, scene = {0};
+	gl_program_release(h->sum);
+	gl_define(&sums, hemicube_has_portals(h) ? "HEMICUBE_PORTAL" : "HEMICUBE_HYBRID", "1");
+	scene_define(&scene, h->scene, h->effects);
+	enum status s = make_program(h, &sum_source, &sums, &h->sum, err);
+	if (s == STATUS_OK && hemicube_has_portals(h))
+		s = make_draws(h, true, h->draw_mirrored, err);
+	return s == STATUS_OK && hemicube_has_rays(h) ? make_program(h, &rays_source, &scene, &h->rays, err) : s;
 }
 
 static enum status check(const struct hemicube_options *o, const struct elements *e, const struct gl_device *d,
@@ -314,9 +284,10 @@ static enum status check(const struct hemicube_options *o, const struct elements
 	if (o->origins < 1 || o->origins > HEMICUBE_ORIGINS_MOST)
 		return error_set(err, STATUS_BAD_ARGUMENT, "%u hemicubes a patch are asked for: 1 to %u can be", o->origins,
 				 HEMICUBE_ORIGINS_MOST);
-	if (o->bounces > HEMICUBE_BOUNCES_MOST)
-		return error_set(err, STATUS_BAD_ARGUMENT, "%u bounces at mirrors are asked for: at most %u can be",
-				 o->bounces, HEMICUBE_BOUNCES_MOST);
+	const uint32_t most = o->mirrors == HEMICUBE_MIRRORS_PORTAL ? HEMICUBE_PORTALS_MOST : HEMICUBE_BOUNCES_MOST;
+	if (o->bounces > most)
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "hemicubes follow light at mirrors at most %u times, not %u times", most, o->bounces);
 	if (e->count == 0)
 		return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no patches");
 	if (2 * o->pixels * abreast_of(o) > d->image_side_max)
@@ -343,16 +314,15 @@ enum status hemicube_create(struct gl_device *device, struct resident_scene *sce
 	h->elements = elements;
 	h->options = *options;
 	h->effects = effects_of(plan);
-	h->bindings = scene_bindings_shade(plan);
+	struct plan own = *plan;
+	own.effects = h->effects;
+	h->bindings = scene_bindings_shade(&own);
 	h->triangle_count = scene_count(scene, BLOB_TRIANGLES);
 	h->abreast = abreast_of(options);
 	h->cells_most = cells_of(options);
 	h->rows_most = rows_of(elements->count, options);
 	h->list_most = list_of(elements->count, options);
-	h->unit = 8 * (uint32_t)(SUM_MOST / (8.0 * (options->bounces + 1) * options->origins));
-	s = make_runs(h, err);
-	if (s == STATUS_OK)
-		s = make_buffers(h, plan, err);
+	s = make_buffers(h, plan, err);
 	if (s == STATUS_OK)
 		s = make_programs(h, err);
 	if (s != STATUS_OK) {
@@ -363,13 +333,34 @@ enum status hemicube_create(struct gl_device *device, struct resident_scene *sce
 	return STATUS_OK;
 }
 
+enum status hemicube_reflect(struct hemicube *h, const struct radiosity_surface *surfaces, struct error *err)
+{
+	if (h->options.mirrors == HEMICUBE_MIRRORS_OFF)
+		return STATUS_OK;
+	enum status s = hemicube_planes_init(&h->planes, h->elements, surfaces, err);
+	if (s != STATUS_OK)
+		return s;
+	if (h->planes.count == 0) {
+		h->options.mirrors = HEMICUBE_MIRRORS_OFF;
+		return STATUS_OK;
+	}
+	h->seen_words = (h->planes.count * 8 + 31) / 32;
+	while (h->cells_most > h->abreast && (uint64_t)h->cells_most * h->seen_words * sizeof(uint32_t) > SEEN_BYTES)
+		h->cells_most -= h->abreast;
+	h->compiled = false;
+	s = make_mirrors(h, err);
+	return s == STATUS_OK ? make_mirror_programs(h, err) : s;
+}
+
 void hemicube_destroy(struct hemicube *h)
 {
 	if (!h)
 		return;
-	struct gl_program *programs[] = {h->draw[0], h->draw[1], h->sum, h->pack};
-	struct gl_buffer *buffers[] = {&h->positions, &h->indices, &h->corners, &h->table,   &h->faces, &h->cells,
-				       &h->dense,     &h->rows,    &h->lists,   &h->entries, &h->job};
+	struct gl_program *programs[] = {h->draw[0], h->draw[1], h->draw_mirrored[0], h->draw_mirrored[1], h->sum,
+					 h->rays,    h->pack};
+	struct gl_buffer *buffers[] = {&h->instances, &h->mirrors, &h->seen,  &h->pixels,  &h->positions,
+				       &h->indices,   &h->corners, &h->table, &h->faces,   &h->cells,
+				       &h->dense,     &h->rows,    &h->lists, &h->entries, &h->job};
 	for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
 		gl_program_release(programs[i]);
 	if (h->vertex_array)
@@ -379,7 +370,14 @@ void hemicube_destroy(struct hemicube *h)
 	finish_target(h, &h->target);
 	for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
 		gl_buffer_finish(buffers[i], h->device);
+	for (uint32_t i = 0; i <= HEMICUBE_PORTALS_MOST; i++) {
+		gl_texture_finish(&h->levels[i].found, h->device);
+		free(h->levels[i].views);
+		free(h->levels[i].seen);
+	}
+	hemicube_planes_finish(&h->planes);
 	free(h->runs);
+	free(h->host_faces);
 	free(h->host_cells);
 	free(h->host_rows);
 	free(h);

@@ -32,11 +32,14 @@
 #include "server/worker/technique/radiosity/hemicube_table.h"
 
 #define HEMICUBE_ORIGINS_MOST 1024u
-#define HEMICUBE_BOUNCES_MOST 10u
+#define HEMICUBE_BOUNCES_MOST 64u // at mirrors, by rays
+#define HEMICUBE_PORTALS_MOST 10u // and by portals
 
 // How light goes on at mirrors.
 enum hemicube_mirrors {
 	HEMICUBE_MIRRORS_OFF,
+	HEMICUBE_MIRRORS_PORTAL, // what a mirror shows is drawn within its pixels, as its mirror image sees it
+	HEMICUBE_MIRRORS_HYBRID, // from each of its pixels a ray goes on
 };
 
 // How rows are made.
@@ -44,7 +47,7 @@ struct hemicube_options {
 	uint32_t pixels; // of a face's side: even, HEMICUBE_PIXELS_LEAST … HEMICUBE_PIXELS_MOST
 	uint32_t origins; // points of a patch: 1 … HEMICUBE_ORIGINS_MOST; one is its barycentre
 	enum hemicube_mirrors mirrors;
-	uint32_t bounces; // at mirrors, at most: 0 … HEMICUBE_BOUNCES_MOST
+	uint32_t bounces; // at mirrors, at most: 0 … HEMICUBE_BOUNCES_MOST, or HEMICUBE_PORTALS_MOST by portals
 	bool middles; // shares of pixels are products of their middles and areas, as papers print them: rows sum up to more
 		      // than 1
 };
@@ -55,11 +58,16 @@ struct hemicube;
 uint64_t hemicube_bytes(uint32_t triangles, uint32_t vertices, uint32_t patches, const struct hemicube_options *options);
 
 // Make ready: upload what of the scene it needs, and make the programs. Effects of the plan other than those of alpha are
-// left out. The elements must outlive it. STATUS_BAD_ARGUMENT: options out of their ranges; STATUS_MEMORY; STATUS_DEVICE,
-// also of a device whose vertex shaders choose no layer and viewport. *hemicube is NULL then.
+// left out. The elements must outlive it.
+// STATUS_BAD_ARGUMENT: options out of their ranges; STATUS_MEMORY; STATUS_DEVICE, also of a device whose vertex shaders
+// choose no layer and viewport. *hemicube is NULL then.
 enum status hemicube_create(struct gl_device *device, struct resident_scene *scene, const struct plan *plan,
 			    const struct elements *elements, const struct hemicube_options *options,
 			    struct hemicube **hemicube, struct error *err);
+
+// Say what elements reflect, by element: once, before the first rows, where mirrors are not off. If some do, this makes what
+// it takes to follow their light, and needs compilation. STATUS_MEMORY, STATUS_DEVICE.
+enum status hemicube_reflect(struct hemicube *hemicube, const struct radiosity_surface *surfaces, struct error *err);
 
 // Free it. NULL is allowed.
 void hemicube_destroy(struct hemicube *hemicube);
@@ -71,7 +79,8 @@ enum status hemicube_compile(struct hemicube *hemicube, struct error *err);
 uint32_t hemicube_batch(const struct hemicube *hemicube, double budget_us);
 
 // Make the rows of `count` elements, at most what hemicube_batch gives for any budget, and put them into `factors`.
-// STATUS_MEMORY, STATUS_DEVICE, and as factors_put_row; some of the rows may have been put then.
+// STATUS_MEMORY, STATUS_DEVICE, and as factors_put_row; STATUS_TRAVERSAL_CUT: the driver ended a loop of a ray. Some of the
+// rows may have been put then.
 enum status hemicube_rows(struct hemicube *hemicube, const uint32_t *elements, uint32_t count, struct factors *factors,
 			  struct error *err);
 

@@ -1,8 +1,12 @@
 // The passes of hemicubes.
 #include <epoxy/gl.h>
+#include <math.h>
 
+#include "server/base/vec3.h"
 #include "server/worker/gl/scene.h"
+#include "server/worker/gl/settle.h"
 #include "server/worker/technique/radiosity/hemicube_job.h"
+#include "server/worker/trace/trace.h"
 
 static void set_raster(const struct hemicube *h)
 {
@@ -50,47 +54,55 @@ static enum status ask(const struct hemicube *h, const struct gl_program *progra
 	return gl_program_ask(h->device, program, &warm, err);
 }
 
-static enum status draw_run(const struct hemicube *h, const struct hemicube_run *run, uint32_t count, struct error *err)
+static enum status draw_run(const struct hemicube *h, const struct hemicube_run *run, uint32_t level, uint32_t instances,
+			    struct error *err)
 {
 	const GLsizei corners = (GLsizei)(3 * (run->end - run->first));
-	struct gl_program *program = h->draw[run->cut];
+	struct gl_program *program = level > 0 ? h->draw_mirrored[run->cut] : h->draw[run->cut];
 	gl_program_use(h->device, program);
+	if (level > 0)
+		gl_texture_bind(&h->levels[level - 1].found, UNIT_HEMICUBE_PARENTS);
 	const enum status s = ask(h, program, err);
 	if (s != STATUS_OK)
 		return s;
 	set_sizes(h);
-	glUniform4ui(HEMICUBE_RANGE, 0, count, 0, 0);
 	glUniform1f(HEMICUBE_NEAR, h->near);
 	glUniform1ui(HEMICUBE_TRIANGLE, run->first);
 	if (run->cut)
-		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(3 * run->first), corners, (GLsizei)(HEMICUBE_FACES * count));
+		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(3 * run->first), corners, (GLsizei)instances);
 	else
 		glDrawElementsInstanced(GL_TRIANGLES, corners, GL_UNSIGNED_INT,
-					(const char *)NULL + 3 * sizeof(uint32_t) * (size_t)run->first,
-					(GLsizei)(HEMICUBE_FACES * count));
+					(const char *)NULL + 3 * sizeof(uint32_t) * (size_t)run->first, (GLsizei)instances);
 	gl_program_has_run(h->device, program);
 	return STATUS_OK;
 }
 
-static enum status draw(const struct hemicube *h, uint32_t count, struct error *err)
+static enum status bind_scene(const struct hemicube *h, uint32_t bindings, struct error *err)
+{
+	struct gl_scene *scene;
+	const enum status s = gl_scene_get(h->scene, h->device, bindings, &scene, err);
+	if (s != STATUS_OK)
+		return s;
+	gl_scene_bind(scene);
+	gl_buffer_bind(&h->job, BIND_JOB);
+	return s;
+}
+
+static enum status draw(const struct hemicube *h, uint32_t level, uint32_t instances, struct error *err)
 {
 	static const GLuint nothing[4] = {0};
 	static const GLfloat far = 0;
-	enum status s = STATUS_OK;
-	if (h->draw[1]) {
-		struct gl_scene *scene;
-		s = gl_scene_get(h->scene, h->device, h->bindings, &scene, err);
-		if (s != STATUS_OK)
-			return s;
-		gl_scene_bind(scene);
-		gl_buffer_bind(&h->job, BIND_JOB);
-	}
+	enum status s = h->draw[1] ? bind_scene(h, h->bindings, err) : STATUS_OK;
+	if (s != STATUS_OK)
+		return s;
 	gl_buffer_bind(&h->cells, BIND_HEMICUBE_CELLS);
+	gl_buffer_bind(&h->instances, BIND_HEMICUBE_INSTANCES);
+	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 	set_raster(h);
 	glClearBufferuiv(GL_COLOR, 0, nothing);
 	glClearBufferfv(GL_DEPTH, 0, &far);
 	for (uint32_t i = 0; s == STATUS_OK && i < h->run_count; i++)
-		s = draw_run(h, &h->runs[i], count, err);
+		s = draw_run(h, &h->runs[i], level, instances, err);
 	reset_raster();
 	return s;
 }
@@ -106,35 +118,123 @@ static void bind_texels(const struct hemicube *h, unsigned unit, unsigned textur
 	glBindTextureUnit(unit, texture);
 }
 
-static enum status sum(const struct hemicube *h, uint32_t count, struct error *err)
+// What passes over pixels read and write.
+static void bind_pixels(const struct hemicube *h)
 {
-	const uint32_t n = h->options.pixels;
-	gl_program_use(h->device, h->sum);
 	gl_texture_bind(&h->target.ids, UNIT_HEMICUBE_IDS);
-	bind_texels(h, UNIT_HEMICUBE_TABLE, h->table_texels, hemicube_table_entries(n));
 	bind_texels(h, UNIT_HEMICUBE_TRIANGLES, h->corner_texels, 3ull * h->triangle_count);
-	const enum status s = ask(h, h->sum, err);
-	if (s != STATUS_OK)
-		return s;
-	set_sizes(h);
-	glUniform4ui(HEMICUBE_RANGE, 0, count, 0, 0);
 	gl_buffer_bind(&h->faces, BIND_RADIOSITY_FACES);
 	gl_buffer_bind(&h->cells, BIND_HEMICUBE_CELLS);
 	gl_buffer_bind(&h->dense, BIND_HEMICUBE_DENSE);
 	gl_buffer_bind(&h->rows, BIND_HEMICUBE_ROWS);
 	gl_buffer_bind(&h->lists, BIND_HEMICUBE_LISTS);
+	if (h->planes.count > 0)
+		gl_buffer_bind(&h->mirrors, BIND_HEMICUBE_MIRRORS);
+}
+
+// What portals add to that.
+static void bind_portals(const struct hemicube *h, uint32_t level)
+{
+	const bool goes_on = level < h->options.bounces;
+	const uint32_t before = level > 0 ? level - 1 : 0;
+	glUniform1ui(HEMICUBE_PLANES, h->seen_words);
+	gl_buffer_bind(&h->seen, BIND_HEMICUBE_SEEN);
+	if (goes_on)
+		gl_buffer_clear(&h->seen);
+	// Without mirrors on the way nothing reads the texture, and behind the last nothing writes the image.
+	gl_texture_bind(&h->levels[before].found, UNIT_HEMICUBE_PARENTS);
+	gl_texture_bind_image(&h->levels[goes_on ? level : before].found, IMAGE_HEMICUBE_FOUND, 0, GL_WRITE_ONLY);
+}
+
+static enum status sum(const struct hemicube *h, uint32_t level, struct error *err)
+{
+	static const struct hemicube_pixels nothing = {.groups = {0, 1, 1}};
+	const uint32_t n = h->options.pixels, count = h->levels[level].count;
+	gl_settle(h->device);
+	gl_program_use(h->device, h->sum);
+	bind_pixels(h);
+	bind_texels(h, UNIT_HEMICUBE_TABLE, h->table_texels, hemicube_table_entries(n));
+	if (hemicube_has_portals(h))
+		bind_portals(h, level);
+	if (hemicube_has_rays(h)) {
+		gl_buffer_write(&h->pixels, 0, sizeof nothing, &nothing);
+		gl_buffer_bind(&h->pixels, BIND_HEMICUBE_PIXELS);
+	}
+	const enum status s = ask(h, h->sum, err);
+	if (s != STATUS_OK)
+		return s;
+	set_sizes(h);
+	if (h->planes.count > 0)
+		glUniform2ui(HEMICUBE_BOUNCES, level, h->options.bounces);
 	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 	glDispatchCompute(groups_of(3 * n * n), count, 1);
-	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 	gl_program_has_run(h->device, h->sum);
 	return STATUS_OK;
 }
 
-enum status hemicube_pass(struct hemicube *h, uint32_t count, struct error *err)
+// Follow the rays that the sum has left.
+static enum status follow(const struct hemicube *h, struct error *err)
 {
-	gl_buffer_write(&h->cells, 0, count * sizeof *h->host_cells, h->host_cells);
-	const enum status s = draw(h, count, err);
-	return s == STATUS_OK ? sum(h, count, err) : s;
+	gl_settle(h->device);
+	gl_program_use(h->device, h->rays);
+	enum status s = bind_scene(h, h->bindings | TRACE_BINDINGS, err);
+	if (s != STATUS_OK)
+		return s;
+	bind_pixels(h);
+	gl_buffer_bind(&h->pixels, BIND_HEMICUBE_PIXELS);
+	s = ask(h, h->rays, err);
+	if (s != STATUS_OK)
+		return s;
+	set_sizes(h);
+	glUniform2ui(HEMICUBE_BOUNCES, 0, h->options.bounces);
+	glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, h->pixels.name);
+	glMemoryBarrier(GL_COMMAND_BARRIER_BIT);
+	glDispatchComputeIndirect(0);
+	glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
+	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+	gl_program_has_run(h->device, h->rays);
+	return STATUS_OK;
+}
+
+// A cell as shaders see it. What is behind its mirror's plane, or in it but for rounding, is not drawn.
+static void fill_cell(const struct hemicube *h, const struct hemicube_view *v, struct hemicube_cell *cell)
+{
+	*cell = (struct hemicube_cell){.row = v->row, .parent = v->parent, .plane = v->plane};
+	for (int c = 0; c < 3; c++) {
+		cell->eye[c] = (float)v->origin.at[c];
+		cell->x[c] = (float)v->origin.x[c];
+		cell->y[c] = (float)v->origin.y[c];
+		cell->z[c] = (float)v->origin.z[c];
+	}
+	if (v->plane == 0)
+		return;
+	const struct hemicube_plane *p = &h->planes.list[v->plane - 1];
+	const double high = vec3_dot(p->normal, v->origin.at) - p->offset, side = high > 0 ? -1 : 1;
+	double away = 0;
+	for (int c = 0; c < 3; c++) {
+		cell->clip[c] = (float)(side * p->normal[c]);
+		away += (p->at[c] - v->origin.at[c]) * (p->at[c] - v->origin.at[c]);
+	}
+	cell->clip[3] = (float)(-fabs(high) - p->error - HEMICUBE_TILT_ERROR * (p->radius + sqrt(away)));
+}
+
+enum status hemicube_pass(struct hemicube *h, uint32_t level, struct error *err)
+{
+	const struct hemicube_level *l = &h->levels[level];
+	uint32_t instances = 0;
+	for (uint32_t i = 0; i < l->count; i++) {
+		fill_cell(h, &l->views[i], &h->host_cells[i]);
+		for (uint32_t face = 0; face < HEMICUBE_FACES; face++)
+			if (l->views[i].faces >> face & 1)
+				h->host_faces[instances++] = 8 * i + face;
+	}
+	gl_buffer_write(&h->cells, 0, l->count * sizeof *h->host_cells, h->host_cells);
+	gl_buffer_write(&h->instances, 0, instances * sizeof *h->host_faces, h->host_faces);
+	enum status s = draw(h, level, instances, err);
+	if (s == STATUS_OK)
+		s = sum(h, level, err);
+	return s == STATUS_OK && hemicube_has_rays(h) ? follow(h, err) : s;
 }
 
 enum status hemicube_pack(const struct hemicube *h, uint32_t count, struct error *err)

@@ -1,5 +1,6 @@
-// What the files of hemicubes share: hemicube.c, which makes one, hemicube_draw.c, which draws and sums up, and
-// hemicube_rows.c, which makes rows of it.
+// What the files of hemicubes share: hemicube.c and hemicube_upload.c,
+// which make one, hemicube_draw.c, which draws and sums up, hemicube_portal.c,
+// which looks into mirrors, and hemicube_rows.c, which makes rows of all that.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_HEMICUBE_JOB_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_HEMICUBE_JOB_H
 
@@ -7,7 +8,11 @@
 #include "server/worker/gl/program.h"
 #include "server/worker/gl/texture.h"
 #include "server/worker/technique/radiosity/hemicube.h"
+#include "server/worker/technique/radiosity/hemicube_planes.h"
 #include "shaders/shared/hemicube.h"
+
+#define HEMICUBE_ALL_FACES 31u // bits
+#define HEMICUBE_UNIT 0xFFFFFFF8u // of sums: so much is a share of 1 of one hemicube
 
 // Triangles [first, end), all with masks or all without.
 struct hemicube_run {
@@ -15,10 +20,27 @@ struct hemicube_run {
 	bool cut;
 };
 
-// A pass of cells: what it is drawn into.
+// What a pass of cells is drawn into.
 struct hemicube_target {
 	struct gl_texture ids, depths;
 	unsigned framebuffer;
+};
+
+// A cell, as the host has it.
+struct hemicube_view {
+	struct hemicube_origin origin;
+	uint32_t row; // of the batch
+	uint32_t parent, plane; // as in struct hemicube_cell
+	uint32_t faces; // bits of the faces that are to be drawn
+};
+
+// The cells that see by so many mirrors.
+struct hemicube_level {
+	struct hemicube_view *views;
+	uint32_t count; // of them in use
+	uint32_t *seen; // of each, which faces see which planes of mirrors, while there are some to look into
+	uint32_t cell, plane; // the next of these
+	struct gl_texture found; // for each pixel the mirror's plane + 1, and the weight that goes on
 };
 
 // What hemicube.h makes. The scene and the elements are the caller's.
@@ -34,24 +56,52 @@ struct hemicube {
 	uint32_t cells_most; // of a pass
 	uint32_t rows_most; // of a batch
 	uint32_t list_most; // elements that a row has room for
-	uint32_t unit; // of the table: a share of 1 of one hemicube
 	float near; // metres
 	bool compiled;
 	double row_us; // 0: not known
 	struct hemicube_run *runs;
 	uint32_t run_count;
 	unsigned vertex_array;
-	struct gl_buffer positions, indices, corners, table, faces, cells, dense, rows, lists, entries, job;
+	struct gl_buffer positions, indices, corners, table, faces, cells, instances, dense, rows, lists, entries, job;
 	unsigned corner_texels, table_texels; // texel buffers
 	struct hemicube_target target;
-	struct gl_program *draw[2]; // of triangles without masks, and with; the second NULL: there are none
+	struct gl_program *draw[2]; // of triangles without masks, and with; NULL: there are none
+	struct gl_program *draw_mirrored[2]; // the same within mirrors; NULL: there are none
 	struct gl_program *sum, *pack;
+	struct gl_program *rays; // NULL: no light goes on by rays
 	struct hemicube_cell *host_cells; // of a pass
+	uint32_t *host_faces; // of a pass
 	struct hemicube_row *host_rows; // of a batch
+	struct hemicube_level levels[HEMICUBE_PORTALS_MOST + 1]; // by mirrors on the way
+	// Mirrors; empty where they are off or the scene has none.
+	struct hemicube_planes planes;
+	struct gl_buffer mirrors, seen, pixels;
+	uint32_t seen_words; // of a cell
 };
 
-// Draw and sum up cells [0, count) of `host_cells`, which are in the buffer. Commands only.
-enum status hemicube_pass(struct hemicube *h, uint32_t count, struct error *err);
+// Make the buffers that depend on the scene and on the table. On failure those that were made stay, for hemicube_destroy.
+enum status hemicube_upload(struct hemicube *h, struct error *err);
+
+// Draw and sum up the cells of a level, and follow rays from them. Commands only.
+enum status hemicube_pass(struct hemicube *h, uint32_t level, struct error *err);
+
+// Sum up what the cells of the first level see, and what they see in mirrors.
+enum status hemicube_look(struct hemicube *h, struct error *err);
+
+// Look into the first mirror by a cell that may see nothing of it, so that the programs for it run.
+enum status hemicube_look_anyway(struct hemicube *h, struct error *err);
+
+// Whether mirrors are looked into.
+static inline bool hemicube_has_portals(const struct hemicube *h)
+{
+	return h->planes.count > 0 && h->options.mirrors == HEMICUBE_MIRRORS_PORTAL;
+}
+
+// Whether rays go on from mirrors.
+static inline bool hemicube_has_rays(const struct hemicube *h)
+{
+	return h->planes.count > 0 && h->options.mirrors == HEMICUBE_MIRRORS_HYBRID;
+}
 
 // Move what rows [0, count) have met to `entries`, with the first of each told in the buffer of rows. Commands only.
 enum status hemicube_pack(const struct hemicube *h, uint32_t count, struct error *err);

@@ -6,8 +6,6 @@
 #include "server/base/angle.h"
 #include "server/base/vec3.h"
 
-#define OFFSET_ERROR 9.5367431640625e-07 // as in shaders/common/surface.glsl: rounding of places, as a share of coordinates
-#define TILT_ERROR (OFFSET_ERROR / 4) // rounding of normals and frames, as a share of distances
 #define GOLDEN 0.6180339887498949
 
 static double reversed(uint32_t bits)
@@ -92,7 +90,7 @@ static double lift_of(const struct elements *e, const struct patch *p, const dou
 		error = fmax(error, own);
 		reach = fmax(reach, sqrt(away));
 	}
-	return OFFSET_ERROR * error + TILT_ERROR * reach;
+	return HEMICUBE_OFFSET_ERROR * error + HEMICUBE_TILT_ERROR * reach;
 }
 
 static void make_frame(const double side[3], double angle, struct hemicube_origin *out)

@@ -5,6 +5,11 @@
 
 #include "server/worker/technique/radiosity/elements.h"
 
+// Rounding of places, as a share of coordinates: OFFSET_ERROR of shaders/common/surface.glsl. And of normals and frames, as
+// a share of distances.
+#define HEMICUBE_OFFSET_ERROR 9.5367431640625e-07
+#define HEMICUBE_TILT_ERROR (HEMICUBE_OFFSET_ERROR / 4)
+
 // A hemicube's point, metres relative to the blob's origin, and its frame, of which z is the element's normal.
 struct hemicube_origin {
 	double at[3];

@@ -28,9 +28,9 @@ static struct hemicube_entry *sort(struct hemicube_entry *entries, struct hemicu
 	return entries;
 }
 
-static double unit_of(const struct hemicube *h)
+static float share_of(const struct hemicube *h, const uint32_t sum[2])
 {
-	return (double)h->unit * h->options.origins;
+	return (float)((sum[1] * 0x1p32 + sum[0]) / ((double)HEMICUBE_UNIT * h->options.origins));
 }
 
 // Put one row, whose entries are in host memory; `other` has room for as many.
@@ -40,14 +40,14 @@ static enum status put_row(const struct hemicube *h, uint32_t element, const str
 {
 	const struct hemicube_entry *sorted = sort(entries, other, row->count, h->elements->count);
 	const struct factors_put put = {
-	    .element = element, .escaped = (float)(row->escaped / unit_of(h)), .cut = (float)(row->cut / unit_of(h))};
+	    .element = element, .escaped = share_of(h, row->escaped), .cut = share_of(h, row->cut)};
 	uint32_t *columns = malloc((row->count + 1) * (sizeof(uint32_t) + sizeof(float)));
 	if (!columns)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	float *values = (float *)(columns + row->count);
 	for (uint32_t i = 0; i < row->count; i++) {
 		columns[i] = sorted[i].element;
-		values[i] = (float)(sorted[i].weight / unit_of(h));
+		values[i] = share_of(h, sorted[i].weight);
 	}
 	const enum status s = factors_put_row(factors, &put, columns, values, row->count, err);
 	free(columns);
@@ -80,32 +80,23 @@ static enum status put_rows(const struct hemicube *h, const uint32_t *elements, 
 	return s;
 }
 
-static void make_cell(const struct hemicube *h, uint32_t element, uint32_t row, uint32_t origin, struct hemicube_cell *cell)
-{
-	struct hemicube_origin o;
-	hemicube_origin_get(h->elements, element, origin, h->options.origins, &o);
-	*cell = (struct hemicube_cell){.row = row};
-	for (int c = 0; c < 3; c++) {
-		cell->eye[c] = (float)o.at[c];
-		cell->x[c] = (float)o.x[c];
-		cell->y[c] = (float)o.y[c];
-		cell->z[c] = (float)o.z[c];
-	}
-}
-
 static enum status sum_rows(struct hemicube *h, const uint32_t *elements, uint32_t count, struct error *err)
 {
-	const uint64_t cells = (uint64_t)count * h->options.origins;
+	const uint32_t origins = h->options.origins;
+	const uint64_t cells = (uint64_t)count * origins;
+	struct hemicube_level *first = &h->levels[0];
 	enum status s = STATUS_OK;
 	memset(h->host_rows, 0, count * sizeof *h->host_rows);
 	gl_buffer_write(&h->rows, 0, count * sizeof *h->host_rows, h->host_rows);
-	for (uint64_t first = 0, n; s == STATUS_OK && first < cells; first += n) {
-		n = cells - first < h->cells_most ? cells - first : h->cells_most;
-		for (uint64_t i = 0; i < n; i++) {
-			const uint32_t row = (uint32_t)((first + i) / h->options.origins);
-			make_cell(h, elements[row], row, (uint32_t)((first + i) % h->options.origins), &h->host_cells[i]);
+	for (uint64_t at = 0; s == STATUS_OK && at < cells; at += first->count) {
+		first->count = cells - at < h->cells_most ? (uint32_t)(cells - at) : h->cells_most;
+		for (uint32_t i = 0; i < first->count; i++) {
+			struct hemicube_view *v = &first->views[i];
+			*v = (struct hemicube_view){.row = (uint32_t)((at + i) / origins), .faces = HEMICUBE_ALL_FACES};
+			hemicube_origin_get(h->elements, elements[v->row], (uint32_t)((at + i) % origins), origins,
+					    &v->origin);
 		}
-		s = hemicube_pass(h, (uint32_t)n, err);
+		s = hemicube_look(h, err);
 	}
 	return s;
 }
@@ -116,6 +107,8 @@ enum status hemicube_compile(struct hemicube *h, struct error *err)
 	if (h->compiled)
 		return STATUS_OK;
 	enum status s = sum_rows(h, &element, 1, err);
+	if (s == STATUS_OK && hemicube_has_portals(h))
+		s = hemicube_look_anyway(h, err);
 	if (s == STATUS_OK)
 		s = hemicube_pack(h, 1, err);
 	if (s == STATUS_OK)
@@ -136,6 +129,8 @@ enum status hemicube_rows(struct hemicube *h, const uint32_t *elements, uint32_t
 {
 	if (count > h->rows_most)
 		return error_set(err, STATUS_INTERNAL, "%u rows are more than a batch has", count);
+	if (h->options.mirrors != HEMICUBE_MIRRORS_OFF && h->planes.count == 0)
+		return error_set(err, STATUS_INTERNAL, "nobody has told what elements reflect");
 	if (count == 0)
 		return STATUS_OK;
 	enum status s = hemicube_compile(h, err);

@@ -11,7 +11,7 @@ _Static_assert(offsetof(struct radiosity_settings, direct) == 0, "direct_setting
 #define RAYS_DEFAULT 1024u
 
 static const char *const factor_ways[] = {"hemisphere", "hemicube", "analytic", NULL};
-static const char *const mirror_ways[] = {"auto", "on", "off", NULL};
+static const char *const mirror_ways[] = {"auto", "on", "off", "portal", NULL};
 static const char *const near_ways[] = {"off", "on", NULL};
 static const char *const pixel_words[] = {"16", "32", "64", "128", "256", "512", "1024", NULL};
 static const uint32_t pixel_numbers[] = {16, 32, 64, 128, 256, 512, 1024};
@@ -66,5 +66,14 @@ enum status radiosity_options_check(const struct plan *plan, struct error *err)
 	if (s->row != NONE && s->show != RADIOSITY_SHOW_ROW)
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "radiosity.row says whose row radiosity.show=row shows: ask for that, too");
+	if (s->mirrors == RADIOSITY_MIRRORS_PORTAL && s->factors != ROWS_BY_HEMICUBE)
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "radiosity.mirrors=portal is a way of hemicubes: ask for radiosity.factors=hemicube, too");
+	if (s->mirrors == RADIOSITY_MIRRORS_PORTAL && s->bounces > HEMICUBE_PORTALS_MOST)
+		return error_set(
+		    err, STATUS_BAD_ARGUMENT,
+		    "radiosity.mirrors=portal looks into %u mirrors one behind the other, not into %u: ask for a "
+		    "smaller radiosity.bounces",
+		    HEMICUBE_PORTALS_MOST, s->bounces);
 	return STATUS_OK;
 }

@@ -9,8 +9,9 @@
 enum radiosity_mirrors {
 	RADIOSITY_MIRRORS_AUTO,
 	RADIOSITY_MIRRORS_ON,
-	RADIOSITY_MIRRORS_OFF
-}; // auto: by rays or portals, as the factors
+	RADIOSITY_MIRRORS_OFF,
+	RADIOSITY_MIRRORS_PORTAL // as auto, but hemicubes look into mirrors in place of rays that go on from their pixels
+};
 
 // How light is shown: between the corners of patches, by patch, or by a gather.
 enum radiosity_display { RADIOSITY_DISPLAY_VERTEX, RADIOSITY_DISPLAY_CONSTANT, RADIOSITY_DISPLAY_GATHER };
@@ -55,7 +56,7 @@ enum status radiosity_options_check(const struct plan *plan, struct error *err);
 // Whether these settings let light go on by mirrors, where a scene has some; `on`, as if it had.
 static inline bool radiosity_has_mirrors(const struct radiosity_settings *s)
 {
-	return s->mirrors != RADIOSITY_MIRRORS_OFF && s->factors == ROWS_BY_HEMISPHERE;
+	return s->mirrors != RADIOSITY_MIRRORS_OFF && s->factors != ROWS_BY_CONTOUR;
 }
 
 // The settings in a plan of this technique.

@@ -21,12 +21,13 @@ struct row_options {
 	uint32_t pixels, origins; // of hemicubes
 	uint32_t mirrors; // whether light goes on by mirrors
 	uint32_t bounces; // by mirrors, at most
+	uint32_t portals; // of hemicubes: they look into mirrors; else rays go on from their pixels
 };
 
 struct row_maker;
 
-// Make ready. What `of` names must outlive it. `gl` is asked for hemicubes alone. Fails as rays_create, hemicube_create and
-// analytic_create; *maker is NULL then.
+// Make ready. What `of` names must outlive it; with mirrors its surfaces are read when the first rows are begun. `gl` is
+// asked for hemicubes alone. Fails as rays_create, hemicube_create and analytic_create; *maker is NULL then.
 enum status row_maker_create(const struct patch_scene *of, const struct row_options *options, struct device *device,
 			     struct gl_device *gl, struct row_maker **maker, struct error *err);
 void row_maker_destroy(struct row_maker *maker); // NULL is allowed
