@@ -12,7 +12,7 @@ _Static_assert(BIND_PATCH_SKY_ROWS < BIND_RADIOSITY_COUNT && BIND_RADIOSITY_COUN
 _Static_assert(SPEC_PATCH_END <= SPEC_SCENE, "constants of the passes are none of the scene's");
 
 #define FIRST_PATCHES 256u // of the first dispatch, whose time is not known
-#define MOST_PATCHES (1u << 18) // of a dispatch
+#define MOST_PATCHES 4096u // of a dispatch: those that follow may take a thousand times as long as those before
 
 static enum status upload_faces(struct patch_pass *p, const struct patch_faces *faces, struct error *err)
 {
