@@ -1,9 +1,9 @@
-// Irradiance of patches straight from lights that are no elements: one point, spot or directional light in a dispatch, or the
-// environment's picture on one side of them. An invocation a patch; what it finds is added to what is there.
+// Irradiance of patches straight from lights: one point, spot or directional light in a dispatch, or the environment's picture
+// on one side of them, or the emissive surfaces there. An invocation a patch; what it finds is added to what is there.
 //
 // The light of an even picture is sampled by the cosine about the normal. That of an uneven one is sampled twice at each point,
 // also by the picture's table, as the path tracer does it: the power heuristic weights the two (Veach 1997, 9.2). Rays by the
-// cosine also go on at mirrors.
+// cosine also go on at mirrors. Emissive surfaces are sampled in the same two ways, by points on them and by the cosine.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -16,6 +16,7 @@
 layout(constant_id = SPEC_PATCH_COUNT) const uint PATCH_COUNT = 0u;
 layout(constant_id = SPEC_PATCH_SKY) const uint SKY = PATCH_SKY_NONE;
 layout(constant_id = SPEC_PATCH_DISCS) const bool DISCS = false;
+layout(constant_id = SPEC_PATCH_LAMPS) const bool LAMPS = false;
 layout(constant_id = SPEC_PATCH_BOUNCES) const uint BOUNCES = 0u;
 #define DISC_LIGHTS DISCS
 
@@ -164,6 +165,41 @@ lit lit_by_table(receiver r, vec3 n, uvec2 bits, vec2 u)
 	return l;
 }
 
+// A point on an emissive surface, chosen by power.
+lit lit_by_lamp(receiver r, vec3 n, uvec2 bits, vec2 u)
+{
+	lit l;
+	lamp_pick lamp = pick_emitter(bits);
+	vec2 uv = place_on(lamp, uvec2(0u), u);
+	emitter_view v;
+	l.back = push.back != 0u;
+	l.from = r.at + r.offset * n;
+	bool some = view_emitter(l.from, lamp, uv, v);
+	l.segment = v.segment;
+	float cosine = cosine_pdf(n, v.segment / max(length(v.segment), 1e-30));
+	float weight = power_weight(min(cosine * v.inverse, 1e18));
+	l.irradiance = v.radiance * (cosine * PI * v.inverse * weight * r.weight);
+	l.t_max = some && l.irradiance != vec3(0.0) ? 1.0 : -1.0;
+	return l;
+}
+
+// What the surface that a ray hits emits towards it, weighted beside points on emissive surfaces, which find it if the ray
+// came straight from a surface of normal n.
+vec3 lit_by_hit(ray_hit hit, vec3 n, vec3 direction, bool straight)
+{
+	triangle tri = triangles[hit.id];
+	material m = materials[tri.material];
+	corners k = corners_of(tri);
+	float away = dot(k.normal, direction);
+	if (m.power_density == 0.0 || (away > 0.0 && (m.flags & MATERIAL_EMITS_BOTH_SIDES) == 0u))
+		return vec3(0.0);
+	vec3 bary = vec3(1.0 - hit.uv.x - hit.uv.y, hit.uv);
+	vec3 radiance = emission_at(m, EFFECT_TEXTURES ? coordinates_at(tri, bary) : vec4(0.0));
+	float rival = m.power_density * job.emitter_power_inv * hit.t * hit.t /
+		      max(abs(away) * cosine_pdf(n, direction), 1e-30);
+	return radiance * (straight ? power_weight(min(rival, 1e18)) : 1.0);
+}
+
 // A ray that follows a cosine about the normal, and goes on at mirrors: each passes on its reflectance.
 struct seeker {
 	vec3 origin;
@@ -189,8 +225,8 @@ bool mirrored(inout seeker s, ray_hit hit)
 	return max(s.share.r, max(s.share.g, s.share.b)) > 0.0;
 }
 
-// What of the picture is seen along a cosine's direction.
-vec3 lit_by_cosine(receiver r, vec3 n, vec2 u, bool mine)
+// What of the picture, or of emissive surfaces, is seen along a cosine's direction.
+vec3 lit_by_cosine(receiver r, vec3 n, vec2 u, bool lamps, bool mine)
 {
 	vec3 x, y;
 	frame_make(n, x, y);
@@ -201,9 +237,11 @@ vec3 lit_by_cosine(receiver r, vec3 n, vec2 u, bool mine)
 	bool more = true;
 	do {
 		ray_hit hit;
-		bool met = BOUNCES > 0u ? trace_closest(s.origin, s.direction, s.alive ? INFINITY : -1.0, hit)
+		bool met = BOUNCES > 0u || LAMPS ? trace_closest(s.origin, s.direction, s.alive ? INFINITY : -1.0, hit)
 					: trace_any(s.origin, s.direction, s.alive ? INFINITY : -1.0);
-		if (s.alive && !met) {
+		if (LAMPS && lamps && s.alive && met)
+			found += lit_by_hit(hit, n, s.direction, bounce == 0u) * s.share;
+		if (SKY != PATCH_SKY_NONE && !lamps && s.alive && !met) {
 			sky_view v = sky_at(s.direction);
 			// The table finds only what is seen directly.
 			float rival = SKY == PATCH_SKY_BOTH ? v.pdf / max(cosine_pdf(n, s.direction), 1e-30) : 0.0;
@@ -233,6 +271,7 @@ void main()
 	uint i = push.first + (mine ? gl_GlobalInvocationID.x : 0u);
 	radiosity_patch p = radiosity_patches[i];
 	float sum = weights_of(i, p);
+	bool lamps = LAMPS && push.light == PATCH_LAMPS;
 	bool sky = SKY != PATCH_SKY_NONE && push.light == NONE;
 	vec3 front = vec3(0.0), back = vec3(0.0);
 	for (uint k = 0u; k < push.points; k++) {
@@ -250,11 +289,13 @@ void main()
 		l.segment = r.normal;
 		l.irradiance = vec3(0.0);
 		l.back = push.back != 0u;
-		if (sky) {
-			vec3 seen = lit_by_cosine(r, n, sample_2d(rnd, SET_BSDF), mine);
+		if (sky || lamps) {
+			vec3 seen = lit_by_cosine(r, n, sample_2d(rnd, SET_BSDF), lamps, mine);
 			front += push.back == 0u ? seen : vec3(0.0);
 			back += push.back != 0u ? seen : vec3(0.0);
-			if (SKY == PATCH_SKY_BOTH)
+			if (LAMPS && lamps)
+				l = lit_by_lamp(r, n, sample_bits(rnd, SET_PICK), sample_2d(rnd, SET_LIGHT));
+			else if (SKY == PATCH_SKY_BOTH)
 				l = lit_by_table(r, n, sample_bits(rnd, SET_PICK), sample_2d(rnd, SET_LIGHT));
 		} else if (EFFECT_LIGHTS && push.light != NONE)
 			l = lit_by(push.light, r, sample_2d(rnd, SET_LIGHT));

@@ -15,7 +15,10 @@
 #define SPEC_PATCH_SKY 35 // light: PATCH_SKY_…
 #define SPEC_PATCH_DISCS 36 // light: some directional light is a disc
 #define SPEC_PATCH_BOUNCES 37 // light: bounces at mirrors by which the sky is seen
-#define SPEC_PATCH_END 38
+#define SPEC_PATCH_LAMPS 38 // light: emissive surfaces are looked at, too
+#define SPEC_PATCH_END 39
+
+#define PATCH_LAMPS 0xFFFFFFFEu // patch_push.light: emissive surfaces
 
 // How the environment's picture is sampled.
 #define PATCH_SKY_NONE 0 // there is none
@@ -40,11 +43,11 @@
 struct patch_push {
 	uint first;
 	uint count;
-	uint light; // light: its number; NONE: the sky
+	uint light; // light: its number; NONE: the sky; PATCH_LAMPS
 	uint point; // light: the first of the points in this dispatch
 	uint points; // light: how many
 	uint all; // light: of all dispatches
-	uint back; // light, sky: which side, 0 or 1
+	uint back; // light, sky and lamps: which side, 0 or 1
 };
 LAYOUT_ASSERT(patch_push, 28)
 

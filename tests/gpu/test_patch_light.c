@@ -34,7 +34,8 @@ static void check_light(const char *what, double edge, uint32_t points, double m
 	model_close(&model, edge);
 	const uint32_t n = model.elements.patches.count;
 	const bool behind = model.lights[0].position[2] < 0;
-	float(*is)[3] = computed(&model, &everything, (struct light_options){points, 1, 0});
+	float(*is)[3] =
+	    computed(&model, &everything, (struct light_options){.points = points, .sky_points = 1, .bounces = 0});
 	double worst = 0, largest = 0;
 	for (uint32_t i = 0; i < n; i++) {
 		double should[3];
@@ -95,7 +96,7 @@ static void lights_add_up(void **state)
 	add_light(&model, LIGHT_POINT, (const double[3]){0.5, 0.5, -2}, o);
 	model_add_quad(&model, o, x, y, 0);
 	model_close(&model, 2);
-	float(*is)[3] = computed(&model, &everything, (struct light_options){1024, 1, 0});
+	float(*is)[3] = computed(&model, &everything, (struct light_options){.points = 1024, .sky_points = 1, .bounces = 0});
 	double one[3], two[3], three[3];
 	model_mean(&model, 0, 200, by_light, &model.lights[0], one);
 	model_mean(&model, 0, 200, by_light, &model.lights[1], two);
@@ -143,7 +144,8 @@ static void a_sun_shines_through_a_hole(void **state)
 		model_add_quad(&model, o, x, y, 0);
 		add_lid(&model, 1);
 		model_close(&model, edges[k]);
-		float(*is)[3] = computed(&model, &everything, (struct light_options){256, 1, 0});
+		float(*is)[3] =
+		    computed(&model, &everything, (struct light_options){.points = 256, .sky_points = 1, .bounces = 0});
 		double worst = 0;
 		for (uint32_t i = 0; i < model.elements.patches.count; i++) {
 			struct patch p;
@@ -175,7 +177,7 @@ static void a_sun_with_a_disc_is_as_bright(void **state)
 	add_light(&model, LIGHT_DIRECTIONAL, o, way)->spread = 0.05f;
 	model_add_quad(&model, o, x, y, 0);
 	model_close(&model, 0.25);
-	float(*is)[3] = computed(&model, &everything, (struct light_options){64, 1, 0});
+	float(*is)[3] = computed(&model, &everything, (struct light_options){.points = 64, .sky_points = 1, .bounces = 0});
 	double sum = 0;
 	const uint32_t n = model.elements.patches.count;
 	for (uint32_t i = 0; i < n; i++) {
@@ -206,7 +208,7 @@ static void masks_let_light_through(void **state)
 	model_add_quad(&model, o, x, y, 0);
 	model_add_quad(&model, z, x, y, 1);
 	model_close(&model, 2);
-	float(*is)[3] = computed(&model, &everything, (struct light_options){64, 1, 0});
+	float(*is)[3] = computed(&model, &everything, (struct light_options){.points = 64, .sky_points = 1, .bounces = 0});
 	assert_true(fabs((double)is[0][0] - 0.5) < 1e-5 && fabs((double)is[1][0] - 2) < 1e-5);
 	free(is);
 	model_finish(&model);
@@ -219,13 +221,15 @@ static void without_lights_there_is_no_pass(void **state)
 	model_start(&model);
 	model_add_quad(&model, o, x, y, 0);
 	model_close(&model, 1);
-	assert_false(light_wanted(&everything, &model.scene));
+	assert_false(light_wanted(&everything, &model.scene, false));
 	const struct patch_scene of = {&everything, &model.scene, &model.elements, &model.buffers};
 	static const uint32_t bad[] = {0, 3, LIGHT_POINTS_MOST * 2};
 	for (int i = 0; i < 3; i++) {
-		assert_int_equal(light_create(&of, &(struct light_options){bad[i], 1, 0}, device, &l, NULL),
+		assert_int_equal(light_create(&of, &(struct light_options){.points = bad[i], .sky_points = 1, .bounces = 0},
+					      device, &l, NULL),
 				 STATUS_BAD_ARGUMENT);
-		assert_int_equal(light_create(&of, &(struct light_options){1, bad[i], 0}, device, &l, NULL),
+		assert_int_equal(light_create(&of, &(struct light_options){.points = 1, .sky_points = bad[i], .bounces = 0},
+					      device, &l, NULL),
 				 STATUS_BAD_ARGUMENT);
 		assert_null(l);
 	}

@@ -87,7 +87,7 @@ static void an_even_sky_is_pi_times_its_radiance(void **state)
 	model_start(&model);
 	model_add_quad(&model, o, x, y, 0);
 	model_close(&model, 0.25);
-	float(*is)[3] = computed(&model, &sky.plan, (struct light_options){1, 16, 0});
+	float(*is)[3] = computed(&model, &sky.plan, (struct light_options){.points = 1, .sky_points = 16, .bounces = 0});
 	double worst = 0;
 	for (uint32_t i = 0; i < model.elements.count; i++)
 		worst = fmax(worst, fabs((double)is[i][0] / (0.75 * PI) - 1));
@@ -113,7 +113,7 @@ static void a_sky_with_a_sun_is_its_integral(void **state)
 	model_add_quad(&model, (const double[3]){50, 0, 0}, z, y, 0);
 	model_close(&model, 0.25);
 	const uint32_t n = model.elements.patches.count;
-	float(*is)[3] = computed(&model, &sky.plan, (struct light_options){1, 1024, 0});
+	float(*is)[3] = computed(&model, &sky.plan, (struct light_options){.points = 1, .sky_points = 1024, .bounces = 0});
 	for (int k = 0; k < 4; k++) {
 		const uint32_t first = k % 2 ? n : 0;
 		double mean = 0;
@@ -151,7 +151,8 @@ static void mirrors_show_the_sky(void **state)
 		       1);
 	model_close(&model, 1e5);
 	for (uint32_t bounces = 0; bounces < 2; bounces++) {
-		float(*is)[3] = computed(&model, &sky.plan, (struct light_options){1, 1024, bounces});
+		float(*is)[3] =
+		    computed(&model, &sky.plan, (struct light_options){.points = 1, .sky_points = 1024, .bounces = bounces});
 		const double should = PI * (0.5 + 0.5 * 0.6 * bounces);
 		printf("beside a mirror, %u bounces: %.5g, not %.5g\n", bounces, (double)is[0][0], should);
 		assert_true(fabs((double)is[0][0] / should - 1) < 0.01);
@@ -187,8 +188,8 @@ static void closed_rooms_are_dark_and_slices_do_not_matter(void **state)
 	float(*one)[3] = calloc(n, sizeof *one), (*two)[3] = calloc(n, sizeof *two);
 	assert_non_null(one);
 	assert_non_null(two);
-	compute(&model, &sky.plan, (struct light_options){16, 32, 0}, 1, one);
-	compute(&model, &sky.plan, (struct light_options){16, 32, 0}, 3000000, two);
+	compute(&model, &sky.plan, (struct light_options){.points = 16, .sky_points = 32, .bounces = 0}, 1, one);
+	compute(&model, &sky.plan, (struct light_options){.points = 16, .sky_points = 32, .bounces = 0}, 3000000, two);
 	assert_memory_equal(one, two, n * sizeof *one);
 	double inside = 0, outside = 0;
 	for (uint32_t i = 0; i < n; i++) {

@@ -30,8 +30,9 @@ struct light {
 	struct buffer irradiance;
 	uint32_t lights; // that are simulated
 	uint32_t sky; // PATCH_SKY_…
+	bool lamps; // emissive surfaces are simulated
 	// The cursor.
-	uint32_t turn; // the lights, then the two sides for the sky
+	uint32_t turn; // the lights, then the two sides for the sky, then for lamps
 	uint32_t point; // its first
 	uint32_t next; // patch
 	uint64_t done; // patches times points
@@ -42,9 +43,14 @@ static bool has_lights(const struct plan *plan, const struct resident_scene *sce
 	return plan_has(plan, candil_Effect_EFFECT_LIGHTS) && scene_count(scene, BLOB_LIGHTS) > 0;
 }
 
-bool light_wanted(const struct plan *plan, const struct resident_scene *scene)
+static bool has_lamps(const struct plan *plan, const struct resident_scene *scene)
 {
-	return has_lights(plan, scene) || plan_has_sky(plan);
+	return plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0;
+}
+
+bool light_wanted(const struct plan *plan, const struct resident_scene *scene, bool lamps)
+{
+	return has_lights(plan, scene) || plan_has_sky(plan) || (lamps && has_lamps(plan, scene));
 }
 
 static bool usable(uint32_t points)
@@ -53,11 +59,13 @@ static bool usable(uint32_t points)
 }
 
 // Those of the plan's effects that the pass can know.
-static uint32_t effects_of(const struct plan *plan)
+static uint32_t effects_of(const struct plan *plan, bool lamps)
 {
-	return plan->effects & (1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_LIGHTS |
-				1u << candil_Effect_EFFECT_ENVIRONMENT | 1u << candil_Effect_EFFECT_ALPHA_MASK |
-				1u << candil_Effect_EFFECT_ALPHA_BLEND | 1u << candil_Effect_EFFECT_VERTEX_COLORS);
+	const uint32_t emitters = lamps ? plan->effects & 1u << candil_Effect_EFFECT_EMITTERS : 0;
+	return emitters |
+	       (plan->effects & (1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_LIGHTS |
+				 1u << candil_Effect_EFFECT_ENVIRONMENT | 1u << candil_Effect_EFFECT_ALPHA_MASK |
+				 1u << candil_Effect_EFFECT_ALPHA_BLEND | 1u << candil_Effect_EFFECT_VERTEX_COLORS));
 }
 
 // By the cosine alone an even picture has no error at all; one with a sun has all of it.
@@ -70,7 +78,7 @@ static uint32_t sky_way(const struct plan *plan)
 
 static enum status light_init(struct light *l, const struct patch_scene *of, struct error *err)
 {
-	const uint32_t effects = effects_of(of->plan);
+	const uint32_t effects = effects_of(of->plan, l->lamps);
 	const struct sky_texels *sky = NULL;
 	struct device *d = l->pass.device;
 	struct constants c = {0};
@@ -91,7 +99,8 @@ static enum status light_init(struct light *l, const struct patch_scene *of, str
 	constants_set(&c, SPEC_PATCH_COUNT, of->elements->patches.count);
 	constants_set(&c, SPEC_PATCH_SKY, l->sky);
 	constants_set(&c, SPEC_PATCH_DISCS, l->lights > 0 && scene_has_discs(of->scene));
-	constants_set(&c, SPEC_PATCH_BOUNCES, l->sky ? l->options.bounces : 0);
+	constants_set(&c, SPEC_PATCH_BOUNCES, l->sky || l->lamps ? l->options.bounces : 0);
+	constants_set(&c, SPEC_PATCH_LAMPS, l->lamps);
 	const struct buffer *const own[3] = {&l->irradiance, sky ? &sky->texels : NULL, sky ? &sky->rows : NULL};
 	return patch_pass_bind(&l->pass, of, &light_shader, &c, own, err);
 }
@@ -110,6 +119,7 @@ enum status light_create(const struct patch_scene *of, const struct light_option
 	l->options = *options;
 	l->lights = has_lights(of->plan, of->scene) ? scene_count(of->scene, BLOB_LIGHTS) : 0;
 	l->sky = sky_way(of->plan);
+	l->lamps = options->lamps && has_lamps(of->plan, of->scene);
 	const enum status s = light_init(l, of, err);
 	if (s != STATUS_OK) {
 		light_destroy(l);
@@ -140,7 +150,7 @@ enum status light_compile(struct light *l, struct error *err)
 
 static uint32_t turns_of(const struct light *l)
 {
-	return l->lights + (l->sky ? 2 : 0);
+	return l->lights + (l->sky ? 2 : 0) + (l->lamps ? 2 : 0);
 }
 
 static uint32_t points_of(const struct light *l)
@@ -171,7 +181,7 @@ static void advance(struct light *l, uint32_t patches, uint32_t points)
 		return;
 	l->point = 0;
 	l->turn++;
-	// Rays to the sky are others, and more.
+	// Rays to the sky and to lamps are others, and more.
 	if (was_light && l->turn >= l->lights)
 		l->pass.item_us = 0;
 }
@@ -194,14 +204,16 @@ enum status light_step(struct light *l, uint32_t budget_us, struct error *err)
 	while (s == STATUS_OK && !light_finished(l)) {
 		const uint64_t spent = clock_us() - start;
 		const uint32_t left = spent < budget_us ? budget_us - (uint32_t)spent : 0, points = points_at_once(l);
-		const bool lamp = l->turn < l->lights;
+		const bool lamp = l->turn < l->lights, sky = l->sky && l->turn < l->lights + 2;
 		const struct patch_push push = {.first = l->next,
 						.count = patch_pass_fit(&l->pass, l->pass.patches - l->next, left),
-						.light = lamp ? l->turn : NONE,
+						.light = lamp  ? l->turn
+							 : sky ? NONE
+							       : PATCH_LAMPS,
 						.point = l->point,
 						.points = points,
 						.all = points_of(l),
-						.back = lamp ? 0 : l->turn - l->lights};
+						.back = lamp ? 0 : (l->turn - l->lights) % 2};
 		s = patch_pass_run(&l->pass, &push, err);
 		advance(l, push.count, points);
 		if (clock_us() - start >= budget_us)
@@ -218,7 +230,7 @@ bool light_finished(const struct light *l)
 static uint64_t whole(const struct light *l)
 {
 	return (uint64_t)l->pass.patches *
-	       ((uint64_t)l->lights * l->options.points + (l->sky ? 2ull : 0) * l->options.sky_points);
+	       ((uint64_t)l->lights * l->options.points + (turns_of(l) - l->lights) * (uint64_t)l->options.sky_points);
 }
 
 float light_progress(const struct light *l)

@@ -18,6 +18,7 @@ static const uint32_t pixel_numbers[] = {16, 32, 64, 128, 256, 512, 1024};
 static const char *const solvers[] = {"gradient", "jacobi", "gauss-seidel", NULL};
 static const char *const point_words[] = {"1", "4", "16", "64", "256", "1024", "4096", NULL};
 static const uint32_t point_numbers[] = {1, 4, 16, 64, 256, 1024, LIMIT_RADIOSITY_POINTS};
+static const char *const emitter_ways[] = {"auto", "points", "factors", NULL};
 static const char *const displays[] = {"vertex", "constant", "gather", NULL};
 static const char *const shows[] = {"none", "b", "e", "albedo", "id", "normal", "row", NULL};
 
@@ -32,6 +33,7 @@ static const struct option_rule rules[] = {
     OPTION_WORD("radiosity.mirrors", mirror_ways, struct radiosity_settings, mirrors),
     OPTION_WHOLE("radiosity.bounces", 0, LIMIT_RADIOSITY_BOUNCES, struct radiosity_settings, bounces),
     OPTION_NUMBER("radiosity.points", point_words, point_numbers, struct radiosity_settings, points),
+    OPTION_WORD("radiosity.emitters", emitter_ways, struct radiosity_settings, emitters),
     OPTION_WORD("radiosity.solver", solvers, struct radiosity_settings, solver),
     OPTION_REAL("radiosity.residual", 1e-7, 0.1, struct radiosity_settings, residual),
     OPTION_WORD("radiosity.display", displays, struct radiosity_settings, display),

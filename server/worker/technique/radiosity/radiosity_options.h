@@ -13,6 +13,10 @@ enum radiosity_mirrors {
 	RADIOSITY_MIRRORS_PORTAL // as auto, but hemicubes look into mirrors in place of rays that go on from their pixels
 };
 
+// How light of emissive surfaces is found: by points on them, or by form factors alone. auto: by points where they are small
+// beside the scene.
+enum radiosity_emitters { RADIOSITY_EMITTERS_AUTO, RADIOSITY_EMITTERS_POINTS, RADIOSITY_EMITTERS_FACTORS };
+
 // How light is shown: between the corners of patches, by patch, or by a gather.
 enum radiosity_display { RADIOSITY_DISPLAY_VERTEX, RADIOSITY_DISPLAY_CONSTANT, RADIOSITY_DISPLAY_GATHER };
 
@@ -40,6 +44,7 @@ struct radiosity_settings {
 	uint32_t mirrors; // enum radiosity_mirrors
 	uint32_t bounces; // of a ray by mirrors, at most
 	uint32_t points; // of a patch, from which lights are looked at
+	uint32_t emitters; // enum radiosity_emitters
 	uint32_t solver; // enum solver_way
 	float residual; // the solver ends there
 	uint32_t display; // enum radiosity_display

@@ -71,13 +71,15 @@ static enum status make_passes(struct solution *v, struct gl_device *gl, const s
 {
 	const struct factor_options *f = &v->options.factors;
 	const struct patch_scene of = {plan, v->scene, &v->factors->elements, &v->buffers};
-	const struct light_options light = {
-	    .points = v->options.points, .sky_points = v->options.sky_points, .bounces = f->rows.bounces};
+	const struct light_options light = {.points = v->options.points,
+					    .sky_points = v->options.sky_points,
+					    .lamps = v->options.lamps,
+					    .bounces = f->rows.bounces};
 	const uint64_t start = clock_us();
 	enum status s = surfaces_create(&of, v->device, &v->surfaces, err);
 	if (s == STATUS_OK)
 		s = surfaces_compile(v->surfaces, err);
-	if (s == STATUS_OK && light_wanted(plan, v->scene))
+	if (s == STATUS_OK && light_wanted(plan, v->scene, v->options.lamps))
 		s = light_create(&of, &light, v->device, &v->light, err);
 	if (s == STATUS_OK && v->light)
 		s = light_compile(v->light, err);
@@ -245,7 +247,7 @@ static enum status begin_solving(struct solution *v, struct error *err)
 	float *exitance = all, *albedo = all + 3 * (size_t)e->count, *area = albedo + 3 * (size_t)e->count;
 	for (uint32_t i = 0; i < e->count; i++) {
 		for (uint32_t c = 0; c < 3; c++) {
-			exitance[3 * i + c] = (float)PI * v->made_of[i].emission[c];
+			exitance[3 * i + c] = v->options.lamps ? 0 : (float)PI * v->made_of[i].emission[c];
 			albedo[3 * i + c] = bounces ? v->made_of[i].albedo[c] : 0;
 		}
 		area[i] = e->shapes[i % e->patches.count].area;

@@ -17,6 +17,7 @@ struct solution_options {
 	struct factor_options factors;
 	uint32_t effects; // bits 1 << candil_Effect
 	uint32_t points, sky_points; // of a patch, from which lights and the sky are looked at
+	uint32_t lamps; // whether light of emissive surfaces comes straight from them, and not by form factors
 	uint32_t solver; // enum solver_way
 	float residual; // the solver ends there
 	float background[3]; // radiance, W/(m² sr)
