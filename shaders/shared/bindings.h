@@ -25,6 +25,9 @@
 // OpenGL's texture units of the first two, which are texel buffers there.
 #define UNIT_NODES 14
 #define UNIT_LEAF_TRIANGLES 15
+// And of the next two, in a program that draws: struct triangle is a texel, struct vertex two.
+#define UNIT_TRIANGLES 1
+#define UNIT_VERTICES 2
 // The job.
 #define BIND_JOB 14 // struct scene_params
 #define BIND_COUNTERS 15 // struct pass_counters

@@ -14,6 +14,8 @@ static void gl_scene_destroy(struct derived *derived)
 	struct gl_scene *s = (struct gl_scene *)derived;
 	glDeleteTextures(1, &s->node_texels);
 	glDeleteTextures(1, &s->leaf_texels);
+	glDeleteTextures(1, &s->triangle_texels);
+	glDeleteTextures(1, &s->vertex_texels);
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)
 		gl_buffer_finish(&s->buffers[i], s->device);
 	free(s);
@@ -37,7 +39,7 @@ static enum status view_as_texels(struct gl_scene *s, uint32_t binding, unsigned
 		return STATUS_OK;
 	glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
 	if (buffer->bytes / TEXEL_BYTES > (uint64_t)most)
-		return error_set(err, STATUS_MEMORY, "the scene's tree has more texels than the OpenGL device's %d", most);
+		return error_set(err, STATUS_MEMORY, "the scene has more texels than the OpenGL device's %d", most);
 	glCreateTextures(GL_TEXTURE_BUFFER, 1, texture);
 	glTextureBuffer(*texture, GL_RGBA32UI, buffer->name);
 	return gl_check(s->device, "viewing a buffer as texels", err);
@@ -59,6 +61,10 @@ static enum status gl_scene_upload(struct gl_scene *s, const struct resident_sce
 		r = view_as_texels(s, BIND_NODES, &s->node_texels, err);
 	if (r == STATUS_OK)
 		r = view_as_texels(s, BIND_LEAF_TRIANGLES, &s->leaf_texels, err);
+	if (r == STATUS_OK)
+		r = view_as_texels(s, BIND_TRIANGLES, &s->triangle_texels, err);
+	if (r == STATUS_OK)
+		r = view_as_texels(s, BIND_VERTICES, &s->vertex_texels, err);
 	return r;
 }
 
@@ -110,4 +116,14 @@ void gl_scene_bind(const struct gl_scene *s)
 		bind_texels(s, BIND_NODES, UNIT_NODES, s->node_texels);
 	if (s->leaf_texels)
 		bind_texels(s, BIND_LEAF_TRIANGLES, UNIT_LEAF_TRIANGLES, s->leaf_texels);
+}
+
+void gl_scene_bind_corners(const struct gl_scene *s)
+{
+	if (s->base)
+		gl_scene_bind_corners(s->base);
+	if (s->triangle_texels)
+		bind_texels(s, BIND_TRIANGLES, UNIT_TRIANGLES, s->triangle_texels);
+	if (s->vertex_texels)
+		bind_texels(s, BIND_VERTICES, UNIT_VERTICES, s->vertex_texels);
 }

@@ -13,7 +13,8 @@ struct gl_scene {
 	const struct gl_scene
 	    *base; // of an edited scene: has the buffers that it shares with its base; set anew by each gl_scene_get
 	struct gl_buffer buffers[BIND_SCENE_COUNT]; // by binding; zeroed: not on the device
-	unsigned node_texels, leaf_texels; // texel buffers over BIND_NODES and BIND_LEAF_TRIANGLES, four words a texel
+	// Texel buffers over BIND_NODES, BIND_LEAF_TRIANGLES, BIND_TRIANGLES and BIND_VERTICES, four words a texel.
+	unsigned node_texels, leaf_texels, triangle_texels, vertex_texels;
 };
 
 // The scene's buffers, after those of `bindings` (bits 1 << BIND_…) that were missing have been uploaded. *out stays the
@@ -28,5 +29,8 @@ const struct gl_buffer *gl_scene_buffer(const struct gl_scene *scene, uint32_t b
 // Bind every buffer that is there to the storage block of its number. The BVH is bound as texel buffers instead, to texture
 // units UNIT_NODES and UNIT_LEAF_TRIANGLES.
 void gl_scene_bind(const struct gl_scene *scene);
+
+// Bind triangles and vertices as texel buffers, too, to texture units UNIT_TRIANGLES and UNIT_VERTICES.
+void gl_scene_bind_corners(const struct gl_scene *scene);
 
 #endif

@@ -120,11 +120,17 @@ static void clear_radiance(const struct deferred *d)
 	glClearTexImage(d->radiance.name, 0, GL_RGBA, GL_FLOAT, NULL);
 }
 
+static void bind_draw(const struct deferred *d, const struct gl_program *program)
+{
+	bind_common(d, program);
+	gl_scene_bind_corners(d->gl_scene);
+}
+
 static void record_draw(const struct deferred *d, const struct deferred_work *work, uint32_t first, uint32_t count)
 {
 	const GLuint nothing[4] = {0};
 	const GLfloat far = 0.0f;
-	bind_common(d, work->program);
+	bind_draw(d, work->program);
 	deferred_set_raster(d);
 	if (first == 0) {
 		glClearBufferuiv(GL_COLOR, 0, nothing);
@@ -183,7 +189,7 @@ void deferred_record(struct deferred *d, uint32_t count)
 enum status deferred_warm_up(struct deferred *d, struct deferred_work *work, bool *cold, struct error *err)
 {
 	if (work->kind == DEFERRED_DRAW)
-		bind_common(d, work->program);
+		bind_draw(d, work->program);
 	else
 		record_tiles(d, work, 0, 0);
 	bool warm;
