@@ -23,7 +23,7 @@ static inline void compute(struct patch_model *m, const struct plan *plan, struc
 	while (!surfaces_finished(s))
 		assert_int_equal(surfaces_step(s, slice_us, NULL), STATUS_OK);
 	surfaces_destroy(s);
-	assert_true(light_wanted(plan, &m->scene, false));
+	assert_true(light_wanted(plan, &m->scene, options.lamps));
 	assert_int_equal(light_create(&of, &options, device, &l, NULL), STATUS_OK);
 	assert_int_equal(light_compile(l, NULL), STATUS_OK);
 	while (!light_finished(l))
