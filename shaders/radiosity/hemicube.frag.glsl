@@ -4,7 +4,7 @@
 
 #include "radiosity/hemicube.glsl"
 
-layout(location = HEMICUBE_TRIANGLE) uniform uint first_triangle;
+layout(location = HEMICUBE_DRAW) uniform uvec2 draw;
 layout(location = 0) out uint seen;
 #ifdef HEMICUBE_CUT
 #include "radiosity/hemicube_scene.glsl"
@@ -19,7 +19,7 @@ layout(location = 1) flat in uint cell;
 
 void main()
 {
-	uint id = first_triangle + uint(gl_PrimitiveID);
+	uint id = draw.x + uint(gl_PrimitiveID);
 #ifdef HEMICUBE_MIRRORED
 	hemicube_cell c = hemicube_cells[cell];
 	uvec2 at = uvec2(gl_FragCoord.xy) - uvec2(cell % sizes.y * 2u * sizes.x, 0u);

@@ -1,5 +1,5 @@
-// Projects every corner of every triangle to the five faces of hemicubes: an instance is a face of a cell, and the cell is
-// found by layer and viewport. Clip space has depths 0 to w. Depth is NEAR / w, which keeps a float's precision at every
+// Projects corners of triangles to the faces of hemicubes: an instance is a face of a cell, and the cell is found by layer and
+// viewport. Clip space has depths 0 to w. Depth is NEAR / w, which keeps a float's precision at every
 // distance, and NEAR is so little that the nearest plane cuts nothing off.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
@@ -18,6 +18,7 @@ layout(location = 0) in vec3 position;
 layout(std430, binding = BIND_HEMICUBE_INSTANCES) readonly buffer Instances {
 	uint instances[];
 };
+layout(location = HEMICUBE_DRAW) uniform uvec2 draw;
 layout(location = HEMICUBE_NEAR) uniform float near;
 #ifdef HEMICUBE_MIRRORED
 layout(location = 1) flat out uint cell;
@@ -30,8 +31,9 @@ void main()
 	vec3 position = to_vec3(vertices[triangles[corner / 3u].vertex[corner % 3u]].position);
 	barycentric = vec2(corner % 3u == 1u, corner % 3u == 2u);
 #endif
-	uint i = instances[gl_InstanceID] >> 3;
-	uint face = instances[gl_InstanceID] & 7u;
+	uint instance = instances[draw.y + uint(gl_InstanceID)];
+	uint i = instance >> 3;
+	uint face = instance & 7u;
 	hemicube_cell c = hemicube_cells[i];
 	vec3 p = position - hemicube_vec3(c.eye);
 	vec3 at = vec3(dot(p, hemicube_vec3(c.x)), dot(p, hemicube_vec3(c.y)), dot(p, hemicube_vec3(c.z)));

@@ -1,4 +1,4 @@
-// Sums up what the pixels of hemicubes see, by element: a lane looks at a pixel. An element that a row meets for the first time
+// Sums up what the pixels of hemicubes see, by element: a lane looks at pixels side by side. An element that a row meets for the first time
 // is added to the row's list.
 //
 // At a mirror the weight is counted for the mirror's own element, and what it reflects goes on: by another cell, which is drawn
@@ -33,18 +33,34 @@ layout(std430, binding = BIND_HEMICUBE_PIXELS) buffer Pixels {
 };
 #endif
 
-void main()
+// What a lane has counted for one element, or for none (NONE), and not yet added to the row's sum.
+uint run_element = NONE;
+uint run_weight = 0u;
+
+void end_run(uint row)
+{
+	if (run_weight > 0u && run_element == NONE)
+		count_escaped(row, run_weight);
+	else if (run_weight > 0u)
+		count_for(row, run_element, run_weight);
+}
+
+void count_run(uint row, uint element, uint weight)
+{
+	bool same = element == run_element && run_weight + weight >= weight;
+	if (!same)
+		end_run(row);
+	run_weight = same ? run_weight + weight : weight;
+	run_element = element;
+}
+
+void sum_pixel(hemicube_cell c, uint cell, uint pixel)
 {
 	uint n = sizes.x;
-	uint pixel = gl_GlobalInvocationID.x;
-	uint cell = gl_WorkGroupID.y;
 	uvec2 at = uvec2(pixel % (2u * n), pixel / (2u * n));
 	uvec2 corner;
 	uint face = hemicube_face(at, corner);
-	hemicube_cell c = hemicube_cells[cell];
 	ivec3 texel = hemicube_texel(cell, at);
-	if (at.y >= n + n / 2u)
-		return;
 	uint entry;
 	vec3 local = pixel_direction(face, at - corner, entry);
 	uint weight = texelFetch(shares, int(entry)).x;
@@ -57,14 +73,14 @@ void main()
 #endif
 	uint id = texelFetch(ids, texel, 0).x;
 	if (weight > 0u && id == 0u)
-		count_escaped(c.row, weight);
+		count_run(c.row, NONE, weight);
 	if (weight > 0u && id != 0u) {
 		place_seen p = place_of(id - 1u, hemicube_vec3(c.eye), into_world(c, local));
 		uint element = element_of(p.word, p.uv, p.front);
 		if (element == NONE)
 			count_cut(c.row, weight);
 		else
-			count_for(c.row, element, weight);
+			count_run(c.row, element, weight);
 #ifdef HEMICUBE_MIRRORS
 		uint plane = element == NONE ? 0u : mirrors[element].plane;
 		uint left = plane == 0u ? 0u : mirrored(element, weight);
@@ -88,4 +104,15 @@ void main()
 	if (bounces.x < bounces.y)
 		imageStore(found, texel, uvec4(goes_on, 0u, 0u));
 #endif
+}
+
+void main()
+{
+	uint cell = gl_WorkGroupID.y;
+	uint first = gl_GlobalInvocationID.x * HEMICUBE_RUN;
+	uint end = min(first + HEMICUBE_RUN, 3u * sizes.x * sizes.x);
+	hemicube_cell c = hemicube_cells[cell];
+	for (uint pixel = first; pixel < end; pixel++)
+		sum_pixel(c, cell, pixel);
+	end_run(c.row);
 }

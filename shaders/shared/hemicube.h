@@ -10,7 +10,8 @@
 
 #define HEMICUBE_FACES 5
 #define HEMICUBE_ABREAST_MOST 3 // OpenGL has 16 viewports, a cell has 5
-#define HEMICUBE_LANES 128 // of a workgroup
+#define HEMICUBE_LANES 64 // of a workgroup
+#define HEMICUBE_RUN 8u // pixels that a lane of the sum looks at
 
 // Storage blocks of the passes.
 #define BIND_HEMICUBE_CELLS 22 // struct hemicube_cell, by cell
@@ -20,7 +21,7 @@
 #define BIND_HEMICUBE_ENTRIES 26 // struct hemicube_entry, row by row
 #define BIND_HEMICUBE_MIRRORS 27 // struct hemicube_mirror, by element
 #define BIND_HEMICUBE_SEEN 28 // uint: for each cell eight bits for each plane of mirrors, one for each face that sees it
-#define BIND_HEMICUBE_INSTANCES 29 // uint: cell · 8 + face, of what is drawn
+#define BIND_HEMICUBE_INSTANCES 29 // uint: cell · 8 + face, of all draws
 
 #define BIND_HEMICUBE_PIXELS \
 	28 // struct hemicube_pixels; then for each pixel its number among all of the pass, and its weight
@@ -34,7 +35,7 @@
 #define HEMICUBE_SIZES 8 // uniform location, uvec4: n, cells side by side, elements, elements that a row has room for
 #define HEMICUBE_BOUNCES 9 // uniform location, uvec2: mirrors on the way so far, mirrors at most
 #define HEMICUBE_NEAR 10 // uniform location, float: metres
-#define HEMICUBE_TRIANGLE 11 // uniform location, uint: first triangle of the draw
+#define HEMICUBE_DRAW 11 // uniform location, uvec2: first triangle and first instance of the draw
 #define HEMICUBE_PLANES 12 // uniform location, uint: words of a cell in BIND_HEMICUBE_SEEN
 
 // A hemicube about a point, perhaps as mirrors show it. Metres, relative to the blob's origin.

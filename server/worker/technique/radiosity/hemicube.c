@@ -21,6 +21,7 @@
 #define CELL_BYTES (32ull << 20) // of a pass's pictures, at most, where one layer does not take more
 #define CELLS_MOST 256u // of a pass
 #define SEEN_BYTES (16ull << 20) // of what cells tell about planes of mirrors, where one layer does not tell more
+#define INSTANCES_MOST (1u << 18) // of clusters, that are drawn without a stop
 #define ABREAST_PIXELS 128u // of a face's side, up to which cells lie side by side
 
 #define ALPHA (1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_ALPHA_BLEND)
@@ -86,10 +87,10 @@ uint64_t hemicube_bytes(uint32_t triangles, uint32_t vertices, uint32_t patches,
 					: 2ull * patches * sizeof(struct hemicube_mirror) +
 					      (seen < SEEN_BYTES ? seen : SEEN_BYTES + abreast_of(o) * (uint64_t)triangles);
 	return of_mirrors + triangles * of_triangle + vertices * 3ull * sizeof(float) +
-	       rows_of(2 * patches, o) * row_bytes(2 * patches, o) +
-	       cells_of(o) * (sizeof(struct hemicube_cell) + HEMICUBE_FACES * sizeof(uint32_t)) +
-	       cells_of(o) / abreast_of(o) * layer_bytes(o) + hemicube_table_entries(o->pixels) * sizeof(uint32_t) +
-	       sizeof(struct scene_params) + sizeof(struct hemicube_pixels);
+	       rows_of(2 * patches, o) * row_bytes(2 * patches, o) + cells_of(o) * sizeof(struct hemicube_cell) +
+	       INSTANCES_MOST * sizeof(uint32_t) + cells_of(o) / abreast_of(o) * layer_bytes(o) +
+	       hemicube_table_entries(o->pixels) * sizeof(uint32_t) + sizeof(struct scene_params) +
+	       sizeof(struct hemicube_pixels);
 }
 
 // ---- making it --------------------------------------------------------------------------------------------------------
@@ -103,11 +104,14 @@ static uint32_t effects_of(const struct plan *plan)
 static enum status make_rows(struct hemicube *h, struct error *err)
 {
 	const uint64_t rows = h->rows_most, list = rows * h->list_most;
+	const uint64_t faces = (uint64_t)h->cells_most * HEMICUBE_FACES * h->cluster_count;
+	h->instances_most = faces < INSTANCES_MOST ? (uint32_t)faces : INSTANCES_MOST;
 	h->host_rows = calloc(rows, sizeof *h->host_rows);
 	h->host_cells = calloc(h->cells_most, sizeof *h->host_cells);
-	h->host_faces = calloc((size_t)h->cells_most * HEMICUBE_FACES, sizeof *h->host_faces);
+	h->host_faces = calloc(h->instances_most, sizeof *h->host_faces);
+	h->host_draws = calloc(h->cluster_count, sizeof *h->host_draws);
 	h->levels[0].views = calloc(h->cells_most, sizeof *h->levels[0].views);
-	if (!h->host_rows || !h->host_cells || !h->host_faces || !h->levels[0].views)
+	if (!h->host_rows || !h->host_cells || !h->host_faces || !h->host_draws || !h->levels[0].views)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	enum status s = gl_buffer_init(&h->dense, h->device, rows * h->elements->count * 2 * sizeof(uint32_t), NULL, err);
 	if (s == STATUS_OK)
@@ -119,8 +123,7 @@ static enum status make_rows(struct hemicube *h, struct error *err)
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&h->cells, h->device, h->cells_most * sizeof *h->host_cells, NULL, err);
 	if (s == STATUS_OK)
-		s = gl_buffer_init(&h->instances, h->device, h->cells_most * HEMICUBE_FACES * sizeof *h->host_faces, NULL,
-				   err);
+		s = gl_buffer_init(&h->instances, h->device, h->instances_most * sizeof *h->host_faces, NULL, err);
 	return s;
 }
 
@@ -227,11 +230,11 @@ static enum status make_program(struct hemicube *h, const struct gl_source *sour
 }
 
 // Whether some triangles have masks (`cut`), or have none.
-static bool has_runs(const struct hemicube *h, bool cut)
+static bool has_triangles(const struct hemicube *h, bool cut)
 {
 	bool some = false;
-	for (uint32_t i = 0; i < h->run_count; i++)
-		some |= h->runs[i].cut == cut;
+	for (uint32_t i = 0; i < h->cluster_count; i++)
+		some |= h->clusters[i].cut == cut;
 	return some;
 }
 
@@ -247,7 +250,7 @@ static enum status make_draws(struct hemicube *h, bool mirrored, struct gl_progr
 		}
 		if (mirrored)
 			gl_define(&defines, "HEMICUBE_MIRRORED", "1");
-		if (has_runs(h, cut))
+		if (has_triangles(h, cut))
 			s = make_program(h, &draw_source, &defines, &draw[cut], err);
 	}
 	return s;
@@ -376,7 +379,8 @@ void hemicube_destroy(struct hemicube *h)
 		free(h->levels[i].seen);
 	}
 	hemicube_planes_finish(&h->planes);
-	free(h->runs);
+	free(h->clusters);
+	free(h->host_draws);
 	free(h->host_faces);
 	free(h->host_cells);
 	free(h->host_rows);

@@ -54,27 +54,95 @@ static enum status ask(const struct hemicube *h, const struct gl_program *progra
 	return gl_program_ask(h->device, program, &warm, err);
 }
 
-static enum status draw_run(const struct hemicube *h, const struct hemicube_run *run, uint32_t level, uint32_t instances,
-			    struct error *err)
+// Put the program of clusters with masks or without into use.
+static enum status use(const struct hemicube *h, uint32_t level, bool cut, struct gl_program **program, struct error *err)
 {
-	const GLsizei corners = (GLsizei)(3 * (run->end - run->first));
-	struct gl_program *program = level > 0 ? h->draw_mirrored[run->cut] : h->draw[run->cut];
-	gl_program_use(h->device, program);
+	*program = level > 0 ? h->draw_mirrored[cut] : h->draw[cut];
+	gl_program_use(h->device, *program);
 	if (level > 0)
 		gl_texture_bind(&h->levels[level - 1].found, UNIT_HEMICUBE_PARENTS);
-	const enum status s = ask(h, program, err);
+	const enum status s = ask(h, *program, err);
 	if (s != STATUS_OK)
 		return s;
 	set_sizes(h);
 	glUniform1f(HEMICUBE_NEAR, h->near);
-	glUniform1ui(HEMICUBE_TRIANGLE, run->first);
-	if (run->cut)
-		glDrawArraysInstanced(GL_TRIANGLES, (GLint)(3 * run->first), corners, (GLsizei)instances);
-	else
-		glDrawElementsInstanced(GL_TRIANGLES, corners, GL_UNSIGNED_INT,
-					(const char *)NULL + 3 * sizeof(uint32_t) * (size_t)run->first, (GLsizei)instances);
-	gl_program_has_run(h->device, program);
+	return s;
+}
+
+static enum status draw_clusters(const struct hemicube *h, uint32_t level, const struct hemicube_draw *draws, uint32_t count,
+				 struct error *err)
+{
+	struct gl_program *program = NULL;
+	for (uint32_t i = 0; i < count; i++) {
+		const struct hemicube_draw *d = &draws[i];
+		const struct hemicube_cluster *c = &h->clusters[d->cluster];
+		const GLsizei corners = (GLsizei)(3 * (c->end - c->first));
+		if (i == 0 || c->cut != h->clusters[draws[i - 1].cluster].cut) {
+			const enum status s = use(h, level, c->cut, &program, err);
+			if (s != STATUS_OK)
+				return s;
+		}
+		glUniform2ui(HEMICUBE_DRAW, c->first, d->first);
+		if (c->cut)
+			glDrawArraysInstanced(GL_TRIANGLES, (GLint)(3 * c->first), corners, (GLsizei)d->count);
+		else
+			glDrawElementsInstanced(GL_TRIANGLES, corners, GL_UNSIGNED_INT,
+						(const char *)NULL + 3 * sizeof(uint32_t) * (size_t)c->first,
+						(GLsizei)d->count);
+		gl_program_has_run(h->device, program);
+	}
 	return STATUS_OK;
+}
+
+// Which faces of a cell a sphere may be seen by: bits. Each side plane of a face's pyramid is at 45 degrees, and the sphere
+// is out of it where its middle is farther than its radius behind one. `slack` covers the rounding of what is drawn.
+static uint32_t faces_of(const struct hemicube_view *v, const struct hemicube_cluster *c)
+{
+	double p[3], size = c->radius;
+	for (int a = 0; a < 3; a++) {
+		p[a] = c->at[a] - v->origin.at[a];
+		size += fabs(p[a]) + fabs(c->at[a]);
+	}
+	const double x = vec3_dot(p, v->origin.x), y = vec3_dot(p, v->origin.y), z = vec3_dot(p, v->origin.z);
+	const double slack = 1e-5 * size, reach = 1.4142135623730951 * (c->radius + slack), low = c->radius + slack;
+	uint32_t faces = 0;
+	if (z < -low)
+		return 0;
+	faces |= z + reach >= fabs(x) && z + reach >= fabs(y) ? 1u : 0u;
+	faces |= x + reach >= fabs(y) && x + reach >= z ? 2u : 0u;
+	faces |= reach - x >= fabs(y) && reach - x >= z ? 4u : 0u;
+	faces |= y + reach >= fabs(x) && y + reach >= z ? 8u : 0u;
+	faces |= reach - y >= fabs(x) && reach - y >= z ? 16u : 0u;
+	return faces & v->faces;
+}
+
+// Draw what the faces of a level may see. Where they do not fit the buffer, it is drawn in parts.
+static enum status draw_all(struct hemicube *h, uint32_t level, struct error *err)
+{
+	const struct hemicube_level *l = &h->levels[level];
+	uint32_t draws = 0, used = 0;
+	enum status s = STATUS_OK;
+	for (uint32_t k = 0; s == STATUS_OK && k < h->cluster_count; k++) {
+		struct hemicube_draw *d = &h->host_draws[draws];
+		*d = (struct hemicube_draw){.cluster = k, .first = used};
+		for (uint32_t i = 0; i < l->count; i++) {
+			const uint32_t faces = faces_of(&l->views[i], &h->clusters[k]);
+			for (uint32_t face = 0; faces >> face; face++)
+				if (faces >> face & 1)
+					h->host_faces[used++] = 8 * i + face;
+		}
+		d->count = used - d->first;
+		draws += d->count > 0;
+		// The next cluster may be seen by all faces.
+		if (k + 1 < h->cluster_count && h->instances_most - used >= HEMICUBE_FACES * l->count)
+			continue;
+		if (draws > 0) {
+			gl_buffer_write(&h->instances, 0, used * sizeof *h->host_faces, h->host_faces);
+			s = draw_clusters(h, level, h->host_draws, draws, err);
+		}
+		draws = used = 0;
+	}
+	return s;
 }
 
 static enum status bind_scene(const struct hemicube *h, uint32_t bindings, struct error *err)
@@ -88,7 +156,7 @@ static enum status bind_scene(const struct hemicube *h, uint32_t bindings, struc
 	return s;
 }
 
-static enum status draw(const struct hemicube *h, uint32_t level, uint32_t instances, struct error *err)
+static enum status draw(struct hemicube *h, uint32_t level, struct error *err)
 {
 	static const GLuint nothing[4] = {0};
 	static const GLfloat far = 0;
@@ -101,8 +169,7 @@ static enum status draw(const struct hemicube *h, uint32_t level, uint32_t insta
 	set_raster(h);
 	glClearBufferuiv(GL_COLOR, 0, nothing);
 	glClearBufferfv(GL_DEPTH, 0, &far);
-	for (uint32_t i = 0; s == STATUS_OK && i < h->run_count; i++)
-		s = draw_run(h, &h->runs[i], level, instances, err);
+	s = draw_all(h, level, err);
 	reset_raster();
 	return s;
 }
@@ -167,7 +234,7 @@ static enum status sum(const struct hemicube *h, uint32_t level, struct error *e
 	if (h->planes.count > 0)
 		glUniform2ui(HEMICUBE_BOUNCES, level, h->options.bounces);
 	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-	glDispatchCompute(groups_of(3 * n * n), count, 1);
+	glDispatchCompute(groups_of((3 * n * n + HEMICUBE_RUN - 1) / HEMICUBE_RUN), count, 1);
 	glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 	gl_program_has_run(h->device, h->sum);
 	return STATUS_OK;
@@ -222,16 +289,10 @@ static void fill_cell(const struct hemicube *h, const struct hemicube_view *v, s
 enum status hemicube_pass(struct hemicube *h, uint32_t level, struct error *err)
 {
 	const struct hemicube_level *l = &h->levels[level];
-	uint32_t instances = 0;
-	for (uint32_t i = 0; i < l->count; i++) {
+	for (uint32_t i = 0; i < l->count; i++)
 		fill_cell(h, &l->views[i], &h->host_cells[i]);
-		for (uint32_t face = 0; face < HEMICUBE_FACES; face++)
-			if (l->views[i].faces >> face & 1)
-				h->host_faces[instances++] = 8 * i + face;
-	}
 	gl_buffer_write(&h->cells, 0, l->count * sizeof *h->host_cells, h->host_cells);
-	gl_buffer_write(&h->instances, 0, instances * sizeof *h->host_faces, h->host_faces);
-	enum status s = draw(h, level, instances, err);
+	enum status s = draw(h, level, err);
 	if (s == STATUS_OK)
 		s = sum(h, level, err);
 	return s == STATUS_OK && hemicube_has_rays(h) ? follow(h, err) : s;

@@ -14,10 +14,17 @@
 #define HEMICUBE_ALL_FACES 31u // bits
 #define HEMICUBE_UNIT 0xFFFFFFF8u // of sums: so much is a share of 1 of one hemicube
 
-// Triangles [first, end), all with masks or all without.
-struct hemicube_run {
+// Triangles [first, end), all with masks or all without, and a sphere about them.
+struct hemicube_cluster {
 	uint32_t first, end;
 	bool cut;
+	double at[3], radius; // metres
+};
+
+// A draw: a cluster, and the faces that may see it, of those that are in `instances`.
+struct hemicube_draw {
+	uint32_t cluster;
+	uint32_t first, count;
 };
 
 // What a pass of cells is drawn into.
@@ -59,8 +66,9 @@ struct hemicube {
 	float near; // metres
 	bool compiled;
 	double row_us; // 0: not known
-	struct hemicube_run *runs;
-	uint32_t run_count;
+	struct hemicube_cluster *clusters;
+	uint32_t cluster_count;
+	uint32_t instances_most; // faces that are in the buffer at once
 	unsigned vertex_array;
 	struct gl_buffer positions, indices, corners, table, faces, cells, instances, dense, rows, lists, entries, job;
 	unsigned corner_texels, table_texels; // texel buffers
@@ -70,7 +78,8 @@ struct hemicube {
 	struct gl_program *sum, *pack;
 	struct gl_program *rays; // NULL: no light goes on by rays
 	struct hemicube_cell *host_cells; // of a pass
-	uint32_t *host_faces; // of a pass
+	uint32_t *host_faces; // of draws
+	struct hemicube_draw *host_draws;
 	struct hemicube_row *host_rows; // of a batch
 	struct hemicube_level levels[HEMICUBE_PORTALS_MOST + 1]; // by mirrors on the way
 	// Mirrors; empty where they are off or the scene has none.

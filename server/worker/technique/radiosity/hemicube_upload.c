@@ -6,6 +6,7 @@
 
 #include "server/worker/technique/radiosity/hemicube_job.h"
 
+#define CLUSTER 32u // triangles, at most
 #define NEAR 0x1p-50 // of the scene's largest coordinate
 #define NEAR_LEAST 1e-36f // metres: a depth is still a normal float
 
@@ -18,19 +19,53 @@ static bool is_cut(const struct hemicube *h, uint32_t triangle)
 	return (materials[triangles[triangle].material].flags & flags) != 0;
 }
 
-static enum status make_runs(struct hemicube *h, struct error *err)
+// The sphere about the middle of the box about a cluster.
+static void bound(const struct hemicube *h, struct hemicube_cluster *c)
 {
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < h->triangle_count; i++)
-		count += i == 0 || is_cut(h, i) != is_cut(h, i - 1);
-	h->runs = calloc(count, sizeof *h->runs);
-	if (!h->runs)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	for (uint32_t i = 0; i < h->triangle_count; i++) {
-		if (i == 0 || is_cut(h, i) != is_cut(h, i - 1))
-			h->runs[h->run_count++] = (struct hemicube_run){.first = i, .cut = is_cut(h, i)};
-		h->runs[h->run_count - 1].end = i + 1;
+	const struct vertex *vertices = scene_section(h->scene, BLOB_VERTICES);
+	const struct triangle *triangles = scene_section(h->scene, BLOB_TRIANGLES);
+	double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+	for (uint32_t i = c->first; i < c->end; i++)
+		for (int k = 0; k < 3; k++)
+			for (int a = 0; a < 3; a++) {
+				const double at = (double)vertices[triangles[i].vertex[k]].position[a];
+				low[a] = fmin(low[a], at);
+				high[a] = fmax(high[a], at);
+			}
+	c->radius = 0;
+	for (int a = 0; a < 3; a++) {
+		c->at[a] = 0.5 * low[a] + 0.5 * high[a];
+		c->radius += (0.5 * high[a] - 0.5 * low[a]) * (0.5 * high[a] - 0.5 * low[a]);
 	}
+	c->radius = sqrt(c->radius);
+}
+
+static bool begins_cluster(const struct hemicube *h, uint32_t i, uint32_t length)
+{
+	return i == 0 || length == CLUSTER || is_cut(h, i) != is_cut(h, i - 1);
+}
+
+static enum status make_clusters(struct hemicube *h, struct error *err)
+{
+	uint32_t count = 0, length = 0;
+	for (uint32_t i = 0; i < h->triangle_count; i++, length++)
+		if (begins_cluster(h, i, length)) {
+			count++;
+			length = 0;
+		}
+	h->clusters = calloc(count, sizeof *h->clusters);
+	if (!h->clusters)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	length = 0;
+	for (uint32_t i = 0; i < h->triangle_count; i++, length++) {
+		if (begins_cluster(h, i, length)) {
+			h->clusters[h->cluster_count++] = (struct hemicube_cluster){.first = i, .cut = is_cut(h, i)};
+			length = 0;
+		}
+		h->clusters[h->cluster_count - 1].end = i + 1;
+	}
+	for (uint32_t i = 0; i < h->cluster_count; i++)
+		bound(h, &h->clusters[i]);
 	return STATUS_OK;
 }
 
@@ -106,7 +141,7 @@ static enum status texels_of(struct hemicube *h, const struct gl_buffer *buffer,
 
 enum status hemicube_upload(struct hemicube *h, struct error *err)
 {
-	enum status s = make_runs(h, err);
+	enum status s = make_clusters(h, err);
 	if (s == STATUS_OK)
 		s = upload_positions(h, err);
 	if (s == STATUS_OK)
