@@ -1,5 +1,5 @@
 // Rows of form factors by contour integrals and rays: closed forms in every configuration, to a millionth where nothing is
-// between; half of it behind a screen; rooms that are closed; near pairs among rays; bits that depend on the scene alone.
+// between; half of it behind a screen; rooms that are closed; bits that depend on the scene alone.
 #include "tests/gpu/traced_mesh.h"
 
 #include <stdio.h>
@@ -218,99 +218,6 @@ static void rows_of_a_room_are_1_whatever_the_slices(void **state)
 	traced_mesh_finish(&t);
 }
 
-// ---- near pairs among rays ----------------------------------------------------------------------------------------------
-
-static void put_by_rays(struct traced_mesh *t, uint32_t count, struct factors *f)
-{
-	struct rays *rays;
-	struct error err;
-	const struct rays_options o = {.rays = count};
-	assert_int_equal(factors_init(f, device, t->elements.count, NULL), STATUS_OK);
-	assert_int_equal(rays_create(device, &t->scene, &plain, &t->elements, &t->buffers, &o, &rays, &err), STATUS_OK);
-	for (uint32_t i = 0; i < t->elements.count; i++)
-		assert_int_equal(rays_rows(rays, &i, 1, f, &err), STATUS_OK);
-	rays_destroy(rays);
-}
-
-// Root of the mean of Σ (F - F*)² over the rows of fronts.
-static double error_of_rows(const double *is, const double *should, uint32_t n)
-{
-	double sum = 0;
-	for (uint32_t i = 0; i < n / 2 * n; i++)
-		sum += (is[i] - should[i]) * (is[i] - should[i]);
-	return sqrt(sum / (n / 2));
-}
-
-static void near_pairs_lower_the_error_of_rays(void **state)
-{
-	static const uint32_t counts[] = {256, 3072};
-	struct traced_mesh t;
-	struct factors exact;
-	(void)state;
-	room();
-	traced_mesh_init(&t, device, &m, 0.25);
-	const uint32_t n = t.elements.count;
-	uint32_t *list = calloc(n, sizeof *list);
-	assert_non_null(list);
-	for (uint32_t i = 0; i < n / 2; i++)
-		list[i] = n / 2 - 1 - i;
-	all_rows(&t, SIGHT_PROBE, 10000000, &exact);
-	double *should = dense(&exact);
-	for (int k = 0; k < 2; k++) {
-		struct factors f;
-		put_by_rays(&t, counts[k], &f);
-		double *before = dense(&f);
-		struct analytic *a = analytic_of(&t, SIGHT_PROBE);
-		assert_int_equal(analytic_near(a, list, n / 2, &f, NULL), STATUS_OK);
-		analytic_destroy(a);
-		double *after = dense(&f);
-		for (uint32_t i = 0; i < n / 2; i++)
-			assert_true(fabs(sum_of(after + (size_t)i * n, n) + (double)f.rows[i].escaped - 1) < 1e-5);
-		const double by_rays = error_of_rows(before, should, n), mixed = error_of_rows(after, should, n);
-		printf("%u patches, %u rays: rows are off by %.3g, with near pairs %.3g\n", n / 2, counts[k], by_rays,
-		       mixed);
-		assert_true(mixed < 0.5 * by_rays);
-		free(before);
-		free(after);
-		factors_finish(&f);
-	}
-	free(should);
-	free(list);
-	factors_finish(&exact);
-	traced_mesh_finish(&t);
-}
-
-// What is partly hidden stays as the rays have found it, but for what the row is scaled by.
-static void hidden_pairs_stay_the_rays(void **state)
-{
-	struct traced_mesh t;
-	struct factors f;
-	const uint32_t first = 0;
-	(void)state;
-	start(&m);
-	add_quad(&m, (const double[3]){0, 0, 0}, (const double[3]){1, 0, 0}, (const double[3]){0, 1, 0}, 0);
-	add_quad(&m, (const double[3]){0, 0, 1}, (const double[3]){0, 1, 0}, (const double[3]){1, 0, 0}, 0);
-	add_quad(&m, (const double[3]){-1, -1, 0.5}, (const double[3]){0, 3, 0}, (const double[3]){1.5, 0, 0}, 0);
-	traced_mesh_init(&t, device, &m, INFINITY);
-	put_by_rays(&t, 4096, &f);
-	double *before = dense(&f);
-	struct analytic *a = analytic_of(&t, SIGHT_PROBE);
-	assert_int_equal(analytic_near(a, &first, 1, &f, NULL), STATUS_OK);
-	analytic_destroy(a);
-	double *after = dense(&f), error;
-	struct patch floor, screen;
-	patches_get(&t.elements.patches, 0, &floor);
-	patches_get(&t.elements.patches, 2, &screen);
-	const double exact = form_factor_exchange(&floor.shape, &screen.shape, 0, &error);
-	assert_true(fabs(after[2] / exact - 1) < 1e-6);
-	const double scale = (1 - after[2]) / (1 - before[2]);
-	assert_true(before[1] > 0 && fabs(after[1] / (before[1] * scale) - 1) < 1e-5);
-	free(before);
-	free(after);
-	factors_finish(&f);
-	traced_mesh_finish(&t);
-}
-
 static void numbers_of_rays_that_cannot_be_are_refused(void **state)
 {
 	static const uint32_t bad[] = {0, SIGHT_PROBE - 16, SIGHT_PROBE + 1, SIGHT_RAYS_MOST + 16};
@@ -335,8 +242,6 @@ int main(void)
 	    cmocka_unit_test(half_is_hidden),
 	    cmocka_unit_test(all_is_hidden),
 	    cmocka_unit_test(rows_of_a_room_are_1_whatever_the_slices),
-	    cmocka_unit_test(near_pairs_lower_the_error_of_rays),
-	    cmocka_unit_test(hidden_pairs_stay_the_rays),
 	    cmocka_unit_test(numbers_of_rays_that_cannot_be_are_refused),
 	};
 	struct error err;

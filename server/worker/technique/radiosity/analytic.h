@@ -1,6 +1,5 @@
 // Form factors of elements by contour integrals (form_factor.h), times the share of each other that they see (sight.h):
-// whole rows of them, or those of near pairs in place of what rays have found. Without mirrors. Vulkan; device's thread
-// only.
+// rows of them. Without mirrors. Vulkan; device's thread only.
 //
 // An entry of a row is F_ij = A F(i, j) · share / A_i. Which of three a pair is, is decided by SIGHT_PROBE rays between it:
 // - none is stopped: the share is 1, and the entry has no noise. Its relative error is at most 1e-6, of which the float that
@@ -19,9 +18,6 @@
 #include "server/worker/technique/radiosity/sight.h"
 
 #define ANALYTIC_ENOUGH 1e-12 // of the area of the smaller element: form_factor_exchange's `enough`
-
-// Elements are near whose middles are less apart than so many times the sum of the radii of spheres about them.
-#define ANALYTIC_NEAR 4.0
 
 struct analytic;
 
@@ -42,15 +38,6 @@ void analytic_begin(struct analytic *analytic, uint32_t element);
 // what its sum is short of 1. Fails as sight_find and factors_put_row.
 enum status analytic_step(struct analytic *analytic, uint32_t budget_us, struct factors *factors, struct error *err);
 bool analytic_finished(const struct analytic *analytic); // no row is begun
-
-// In `count` rows that were put by rays without mirrors, replace the entries of near pairs that see each other wholly, and
-// scale the others, with what escaped, so that the row sums up to what it did: of the rays that do not go to those near
-// elements, the share that goes to each other element is as it was, and that these are so many is now exact. Rays have the
-// largest errors, √(F (1 - F) / rays), where F is large, which is near. Entries of pairs that are partly hidden stay the
-// rays'. At most ANALYTIC_ROWS_MOST rows. Fails as analytic_step.
-#define ANALYTIC_ROWS_MOST 4096u
-enum status analytic_near(struct analytic *analytic, const uint32_t *elements, uint32_t count, struct factors *factors,
-			  struct error *err);
 
 uint64_t analytic_bytes(uint32_t faces, uint32_t rays); // device memory of it, beside the scene's and the elements'
 

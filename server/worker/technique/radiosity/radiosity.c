@@ -83,7 +83,6 @@ static void rows_of(const struct plan *plan, const struct resident_scene *scene,
 	o->mirrors = has_mirrors(plan, scene);
 	o->bounces = o->mirrors ? s->bounces : 0;
 	o->portals = o->mirrors && s->mirrors == RADIOSITY_MIRRORS_PORTAL;
-	o->near = s->factors == ROWS_BY_HEMISPHERE && !o->mirrors ? s->near : 0;
 	o->pixels = s->factors == ROWS_BY_HEMICUBE ? s->pixels : 0;
 	o->origins = s->factors == ROWS_BY_HEMICUBE ? s->origins : 0;
 }

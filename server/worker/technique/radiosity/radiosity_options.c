@@ -12,7 +12,6 @@ _Static_assert(offsetof(struct radiosity_settings, direct) == 0, "direct_setting
 
 static const char *const factor_ways[] = {"hemisphere", "hemicube", "analytic", NULL};
 static const char *const mirror_ways[] = {"auto", "on", "off", "portal", NULL};
-static const char *const near_ways[] = {"off", "on", NULL};
 static const char *const pixel_words[] = {"16", "32", "64", "128", "256", "512", "1024", NULL};
 static const uint32_t pixel_numbers[] = {16, 32, 64, 128, 256, 512, 1024};
 static const char *const solvers[] = {"gradient", "jacobi", "gauss-seidel", NULL};
@@ -27,7 +26,6 @@ static const struct option_rule rules[] = {
     OPTION_WHOLE("radiosity.patches", 1, PATCHES_MOST, struct radiosity_settings, patches),
     OPTION_WORD("radiosity.factors", factor_ways, struct radiosity_settings, factors),
     OPTION_WHOLE("radiosity.rays", 16, LIMIT_RADIOSITY_RAYS, struct radiosity_settings, rays),
-    OPTION_WORD("radiosity.near", near_ways, struct radiosity_settings, near),
     OPTION_NUMBER("radiosity.hemicube", pixel_words, pixel_numbers, struct radiosity_settings, pixels),
     OPTION_WHOLE("radiosity.origins", 1, HEMICUBE_ORIGINS_MOST, struct radiosity_settings, origins),
     OPTION_WORD("radiosity.mirrors", mirror_ways, struct radiosity_settings, mirrors),

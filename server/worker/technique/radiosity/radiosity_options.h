@@ -38,7 +38,6 @@ struct radiosity_settings {
 	uint32_t patches; // as many or somewhat less, but at least one a face
 	uint32_t factors; // enum row_way
 	uint32_t rays; // of a row of form factors
-	uint32_t near; // 1: near pairs by contour integrals
 	uint32_t pixels; // of a hemicube's face
 	uint32_t origins; // hemicubes of a patch
 	uint32_t mirrors; // enum radiosity_mirrors

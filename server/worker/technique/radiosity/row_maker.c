@@ -48,7 +48,7 @@ enum status row_maker_create(const struct patch_scene *of, const struct row_opti
 		s = rays_create(device, of->scene, of->plan, of->elements, of->buffers, &rays, &m->rays, err);
 	else if (options->way == ROWS_BY_HEMICUBE)
 		s = hemicube_create(gl, of->scene, of->plan, of->elements, &hemicube, &m->hemicube, err);
-	if (s == STATUS_OK && (options->way == ROWS_BY_CONTOUR || options->near))
+	if (s == STATUS_OK && options->way == ROWS_BY_CONTOUR)
 		s = analytic_create(of, options->rays, device, &m->analytic, err);
 	if (s == STATUS_OK)
 		*maker = m;
@@ -135,11 +135,6 @@ enum status row_maker_step(struct row_maker *m, uint32_t budget_us, struct facto
 		s = hemicube_rows(m->hemicube, m->elements, m->count, factors, err);
 	else
 		s = rays_rows(m->rays, m->elements, m->count, factors, err);
-	for (uint32_t i = 0; s == STATUS_OK && m->analytic && i < m->count; i += ANALYTIC_ROWS_MOST) {
-		const uint32_t left = m->count - i;
-		s = analytic_near(m->analytic, &m->elements[i], left < ANALYTIC_ROWS_MOST ? left : ANALYTIC_ROWS_MOST,
-				  factors, err);
-	}
 	*done = s == STATUS_OK;
 	return s;
 }
@@ -153,7 +148,7 @@ uint64_t row_maker_bytes(const struct row_scene *scene, const struct row_options
 		bytes += rays_bytes(scene->patches, scene->faces, &rays);
 	if (options->way == ROWS_BY_HEMICUBE)
 		bytes += hemicube_bytes(scene->triangles, scene->vertices, scene->patches, &hemicube);
-	if (options->way == ROWS_BY_CONTOUR || options->near)
-		bytes += analytic_bytes(scene->faces, options->rays);
+	if options
+		->way == ROWS_BY_CONTOUR bytes += analytic_bytes(scene->faces, options->rays);
 	return bytes;
 }

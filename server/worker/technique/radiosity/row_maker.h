@@ -17,7 +17,6 @@ enum row_way { ROWS_BY_HEMISPHERE, ROWS_BY_HEMICUBE, ROWS_BY_CONTOUR };
 struct row_options {
 	uint32_t way; // enum row_way
 	uint32_t rays; // of a row by rays; between a pair that is partly hidden, by contour integrals
-	uint32_t near; // of rays: near pairs by contour integrals
 	uint32_t pixels, origins; // of hemicubes
 	uint32_t mirrors; // whether light goes on by mirrors
 	uint32_t bounces; // by mirrors, at most
