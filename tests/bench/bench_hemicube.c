@@ -18,6 +18,7 @@
 #define ROWS_MOST 1024u
 #define ROUNDS 3
 #define CONTROL 1048576u
+#define BOUNCES 10u
 
 static struct error err;
 
@@ -39,7 +40,31 @@ struct subject {
 	struct element_buffers buffers;
 	uint32_t list[ROWS_MOST], rows;
 	float *control; // by row and column
+	struct radiosity_surface *surfaces; // what mirrors reflect
+	uint32_t mirrors; // patches
 };
+
+static void find_mirrors(struct subject *s)
+{
+	const struct material *materials = scene_section(&s->scene, BLOB_MATERIALS);
+	const uint32_t n = s->elements.patches.count;
+	s->surfaces = calloc(s->elements.count, sizeof *s->surfaces);
+	if (!s->surfaces)
+		exit(1);
+	for (uint32_t i = 0; i < n; i++) {
+		struct patch p;
+		patches_get(&s->elements.patches, i, &p);
+		const struct material *m = &materials[p.material];
+		if (m->metallic < 1 || m->roughness > 0)
+			continue;
+		s->mirrors++;
+		for (int c = 0; c < 3; c++)
+			s->surfaces[i].mirror[c] = s->surfaces[i + n].mirror[c] = m->albedo[c];
+	}
+	buffer_finish(&s->buffers.surfaces, s->devices->vk);
+	must(buffer_init_with(&s->buffers.surfaces, s->devices->vk, s->surfaces, s->elements.count * sizeof *s->surfaces,
+			      &err));
+}
 
 static void subject_init(struct subject *s, struct devices *devices, const char *loader, const char *file, double edge,
 			 uint32_t rows)
@@ -53,6 +78,7 @@ static void subject_init(struct subject *s, struct devices *devices, const char 
 	blob_view_init(&s->scene.view, s->loaded.blob);
 	must(elements_init(&s->elements, &s->scene.view, &(struct patch_options){.edge = edge}, &err));
 	must(element_buffers_init(&s->buffers, &s->elements, devices->vk, &err));
+	find_mirrors(s);
 	for (uint32_t i = 0; i < s->rows; i++)
 		s->list[i] = (uint32_t)((i + 0.5) * s->elements.patches.count / s->rows);
 }
@@ -60,6 +86,7 @@ static void subject_init(struct subject *s, struct devices *devices, const char 
 static void subject_finish(struct subject *s)
 {
 	free(s->control);
+	free(s->surfaces);
 	element_buffers_finish(&s->buffers, s->devices->vk);
 	elements_finish(&s->elements);
 	while (s->scene.derived) {
@@ -120,21 +147,25 @@ static double run(struct subject *s, const struct way *way, float **out)
 	return us / s->rows;
 }
 
-static struct way by_rays(struct subject *s, uint32_t rays)
+static struct way by_rays(struct subject *s, uint32_t rays, bool mirrors)
 {
 	const struct plan plan = {0};
-	const struct rays_options options = {.rays = rays};
+	const struct rays_options options = {.rays = rays, .mirrors = mirrors, .bounces = mirrors ? BOUNCES : 0};
 	struct way way = {0};
 	must(rays_create(s->devices->vk, &s->scene, &plan, &s->elements, &s->buffers, &options, &way.rays, &err));
 	return way;
 }
 
-static struct way by_hemicubes(struct subject *s, uint32_t pixels, uint32_t origins)
+static struct way by_hemicubes(struct subject *s, uint32_t pixels, uint32_t origins, enum hemicube_mirrors mirrors)
 {
 	const struct plan plan = {0};
-	const struct hemicube_options options = {.pixels = pixels, .origins = origins};
+	const struct hemicube_options options = {.pixels = pixels,
+						 .origins = origins,
+						 .mirrors = mirrors,
+						 .bounces = mirrors == HEMICUBE_MIRRORS_OFF ? 0 : BOUNCES};
 	struct way way = {0};
 	must(hemicube_create(s->gl, &s->scene, &plan, &s->elements, &options, &way.hemicube, &err));
+	must(hemicube_reflect(way.hemicube, s->surfaces, &err));
 	return way;
 }
 
@@ -154,7 +185,8 @@ static double error_of(const struct subject *s, const float *rows)
 
 static void bench(struct subject *s, uint32_t pixels, uint32_t origins)
 {
-	struct way ways[2] = {by_hemicubes(s, pixels, origins), by_rays(s, 3 * pixels * pixels * origins)};
+	struct way ways[2] = {by_hemicubes(s, pixels, origins, HEMICUBE_MIRRORS_OFF),
+			      by_rays(s, 3 * pixels * pixels * origins, false)};
 	double best[2] = {INFINITY, INFINITY}, error[2];
 	for (int round = 0; round < ROUNDS; round++)
 		for (int k = 0; k < 2; k++) {
@@ -171,6 +203,20 @@ static void bench(struct subject *s, uint32_t pixels, uint32_t origins)
 	end(&ways[1]);
 }
 
+static void bench_mirrors(struct subject *s, uint32_t pixels)
+{
+	struct way ways[] = {by_hemicubes(s, pixels, 1, HEMICUBE_MIRRORS_OFF),
+			     by_hemicubes(s, pixels, 1, HEMICUBE_MIRRORS_PORTAL),
+			     by_hemicubes(s, pixels, 1, HEMICUBE_MIRRORS_HYBRID), by_rays(s, 3 * pixels * pixels, true)};
+	double best[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
+	for (int round = 0; round < ROUNDS; round++)
+		for (int k = 0; k < 4; k++)
+			best[k] = fmin(best[k], run(s, &ways[k], NULL));
+	printf("| %u | %u² | %.0f | %.0f | %.0f | %.0f |\n", s->mirrors, pixels, best[0], best[1], best[2], best[3]);
+	for (int k = 0; k < 4; k++)
+		end(&ways[k]);
+}
+
 int main(int argc, char **argv)
 {
 	static const struct {
@@ -185,7 +231,16 @@ int main(int argc, char **argv)
 	for (int i = 4; i < argc; i++) {
 		static struct subject s;
 		subject_init(&s, &devices, argv[1], argv[i], atof(argv[2]), (uint32_t)atoi(argv[3]));
-		struct way control = by_rays(&s, CONTROL);
+		if (s.mirrors > 0) {
+			printf("\n%s: %u patches, %u rows\n\n| mirrors | pixels | without, µs a row | portals | rays from "
+			       "pixels | "
+			       "rays |\n| ---: | --- | ---: | ---: | ---: | ---: |\n",
+			       argv[i], s.elements.patches.count, s.rows);
+			bench_mirrors(&s, 64);
+			subject_finish(&s);
+			continue;
+		}
+		struct way control = by_rays(&s, CONTROL, false);
 		run(&s, &control, &s.control);
 		end(&control);
 		printf("\n%s: %u patches, %u triangles, %u rows\n\n", argv[i], s.elements.patches.count,
