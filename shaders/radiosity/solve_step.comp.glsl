@@ -201,18 +201,29 @@ void turn(uint i, bool there)
 	leave(1u, rr);
 }
 
-// e = ρ F e, or 1 where the fourth scale is 0. Maxima 0 and 1: e, and how many times the one before it is.
+// TEST_ONES: e = 1. TEST_LIT: e = 1 where B is not 0 by emission or light straight from lamps, else 0. TEST_REACHED: e = 1 also
+// where light of such elements arrives; maximum 0: 1 where that is news. TEST_POWER: e = ρ F e; maxima 0 and 1: e, and how many
+// times the one before it is.
 void test(uint i, bool there)
 {
-	vec3 e = vec3(0.0), times = vec3(0.0);
+	vec3 e = vec3(0.0), times = vec3(0.0), news = vec3(0.0);
 	if (there) {
-		vec3 before = change[i].xyz;
-		e = push.scale[3] == 0.0 ? vec3(1.0) : albedo[i].xyz * sums[2u * i].xyz;
+		vec3 before = change[i].xyz, rho = albedo[i].xyz;
+		vec3 arrives = rho * sums[2u * i].xyz;
+		if (push.scale[3] == TEST_ONES)
+			e = vec3(1.0);
+		else if (push.scale[3] == TEST_LIT)
+			e = vec3(greaterThan(exitance[i].xyz + rho * irradiance[i].xyz, vec3(0.0)));
+		else if (push.scale[3] == TEST_REACHED)
+			e = max(before, vec3(greaterThan(arrives, vec3(0.0))));
+		else
+			e = arrives;
+		news = e - before;
 		times = mix(vec3(0.0), e / max(before, vec3(1e-37)), greaterThan(before, vec3(0.0)));
 		change[i] = vec4(e, 0.0);
 		source[i] = vec4(e, 0.0);
 	}
-	raise(0u, abs(e));
+	raise(0u, push.scale[3] == TEST_REACHED ? news : e);
 	raise(1u, times);
 }
 

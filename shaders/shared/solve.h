@@ -64,6 +64,12 @@ LAYOUT_ASSERT(gather_push, 8)
 #define STEP_TEST 7u
 #define STEP_COUNT 8
 
+// What STEP_TEST does, its fourth scale.
+#define TEST_ONES 0
+#define TEST_LIT 1
+#define TEST_REACHED 2
+#define TEST_POWER 3
+
 struct step_push {
 	float scale[4]; // of each channel
 	uint first, end; // elements

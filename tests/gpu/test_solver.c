@@ -241,10 +241,18 @@ static void a_closed_room_without_absorption_is_refused(void **state)
 	paint(&s, 40, 80, 1, 1);
 	assert_int_equal(status_of(&s, &err), STATUS_BAD_ARGUMENT);
 	assert_non_null(strstr(err.text, "reflectance"));
-	// In one channel alone, and where it is dark.
+	// In one channel alone, and be there next to no light; but not where there is none at all.
 	paint(&s, 0, 80, 0.5f, 0);
+	s.exitance[1] = 1;
 	for (uint32_t i = 40; i < 80; i++)
 		s.albedo[3 * i + 1] = 1;
+	assert_int_equal(status_of(&s, &err), STATUS_OK);
+	s.irradiance[3 * 60 + 2] = 1;
+	assert_int_equal(status_of(&s, &err), STATUS_OK);
+	s.irradiance[3 * 60 + 1] = 1e-20f;
+	assert_int_equal(status_of(&s, &err), STATUS_BAD_ARGUMENT);
+	s.irradiance[3 * 60 + 1] = s.irradiance[3 * 60 + 2] = 0;
+	s.exitance[3 * 79 + 1] = 1e-20f;
 	assert_int_equal(status_of(&s, &err), STATUS_BAD_ARGUMENT);
 	// Factors that are too large do it, too.
 	paint(&s, 0, 80, 0.5f, 1);

@@ -9,6 +9,7 @@
 
 // What light loses in a bounce at least where it loses any: less than this is rounding of the sum of a row.
 #define ABOUT_NOTHING 1e-6
+#define TESTS_OF_ALL 4u // bounces after which it is asked where light is at all
 #define TESTS_MOST 100u // bounces after which light that is not less than at first will never be
 #define GROWS_TO 1e8 // times the light of the first bounce: it has no end
 #define FLOATS_SHOW 3e-7 // of e: a smaller change of it is rounding
@@ -129,43 +130,70 @@ static enum status no_solution(struct error *err)
 
 // Powers of ρ F of a vector of ones. If one of them has all elements below 1, or below the power before it, the series of
 // bounces converges (a bound of the spectral radius: Collatz 1942, "Einschließungssatz für die charakteristischen Zahlen von
-// Matrizen"). In a room that nothing leaves and whose reflectance is 1 they stay 1.
-static enum status test_done(struct solver *s, struct error *err)
+// Matrizen"). In a room that nothing leaves and whose reflectance is 1 they stay 1. If no light is there, as in a closed
+// white body under a sky, that is no harm: so where they do not soon fall it is found, element by element, where light
+// arrives, and the powers are those of ones there and zeros elsewhere. No element that light reaches sees one that it does
+// not.
+static enum status begin_test(struct solver *s, uint32_t with, struct error *err)
 {
-	s->iterations = 0; // this was none
-	for (int c = 0; c < 3; c++) {
-		const double most = solver_maximum(s, 0, c), times = solver_maximum(s, 1, c);
-		if (!(most < GROWS_TO))
-			return no_solution(err);
-		if (most < 1 - ABOUT_NOTHING * (s->tests + 1) || times < 1 - ABOUT_NOTHING)
-			s->passed |= 1u << c;
-	}
-	if (s->passed == 7)
-		s->stage = SOLVER_OUTER;
-	else if (++s->tests == TESTS_MOST)
-		return no_solution(err);
-	return s->stage == SOLVER_OUTER ? buffer_clear(&s->change, s->device, err) : STATUS_OK;
-}
-
-static enum status begin_test(struct solver *s, struct error *err)
-{
-	static const double zeros[4] = {0};
+	const double what[4] = {0, 0, 0, with};
 	enum status status = command_begin(s->device, err);
 	if (status != STATUS_OK)
 		return status;
-	solver_record_step(s, STEP_TEST, 0, s->count, zeros);
+	s->tests = 0;
+	s->passed = 0;
+	s->testing = with == TEST_ONES ? TEST_POWER : TEST_REACHED;
+	solver_record_step(s, STEP_TEST, 0, s->count, what);
 	return command_finish(s->device, err);
+}
+
+// A look at where light arrives is done: go on until it arrives nowhere else.
+static void reached_done(struct solver *s)
+{
+	bool news = false;
+	for (int c = 0; c < 3; c++)
+		news = news || solver_maximum(s, 0, c) > 0;
+	if (!news)
+		s->testing = TEST_POWER;
+}
+
+static enum status power_done(struct solver *s, struct error *err)
+{
+	bool grows = false;
+	for (int c = 0; c < 3; c++) {
+		const double most = solver_maximum(s, 0, c), times = solver_maximum(s, 1, c);
+		grows = grows || !(most < GROWS_TO);
+		if (most < 1 - ABOUT_NOTHING * (s->tests + 1) || times < 1 - ABOUT_NOTHING)
+			s->passed |= 1u << c;
+	}
+	s->tests++;
+	if (!grows && s->passed == 7) {
+		s->stage = SOLVER_OUTER;
+		return buffer_clear(&s->change, s->device, err);
+	}
+	if (!s->lit && (grows || s->tests == TESTS_OF_ALL)) {
+		s->lit = true;
+		return begin_test(s, TEST_LIT, err);
+	}
+	return grows || s->tests == TESTS_MOST ? no_solution(err) : STATUS_OK;
 }
 
 static enum status test(struct solver *s, uint32_t budget_us, struct error *err)
 {
 	bool done;
 	enum status status = STATUS_OK;
-	if (s->tests == 0 && !s->sweeping)
-		status = begin_test(s, err);
+	if (s->testing == TEST_ONES)
+		status = begin_test(s, TEST_ONES, err);
+	const double what[4] = {0, 0, 0, s->testing};
 	if (status == STATUS_OK)
-		status = solver_sweep(s, false, STEP_COUNT, STEP_TEST, ones, budget_us, &done, err);
-	return status == STATUS_OK && done ? test_done(s, err) : status;
+		status = solver_sweep(s, false, STEP_COUNT, STEP_TEST, what, budget_us, &done, err);
+	if (status != STATUS_OK || !done)
+		return status;
+	s->iterations = 0; // this was none
+	if (s->testing == TEST_POWER)
+		return power_done(s, err);
+	reached_done(s);
+	return STATUS_OK;
 }
 
 // ---- the outer step

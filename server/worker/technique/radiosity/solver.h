@@ -37,8 +37,8 @@ enum status solver_create(const struct solver_problem *problem, struct device *d
 void solver_destroy(struct solver *solver);
 
 // Work for about budget_us, at least one piece. STATUS_BAD_ARGUMENT: ρ times the row sums of F is 1 or more in a room that
-// nothing leaves, so that there is no solution; the sentence says so. A ρ of 1 is no such thing where light gets away or is
-// absorbed elsewhere.
+// light comes to and nothing leaves, so that there is no solution; the sentence says so. A ρ of 1 is no such thing where
+// light gets away or is absorbed elsewhere, or where none is.
 enum status solver_step(struct solver *solver, uint32_t budget_us, struct error *err);
 
 // Whether it has ended, and what it has come to.

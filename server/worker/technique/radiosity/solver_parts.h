@@ -77,7 +77,9 @@ struct solver {
 	double bright[3]; // largest B at the last outer step, or largest first change
 	double outer; // residual at the last outer step
 	uint32_t stalled; // outer steps that brought little
-	uint32_t tests; // products of SOLVER_TEST
+	uint32_t tests; // powers of SOLVER_TEST so far
+	uint32_t testing; // what a product is for: TEST_REACHED, TEST_POWER; TEST_ONES at first
+	bool lit; // the powers are those of where light is
 	uint32_t passed; // bits of channels
 	double length[3]; // <q, q>
 	double mark[3]; // <r, r> some gradients before
