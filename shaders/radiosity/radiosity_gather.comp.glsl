@@ -27,6 +27,11 @@ layout(binding = RADIOSITY_SKY_UNIT) uniform usamplerBuffer sky_words;
 #define GATHER_SKY false
 #endif
 
+// Whether light scatters once, so that there is nothing to gather but background; a macro that the program defines.
+#ifndef RADIOSITY_ONCE
+#define RADIOSITY_ONCE false
+#endif
+
 layout(local_size_x = TILE_PIXELS) in;
 layout(location = RADIOSITY_RAYS) uniform uvec3 rays;
 
@@ -76,7 +81,9 @@ vec3 follow(gathered g)
 		float share;
 		place p = place_fetch(hit.id);
 		place_met(p, hit.uv, g.direction);
-		radiance += g.through * place_seen(p, g.plain, share);
+		vec3 seen = place_seen(p, g.plain, share);
+		if (!RADIOSITY_ONCE || g.plain)
+			radiance += g.through * seen;
 #if RADIOSITY_BOUNCES > 0
 		surface s = surface_at(hit.id, hit.uv, g.origin, g.direction, hit.t);
 		g.through *= mirror_reflectance(s, share, g.direction);

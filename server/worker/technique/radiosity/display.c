@@ -83,6 +83,7 @@ static struct deferred_pass *add_pass(struct display *d, const struct gl_source 
 	*pass = (struct deferred_pass){.source = source, .stage = source->name, .bind = bind_show, .user = d};
 	gl_define(&pass->defines, "RADIOSITY_BOUNCES", "%u", d->options.plain ? 0 : d->options.bounces);
 	gl_define(&pass->defines, "RADIOSITY_CORNERS", "%s", d->options.corners ? "true" : "false");
+	gl_define(&pass->defines, "RADIOSITY_ONCE", "%s", d->options.once ? "true" : "false");
 	gl_define(&pass->defines, "RADIOSITY_PLAIN", "%s", d->options.plain ? "true" : "false");
 	gl_define(&pass->defines, "RADIOSITY_LIT_TEXTURES", "%s", d->lit_textures ? "true" : "false");
 	if (d->sky && !d->options.plain)

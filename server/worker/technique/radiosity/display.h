@@ -27,6 +27,7 @@ struct display_options {
 	bool corners; // the field has values of corners
 	uint32_t gather; // rays of a sample of a pixel; 0: no gather
 	uint32_t bounces; // at mirrors, that a ray follows at most; 0: there are none
+	bool once; // light scatters once: what surfaces reflect is not gathered
 	struct lighting_wish light; // with a gather
 };
 

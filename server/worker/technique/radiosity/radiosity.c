@@ -119,6 +119,7 @@ static struct display_options display_of(const struct plan *plan, const struct r
 	    .corners = !shows && s->display != RADIOSITY_DISPLAY_CONSTANT,
 	    .gather = !shows && s->display == RADIOSITY_DISPLAY_GATHER ? s->gather : 0,
 	    .bounces = !shows && has_mirrors(plan, scene) ? s->bounces : 0,
+	    .once = !plan_has(plan, candil_Effect_EFFECT_BOUNCES),
 	    .light = lighting_wish_of(&s->direct, s->direct.shadows == DIRECT_SHADOWS_MAP, true),
 	};
 }
