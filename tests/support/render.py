@@ -25,7 +25,7 @@ CANDIL = os.path.join(BUILD, "bin", "candil")
 SKIPPED = 77
 EXIT_DEVICE = 5
 # By technique, how a picture is worked on in other pieces: samples in a dispatch, rows at once.
-PIECES = {"pt": {"pt.batch": 3}, "direct": {"direct.rows": 3}, "vct": {"direct.rows": 3}}
+PIECES = {"pt": {"pt.batch": 3}, "direct": {"direct.rows": 3}, "vct": {"direct.rows": 3}, "radiosity": {"direct.rows": 3}}
 
 
 class Failed(Exception):
