@@ -371,7 +371,7 @@ void solution_account(const struct solution *v, bool made, struct frame *f)
 	frame_add_figure(f, "patches", e->patches.count, "");
 	frame_add_figure(f, "edge", e->patches.edge, "m");
 	frame_add_figure(f, "rows", (double)v->factors->rows + v->factors->taken, "");
-	frame_add_figure(f, "rows.made", (double)v->rows, "");
+	frame_add_figure(f, "rows.made", made ? (double)v->rows : 0, "");
 	frame_add_figure(f, "factors", (double)m->entries, "");
 	frame_add_figure(f, "bytes.factors", (double)factors_bytes(m), "bytes");
 	frame_add_figure(f, "iterations", v->iterations, "");
