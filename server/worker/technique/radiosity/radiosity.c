@@ -31,6 +31,7 @@ struct technique_job {
 	struct plan plan;
 	struct solution *solution; // held
 	bool made; // some of the solution was made by this job
+	double fraction; // of the solution, told so far
 	struct survey *survey; // of what radiosity.show shows
 	uint64_t survey_us; // host time of it
 	bool placed; // `field` has the solution's values
@@ -333,7 +334,9 @@ static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, s
 	if (!solution_finished(j->solution)) {
 		j->made = true;
 		s = solution_step(j->solution, budget_us, err);
-		result->fraction = SOLVE_SHARE * solution_fraction(j->solution);
+		// The more is seen, the more rows turn out to be wanted, and the share that is made may fall.
+		j->fraction = fmax(j->fraction, solution_fraction(j->solution));
+		result->fraction = SOLVE_SHARE * j->fraction;
 		return s;
 	}
 	result->fraction = SOLVE_SHARE;
