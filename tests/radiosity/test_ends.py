@@ -60,7 +60,8 @@ class Ends(unittest.TestCase):
         self.before, self.held = usual(), daemon.stats()["device_bytes"]
 
     def tearDown(self):
-        wire.wait_for(lambda: daemon.stats()["device_bytes"] <= self.held, "nothing of it is left")
+        # Patches without any rows may be kept, for whoever comes next.
+        wire.wait_for(lambda: daemon.stats()["device_bytes"] <= self.held + (4 << 20), "no rows of it are left")
         numpy.testing.assert_array_equal(usual(), self.before)
         self.assertEqual(daemon.stats()["worker_starts"], 1)
 
