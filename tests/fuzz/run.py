@@ -42,7 +42,7 @@ def fuzz(target, seconds):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     log = os.path.join(FOUND, target + ".log")
     with open(log, "wb") as out:
-        code = subprocess.run(target_command(BUILD, target, f"-max_total_time={seconds}", "-timeout=60", "-rss_limit_mb=6144", "-print_final_stats=1",
+        code = subprocess.run(target_command(BUILD, target, f"-max_total_time={seconds}", "-timeout=300", "-rss_limit_mb=6144", "-print_final_stats=1",
                                              f"-artifact_prefix={FOUND}/{target}-"), stdout=out, stderr=out, check=False).returncode
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     with open(log, errors="replace") as f:
