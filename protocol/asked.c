@@ -134,9 +134,8 @@ static void view_words(const candil_Render *r, char text[ASKED_TEXT_BYTES])
 
 void asked_words(const candil_Render *render, asked_take *take, void *user)
 {
-	static const char *const formats[] = {"exr-half", "exr-float", "png"};
 	static const char *const filters[] = {"box", "gauss", "bh"};
-	const unsigned format = (unsigned)render->format, filter = (unsigned)render->filter;
+	const unsigned filter = (unsigned)render->filter;
 	const unsigned technique = (unsigned)render->technique;
 	char text[ASKED_TEXT_BYTES];
 #define TAKE(key, words) (text[0] = '\0', (words), take(user, (key), text))
@@ -154,7 +153,7 @@ void asked_words(const candil_Render *render, asked_take *take, void *user)
 	TAKE("default_light", append(text, "%s", render->default_light ? "on" : "off"));
 	TAKE("filter", append(text, "%s", filter < sizeof filters / sizeof filters[0] ? filters[filter] : "unknown"));
 	TAKE("aovs", aovs_words(render->aovs, text));
-	TAKE("format", append(text, "%s", format < sizeof formats / sizeof formats[0] ? formats[format] : "unknown"));
+	TAKE("format", append(text, "%s", format_name((unsigned)render->format)));
 	if (render->format == candil_Format_FORMAT_PNG)
 		TAKE("view", view_words(render, text));
 #undef TAKE

@@ -110,6 +110,7 @@
 #define LIMIT_RADIOSITY_POINTS 4096u // of a patch, from which lights are looked at
 #define LIMIT_RADIOSITY_GATHER 4096u // rays of a sample of a pixel
 #define LIMIT_RADIOSITY_ITERATIONS 4096u // of a solver
+#define LIMIT_PATCH_FILE_BYTES (512u * 1024u * 1024u) // a file of patches or of their form factors
 
 // ---- the worker ----
 #define LIMIT_SLICE_MS 1000u

@@ -75,6 +75,17 @@ unsigned error_kind_of_both(unsigned a, unsigned b)
 	return a == b ? a : candil_ErrorKind_ERROR_KIND_PREDICTED;
 }
 
+bool format_is_picture(unsigned format)
+{
+	return format <= candil_Format_FORMAT_PNG;
+}
+
+const char *format_name(unsigned format)
+{
+	static const char *const names[_candil_Format_ARRAYSIZE] = {"exr-half", "exr-float", "png", "ply", "mtx"};
+	return format < _candil_Format_ARRAYSIZE ? names[format] : "unknown";
+}
+
 int technique_number(const char *name, size_t length)
 {
 	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++)

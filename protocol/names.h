@@ -169,6 +169,13 @@ unsigned error_kind_of_both(unsigned a, unsigned b);
 // none.
 int technique_number(const char *name, size_t length);
 
+// Whether a file of this format (candil_Format) is a picture. The others are what a technique with TECHNIQUE_PATCHES
+// computes with.
+bool format_is_picture(unsigned format);
+
+// The word of a format: "exr-half", "png", "mtx"; "unknown" for a number that nothing has.
+const char *format_name(unsigned format);
+
 // The traits of a technique, TECHNIQUE_… bits, for "auto" those of the technique that it stands for; and of a kind of light,
 // LIGHT_HAS_… bits. 0 for a number that nothing has.
 unsigned technique_traits(unsigned technique);

@@ -5,14 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clients/cli/inspect_say.h"
+#include "clients/cli/inspect_files.h"
 #include "clients/cli/interrupt.h"
 #include "clients/cli/output.h"
 #include "clients/cli/view.h"
 #include "protocol/names.h"
 
 static const char *const own_words[OWN_OPTIONS] = {"show", "level", "axis", "slice"};
-#define SETTINGS (sizeof(((struct inspect *)0)->job.options.settings) / sizeof(struct candil_option))
 
 static uint32_t own_count(const struct inspect *inspect)
 {
@@ -80,26 +79,14 @@ static size_t add_cells(const struct inspect *inspect, const struct inspect_pict
 	return count;
 }
 
-// The user's options, but for one that only the picture of a row takes.
-static size_t take_settings(const struct inspect *inspect, const char *show, struct candil_option *options)
-{
-	const struct candil_render_request *r = &inspect->job.options.request;
-	const bool row = strcmp(show, INSPECT_SHOW_ROW) == 0;
-	size_t count = 0;
-	for (size_t i = 0; i < r->option_count; i++)
-		if (row || strcmp(r->options[i].name, inspect->row) != 0)
-			options[count++] = r->options[i];
-	return count;
-}
-
 // Make the next picture of the list.
 static enum exit_code make_picture(struct inspect *inspect)
 {
 	const struct inspect_picture *p = &inspect->list.pictures[inspect->done];
 	struct candil_render_request request = inspect->job.options.request;
-	struct candil_option options[SETTINGS];
+	struct candil_option options[INSPECT_SETTINGS];
 	char text[3][16];
-	size_t count = take_settings(inspect, p->show, options);
+	size_t count = inspect_settings(inspect, p->show, options);
 	options[count++] = (struct candil_option){inspect->own[OWN_SHOW], p->show};
 	if (!inspect->patches)
 		count += add_cells(inspect, p, text, &options[count]);
@@ -154,11 +141,14 @@ static enum exit_code inspect_answer(struct inspect *inspect)
 	enum exit_code code = inspect->job.cli->json ? EXIT_DONE : inspect_write_json(inspect);
 	job_end(&inspect->job);
 	if (inspect->job.cli->json)
-		return cli_print_json(inspect_answer_json(inspect), stdout, EXIT_DONE);
-	if (code != EXIT_DONE || inspect->job.options.quiet)
+		return cli_print_json(inspect_answer_json(inspect), stdout, inspect_files_exit_code(inspect));
+	if (code != EXIT_DONE)
 		return code;
+	inspect_print_lacking(inspect);
+	if (inspect->job.options.quiet)
+		return inspect_files_exit_code(inspect);
 	inspect_print_answer(inspect);
-	return cli_flush(stdout, EXIT_DONE);
+	return cli_flush(stdout, inspect_files_exit_code(inspect));
 }
 
 // ---- the command -----------------------------------------------------------------------------------------------------
@@ -211,9 +201,9 @@ static const char *inspect_settle(struct inspect *inspect)
 	}
 	inspect->patches = traits & TECHNIQUE_PATCHES;
 	name_own_options(inspect);
-	if (r->option_count + own_count(inspect) > SETTINGS) {
+	if (r->option_count + own_count(inspect) > INSPECT_SETTINGS) {
 		snprintf(inspect->wrong, sizeof(inspect->wrong), "--set can be given %zu times at most",
-			 SETTINGS - own_count(inspect));
+			 INSPECT_SETTINGS - own_count(inspect));
 		return inspect->wrong;
 	}
 	return find_own_option(inspect);
@@ -234,7 +224,8 @@ static enum exit_code do_inspect(struct inspect *inspect)
 {
 	struct candil_render_request *r = &inspect->job.options.request;
 	inspect_first(&inspect->list, inspect->patches, r);
-	enum exit_code code = inspect_probe_output(inspect);
+	enum exit_code code = inspect_name_files(inspect) ? inspect_probe_output(inspect)
+							  : job_fail_output(&inspect->job, inspect->job.options.output);
 	if (code != EXIT_DONE)
 		return code;
 	code = job_open(&inspect->job);
@@ -247,6 +238,8 @@ static enum exit_code do_inspect(struct inspect *inspect)
 	code = make_picture(inspect);
 	if (code == EXIT_DONE)
 		code = make_others(inspect);
+	if (code == EXIT_DONE && inspect->patches)
+		code = inspect_make_files(inspect);
 	return code == EXIT_DONE ? inspect_answer(inspect) : code;
 }
 
@@ -295,6 +288,9 @@ const struct command inspect_command = {
 	"  PREFIX-normal.png          normal, 0.5 + 0.5 times x, y, z, of the side that is seen\n"
 	"  PREFIX-row.png             the form factors from the patch in the middle of the picture, or from the side of a\n"
 	"                             patch of --set {patches}.row=N; its largest is 1\n"
+	"  PREFIX-patches.ply         corners of the patches, and for each of their sides B, M, albedo, area…\n"
+	"  PREFIX-factors.mtx         their form factors as a sparse matrix (Matrix Market), rows and columns in the order\n"
+	"                             of the PLY's faces. `candil render -o` makes these two, too: FILE.ply, FILE.mtx\n"
 	"  PREFIX.json                as above\n\n"
 	"Options are those of candil render but --progressive: --set {voxels}.resolution=256, --size WxH (which slices do "
 	"not\n"
@@ -312,6 +308,7 @@ const struct command inspect_command = {
 	"\"show\", \"level\" (of voxels), \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", "
 	"\"elapsed_us\", "
 	"\"stages\"}],\n"
+	"\"files\": [{\"file\", \"bytes\", \"elapsed_us\", \"stages\"}] (of patches),\n"
 	"\"warnings\": [] (about the scene), \"warnings_more\"}. Stages beside\n"
 	"the figures are the first image's, for which voxels or patches were made, if the daemon had none yet. Figures of\n"
 	"voxels: grid.x, grid.y, grid.z (cells), low.x, low.y, low.z (the grid's low corner), voxel (a cell's side), "
@@ -326,6 +323,8 @@ const struct command inspect_command = {
 	"and\n"
 	"back differ, as a share of the larger; the mean is by light exchanged), values.1e-1 (factors of 0.1 and more),\n"
 	"values.1e-2 (of 0.01 to 0.1)… values.0 (below 1e-7), and those of every such render.\n"
-	"Exit codes: 0 every file is written; others as in candil --help. Files already written stay.\n",
+	"Exit codes: 0 every file is written; others as in candil --help. Files already written stay. A PREFIX-factors.mtx\n"
+	"that would be too large is told, in the JSON as \"error\" in place of \"bytes\"; all else is written, and the exit "
+	"code is 1.\n",
     .run = run_inspect,
 };

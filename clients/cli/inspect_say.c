@@ -1,5 +1,6 @@
 #include "clients/cli/inspect_say.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <string.h>
@@ -11,6 +12,19 @@
 const char *inspect_extension(const struct inspect *inspect)
 {
 	return inspect->job.options.request.format == CANDIL_FORMAT_PNG ? "png" : "exr";
+}
+
+bool inspect_name_files(struct inspect *inspect)
+{
+	static const char *const names[FILES] = {"patches.ply", "factors.mtx"};
+	for (uint32_t i = 0; i < FILES; i++) {
+		struct inspect_file *f = &inspect->files[i];
+		errno = ENAMETOOLONG;
+		if (snprintf(f->name, sizeof(f->name), "%s-%s", inspect->job.options.output, names[i]) >=
+		    (int)sizeof(f->name))
+			return false;
+	}
+	return true;
 }
 
 // ---- JSON ------------------------------------------------------------------------------------------------------------
@@ -34,6 +48,19 @@ static json_t *inspect_picture_json(const struct inspect *inspect, const struct 
 	return o;
 }
 
+static json_t *inspect_file_json(const struct inspect_file *f)
+{
+	json_t *o = json_pack("{s:o}", "file", cli_json_text(f->name));
+	if (f->error.code != CANDIL_STATUS_OK) {
+		json_object_set_new(o, "error", cli_json_text(f->error.text));
+		return o;
+	}
+	json_object_set_new(o, "bytes", cli_json_u64(f->bytes));
+	json_object_set_new(o, "elapsed_us", cli_json_u64(f->done.elapsed_us));
+	json_object_set_new(o, "stages", report_stages_json(&f->done));
+	return o;
+}
+
 json_t *inspect_answer_json(const struct inspect *inspect)
 {
 	const struct candil_done *first = &inspect->list.pictures[0].done;
@@ -46,6 +73,10 @@ json_t *inspect_answer_json(const struct inspect *inspect)
 	    candil_technique_name(inspect->job.accepted.technique), "device", cli_json_text(first->device), "format",
 	    candil_format_name(inspect->job.options.request.format), "figures", report_figures_json(first), "stages",
 	    report_stages_json(first), "elapsed_us", cli_json_u64(first->elapsed_us), "images", images);
+	json_t *files = json_array();
+	for (uint32_t i = 0; inspect->patches && i < FILES; i++)
+		json_array_append_new(files, inspect_file_json(&inspect->files[i]));
+	json_object_set_new(answer, "files", files);
 	job_put_warnings(&inspect->job, answer);
 	return answer;
 }
@@ -89,6 +120,9 @@ void inspect_print_answer(const struct inspect *inspect)
 	const struct candil_done *done = &inspect->list.pictures[0].done;
 	printf("images     %" PRIu32 ", %s-….%s; figures in %s.json\n", inspect->list.count, inspect->job.options.output,
 	       inspect_extension(inspect), inspect->job.options.output);
+	for (uint32_t i = 0; i < FILES; i++)
+		if (inspect->files[i].bytes > 0)
+			printf("file       %s, %" PRIu64 " bytes\n", inspect->files[i].name, inspect->files[i].bytes);
 	if (inspect->patches)
 		print_patches(done);
 	else
@@ -96,4 +130,11 @@ void inspect_print_answer(const struct inspect *inspect)
 	report_print_stages(done, stdout);
 	if (inspect->framed)
 		puts("camera     the scene has none: its bounds are framed");
+}
+
+void inspect_print_lacking(const struct inspect *inspect)
+{
+	for (uint32_t i = 0; i < FILES; i++)
+		if (inspect->files[i].error.code != CANDIL_STATUS_OK)
+			fprintf(stderr, "candil: no %s: %s\n", inspect->files[i].name, inspect->files[i].error.text);
 }

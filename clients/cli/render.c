@@ -129,14 +129,16 @@ const struct command render_command = {
     .name = "render",
     .summary = "make a picture of a scene",
     .help =
-	"Usage: candil render SCENE -o OUT.exr|OUT.png|- [options] [--connect ADDR] [--json]\n\n"
+	"Usage: candil render SCENE -o OUT.exr|OUT.png|OUT.ply|OUT.mtx|- [options] [--connect ADDR] [--json]\n\n"
 	"SCENE is the name of a loaded scene, or a file (glTF, GLB, OBJ). A file is loaded into the daemon for the\n"
 	"call; where no daemon runs and no --connect is given, a private one is started that ends with the call.\n\n"
-	"  -o, --output FILE     by extension .exr (linear, float) or .png (sRGB); - is standard output\n"
+	"  -o, --output FILE     by extension .exr (linear, float) or .png (sRGB); - is standard output. Of {patches} also\n"
+	"                        what it computes with: .ply, its patches with their radiosity, and .mtx, the form factors\n"
+	"                        between their sides\n"
 	"                        A file that is there is replaced whole and keeps its owner and mode; where that cannot\n"
 	"                        be (its folder takes no files, its owner is another), it is written over. A link to a\n"
 	"                        file stays; one that leads nowhere is replaced. A pipe waits for its reader\n"
-	"  --format exr|png      whatever the output's name; default for -: png\n"
+	"  --format exr|png|ply|mtx  whatever the output's name; default for -: png\n"
 	"  --half, --float       EXR with 16 or 32 bits; default --float\n"
 	"  --technique NAME      auto ({auto}; with --error or --time the best that candil quote knows), {techniques}; "
 	"default "

@@ -76,7 +76,7 @@ static const struct row {
 	const char *form;
 } rows[] = {
 	{"output", OPTION_OUTPUT, BY_EACH, "a file name, or - for standard output"},
-	{"format", OPTION_FORMAT, BY_ALL, "exr or png"},
+	{"format", OPTION_FORMAT, BY_ALL, "exr, png, ply or mtx"},
 	{"technique", OPTION_TECHNIQUE, BY_ALL, "auto, {techniques}"},
 	{"size", OPTION_SIZE, BY_EACH, "WxH, two whole numbers of pixels such as 640x480"},
 	{"spp", OPTION_SPP, BY_ALL, "a whole number from 1 to 16777216"},
@@ -137,6 +137,19 @@ static void list_options(unsigned command, struct option out[SHARED + ROWS + 1])
 	out[count] = (struct option){0};
 }
 
+// What --format and an output's extension name.
+enum { FORMAT_EXR, FORMAT_PNG, FORMAT_PLY, FORMAT_MTX, FORMATS };
+
+// FORMATS: none has this name.
+static size_t find_format(const char *name)
+{
+	static const char *const names[FORMATS] = {"exr", "png", "ply", "mtx"};
+	size_t i = 0;
+	while (i < FORMATS && strcasecmp(name, names[i]) != 0)
+		i++;
+	return i;
+}
+
 // What was given on the command line and must fit together.
 struct given {
 	const char *format;
@@ -184,7 +197,7 @@ static bool take_option(int option, char *value, struct render_options *options,
 		return *value != '\0';
 	case OPTION_FORMAT:
 		given->format = value;
-		return strcmp(value, "exr") == 0 || strcmp(value, "png") == 0;
+		return find_format(value) < FORMATS;
 	case OPTION_TECHNIQUE:
 		return value_technique(value, r);
 	case OPTION_SIZE:
@@ -305,37 +318,42 @@ static bool is_left(const struct option_watch *watch, const struct option *optio
 	return watch && watch->take(watch->user, option->name, value);
 }
 
-static const char *format_of(const struct render_options *options, const struct given *given)
+// The number of the format that is asked for; FORMATS: the output's name ends in none.
+static size_t format_of(const struct render_options *options, const struct given *given)
 {
 	if (given->format)
-		return given->format;
+		return find_format(given->format);
 	if (!options->output)
-		return "exr";
+		return FORMAT_EXR;
 	if (strcmp(options->output, "-") == 0)
-		return "png";
+		return FORMAT_PNG;
 	const char *dot = strrchr(options->output, '.');
-	if (dot && strcasecmp(dot, ".exr") == 0)
-		return "exr";
-	return dot && strcasecmp(dot, ".png") == 0 ? "png" : NULL;
+	return dot ? find_format(dot + 1) : FORMATS;
 }
 
-// Set the format of the image. Returns the sentence that says what does not fit together, or NULL.
-static const char *settle_format(struct render_options *options, const struct given *given)
+// Set the format of the file. Returns the sentence that says what does not fit together, or NULL.
+static const char *settle_format(struct render_options *options, const struct given *given, unsigned which)
 {
-	const char *format = format_of(options, given);
-	if (!format)
-		return "the output's name ends in neither .exr nor .png; say --format exr or --format png";
+	static const enum candil_format formats[FORMATS] = {CANDIL_FORMAT_EXR_FLOAT, CANDIL_FORMAT_PNG, CANDIL_FORMAT_PLY,
+							    CANDIL_FORMAT_MTX};
+	const size_t format = format_of(options, given);
+	if (format == FORMATS)
+		return "the output's name ends in none of .exr, .png, .ply, .mtx; say --format exr or --format png";
 	if (given->half && given->single)
 		return "--half and --float exclude each other";
-	if (strcmp(format, "exr") == 0) {
-		options->request.format = given->half ? CANDIL_FORMAT_EXR_HALF : CANDIL_FORMAT_EXR_FLOAT;
+	options->request.format = format == FORMAT_EXR && given->half ? CANDIL_FORMAT_EXR_HALF : formats[format];
+	if (format == FORMAT_EXR)
 		return given->exposure || given->view ? "an EXR holds linear radiance: --exposure and --view are for PNG"
 						      : NULL;
-	}
-	options->request.format = CANDIL_FORMAT_PNG;
 	if (given->half || given->single)
 		return "--half and --float are for EXR";
-	return options->request.aovs ? "--aov needs EXR output" : NULL;
+	if (options->request.aovs)
+		return "--aov needs EXR output";
+	if (format == FORMAT_PNG)
+		return NULL;
+	if (which != BY_RENDER)
+		return "ply and mtx are no pictures: candil render makes them, and candil inspect beside its pictures";
+	return given->exposure || given->view ? "--exposure and --view are for PNG" : NULL;
 }
 
 // Returns the sentence that says which option would do nothing, or NULL.
@@ -415,7 +433,7 @@ static bool options_parse(struct cli *cli, const struct command *self, int argc,
 	else if (!options->output && which != BY_QUOTE)
 		wrong = "-o OUTPUT is missing";
 	else
-		wrong = settle_format(options, &given);
+		wrong = settle_format(options, &given, which);
 	if (!wrong)
 		wrong = find_idle(options, &given);
 	if (wrong)

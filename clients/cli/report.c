@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "clients/cli/quote.h"
+#include "protocol/names.h"
 
 static bool is_simulated(const struct candil_effect_report *effect)
 {
@@ -87,8 +88,13 @@ void report_print(const struct report *r, FILE *stream)
 {
 	const struct candil_render_request *request = &r->options->request;
 	const struct candil_done *done = &r->done;
-	fprintf(stream, "image      %s, %" PRIu32 "x%" PRIu32 ", %s, %" PRIu64 " bytes\n", r->options->output,
-		request->width, request->height, candil_format_name(request->format), r->bytes);
+	const bool picture = format_is_picture((unsigned)request->format);
+	if (picture)
+		fprintf(stream, "image      %s, %" PRIu32 "x%" PRIu32 ", %s, %" PRIu64 " bytes\n", r->options->output,
+			request->width, request->height, candil_format_name(request->format), r->bytes);
+	else
+		fprintf(stream, "file       %s, %s, %" PRIu64 " bytes\n", r->options->output,
+			candil_format_name(request->format), r->bytes);
 	if (r->made_width != request->width || r->made_height != request->height)
 		fprintf(stream, "made of    %" PRIu32 "x%" PRIu32 " pixels, scaled: --time left none for more\n",
 			r->made_width, r->made_height);
@@ -107,8 +113,9 @@ void report_print(const struct report *r, FILE *stream)
 	if (strcmp(done->reason, "time") == 0)
 		fprintf(stream, "ended      at the deadline, after %" PRIu32 " sample%s\n", done->samples,
 			cli_s(done->samples));
-	fprintf(stream, "verdict    %.3g %% of the pixels black, %.3g %% clipped, %.3g %% see no surface\n",
-		100 * done->verdict.black, 100 * done->verdict.clipped, 100 * done->verdict.missed);
+	if (picture)
+		fprintf(stream, "verdict    %.3g %% of the pixels black, %.3g %% clipped, %.3g %% see no surface\n",
+			100 * done->verdict.black, 100 * done->verdict.clipped, 100 * done->verdict.missed);
 	print_clamp(done, stream);
 	if (done->non_finite_samples > 0)
 		fprintf(stream, "mended     %" PRIu64 " sample%s not finite, counted as zero\n", done->non_finite_samples,
@@ -263,7 +270,8 @@ json_t *report_json(const struct report *r)
 		json_array_append_new(notes, cli_json_text(done->notes[i]));
 	json_object_set_new(o, "notes", notes);
 	json_object_set_new(o, "default_light", json_boolean(r->accepted.default_light));
-	json_object_set_new(o, "verdict", report_verdict_json(&done->verdict));
+	const bool picture = format_is_picture((unsigned)request->format);
+	json_object_set_new(o, "verdict", picture ? report_verdict_json(&done->verdict) : json_null());
 	json_object_set_new(o, "stages", report_stages_json(done));
 	json_object_set_new(o, "figures", report_figures_json(done));
 	put_number(o, "elapsed_us", done->elapsed_us);

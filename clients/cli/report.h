@@ -24,7 +24,8 @@ struct report {
 	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
 	"\"effects\": [{\"name\", \"state\", \"why\", where measured \"cost_us\", \"share\"}],\n" \
 	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"default_light\" (whether it was given),\n" \
-	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels), \"stages\": [{\"name\", \"us\"}],\n" \
+	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels; null: it is no picture), \"stages\": " \
+	"[{\"name\", \"us\"}],\n" \
 	"\"elapsed_us\", \"cold_us\" (of these: compiling, which a second render is spared),\n" \
 	"\"error_kind\": \"measured\"|\"predicted\"|\"unknown\", \"estimated_relmse\", \"relmse_low\", \"relmse_high\"\n" \
 	"(null: unknown, or no upper end),\n" \

@@ -564,7 +564,7 @@ CANDIL_API const char *candil_effect_state_name(enum candil_effect_state state);
 // "unknown", "measured" or "predicted".
 CANDIL_API const char *candil_error_kind_name(enum candil_error_kind kind);
 
-// "exr-half", "exr-float" or "png".
+// "exr-half", "exr-float", "png", "ply" or "mtx".
 CANDIL_API const char *candil_format_name(enum candil_format format);
 
 // "none", "reinhard" or "filmic".

@@ -123,11 +123,14 @@ enum candil_effect_state {
 	CANDIL_EFFECT_UNSUPPORTED = 4, // left out: the technique cannot do it
 };
 
-// The image file. EXR is linear radiance, W/(m² sr), PNG 8-bit sRGB.
+// The file. EXR is linear radiance, W/(m² sr), PNG 8-bit sRGB. The last two are no pictures but what a technique that has
+// patches computes with, which PROTOCOL.md describes.
 enum candil_format {
 	CANDIL_FORMAT_EXR_HALF = 0, // 16 bits a value
 	CANDIL_FORMAT_EXR_FLOAT = 1, // 32 bits a value
 	CANDIL_FORMAT_PNG = 2,
+	CANDIL_FORMAT_PLY = 3, // patches with their radiosity, binary
+	CANDIL_FORMAT_MTX = 4, // their form factors, Matrix Market coordinates
 };
 
 // How the radiance of a PNG, times 2 to the exposure, becomes a value from 0 to 1.
@@ -424,7 +427,7 @@ struct candil_done {
 	struct candil_figure figures[32];
 	uint32_t note_count;
 	char notes[4][192]; // sentences on what may surprise and came out in the work alone
-	struct candil_verdict verdict; // on the picture; of a sweep, the mean
+	struct candil_verdict verdict; // on the picture; of a sweep, the mean; zero of a file that is none
 };
 
 // An encoded image file, whole: EXR or PNG bytes, to be written to a file as they are.
@@ -438,7 +441,7 @@ struct candil_image {
 	uint32_t samples; // that are in it, per pixel
 	bool final; // false: an intermediate one
 	uint32_t index; // of the camera in a sweep, from 0; else 0
-	struct candil_verdict verdict; // of a final one
+	struct candil_verdict verdict; // of a final one that is a picture
 };
 
 // ---- the daemon ------------------------------------------------------------------------------------------------------

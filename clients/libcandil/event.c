@@ -5,11 +5,15 @@
 
 #include "clients/libcandil/client.h"
 #include "clients/libcandil/message.h"
+#include "protocol/limits.h"
+#include "protocol/names.h"
 
 // The most that an image file of these dimensions can have: the colour and every AOV as floats are 44 bytes a pixel, and a
 // file has headers.
 static uint64_t image_bytes_max(const struct request *request)
 {
+	if (!format_is_picture((unsigned)request->format))
+		return LIMIT_PATCH_FILE_BYTES;
 	return (uint64_t)request->width * request->height * 64u + (4u << 20);
 }
 

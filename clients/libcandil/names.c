@@ -20,6 +20,8 @@ SAME(CANDIL_ERROR_KIND_PREDICTED, candil_ErrorKind_ERROR_KIND_PREDICTED);
 SAME(CANDIL_FORMAT_EXR_HALF, candil_Format_FORMAT_EXR_HALF);
 SAME(CANDIL_FORMAT_EXR_FLOAT, candil_Format_FORMAT_EXR_FLOAT);
 SAME(CANDIL_FORMAT_PNG, candil_Format_FORMAT_PNG);
+SAME(CANDIL_FORMAT_PLY, candil_Format_FORMAT_PLY);
+SAME(CANDIL_FORMAT_MTX, candil_Format_FORMAT_MTX);
 SAME(CANDIL_VIEW_NONE, candil_View_VIEW_NONE);
 SAME(CANDIL_VIEW_REINHARD, candil_View_VIEW_REINHARD);
 SAME(CANDIL_VIEW_FILMIC, candil_View_VIEW_FILMIC);
@@ -70,8 +72,7 @@ const char *candil_error_kind_name(enum candil_error_kind kind)
 
 const char *candil_format_name(enum candil_format format)
 {
-	static const char *const names[] = {"exr-half", "exr-float", "png"};
-	return NAME_OF(names, format);
+	return format_name((unsigned)format);
 }
 
 const char *candil_view_name(enum candil_view view)

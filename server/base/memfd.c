@@ -36,10 +36,31 @@ enum status memfd_create_mapped(const char *name, size_t bytes, int *fd, void **
 	return STATUS_OK;
 }
 
+enum status memfd_create_empty(const char *name, int *fd, struct error *err)
+{
+	*fd = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
+	return *fd >= 0 ? STATUS_OK : error_errno(err, STATUS_MEMORY, "cannot create shared memory for %s", name);
+}
+
+enum status memfd_append(int fd, const void *data, size_t bytes, struct error *err)
+{
+	while (bytes > 0) {
+		const ssize_t done = write(fd, data, bytes);
+		if (done < 0 && errno == EINTR)
+			continue;
+		if (done <= 0)
+			return error_errno(err, STATUS_MEMORY, "cannot write %zu bytes more to shared memory", bytes);
+		data = (const char *)data + done;
+		bytes -= (size_t)done;
+	}
+	return STATUS_OK;
+}
+
 enum status memfd_seal(int fd, void *map, size_t bytes, struct error *err)
 {
 	// The kernel refuses F_SEAL_WRITE while a writable shared mapping exists.
-	munmap(map, bytes);
+	if (map)
+		munmap(map, bytes);
 	if (fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL) != 0)
 		return error_errno(err, STATUS_INTERNAL, "cannot seal shared memory");
 	return STATUS_OK;

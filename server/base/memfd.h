@@ -12,6 +12,11 @@
 // mapping. STATUS_MEMORY, STATUS_INTERNAL.
 enum status memfd_create_mapped(const char *name, size_t bytes, int *fd, void **map, struct error *err);
 
+// Create an empty one, which grows by what is appended. The caller owns it; memfd_seal, with a map of NULL, ends it. Of what
+// could not be appended a part may have been. STATUS_MEMORY.
+enum status memfd_create_empty(const char *name, int *fd, struct error *err);
+enum status memfd_append(int fd, const void *data, size_t bytes, struct error *err);
+
 // Unmap and seal (shrink, grow, write, seal). Afterwards the content is immutable. STATUS_INTERNAL.
 enum status memfd_seal(int fd, void *map, size_t bytes, struct error *err);
 

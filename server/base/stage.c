@@ -14,10 +14,10 @@ enum stage_kind stage_kind(const char *name)
 	    {"shadow-maps", STAGE_SETUP},  {"voxelise", STAGE_SETUP},   {"voxel-light", STAGE_SETUP},
 	    {"voxel-gather", STAGE_SETUP}, {"pyramid", STAGE_SETUP},    {"aov", STAGE_PIXEL},
 	    {"error", STAGE_PIXEL},        {"resolve", STAGE_PIXEL},    {"show", STAGE_PIXEL},
-	    {"count", STAGE_PIXEL},        {"encode", STAGE_ENCODE},    {"send", STAGE_ENCODE},
-	    {"open", STAGE_COLD},          {"lost", STAGE_QUEUE},       {"wait", STAGE_FIXED},
-	    {"encoder", STAGE_FIXED},      {"host", STAGE_PIXEL},       {"preview", STAGE_PIXEL},
-	    {"size", STAGE_QUEUE},
+	    {"check", STAGE_SETUP},        {"count", STAGE_PIXEL},      {"encode", STAGE_ENCODE},
+	    {"send", STAGE_ENCODE},        {"open", STAGE_COLD},        {"lost", STAGE_QUEUE},
+	    {"wait", STAGE_FIXED},         {"encoder", STAGE_FIXED},    {"host", STAGE_PIXEL},
+	    {"preview", STAGE_PIXEL},      {"size", STAGE_QUEUE},
 	};
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
 		if (strcmp(name, kinds[i].name) == 0)

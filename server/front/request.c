@@ -275,16 +275,30 @@ static enum status check_environment(candil_Render *r, struct error *err)
 	return STATUS_OK;
 }
 
+// A file that is no picture.
+static enum status check_file(const candil_Render *r, struct error *err)
+{
+	if (!can(r->technique, TECHNIQUE_PATCHES))
+		return refuse_trait("a file of patches", TECHNIQUE_PATCHES, "other techniques have none", err);
+	if (r->progressive || r->deadline_ms > 0)
+		return error_set(
+		    err, STATUS_BAD_ARGUMENT,
+		    "a file of patches comes whole, when it is ready: leave `progressive` and `deadline_ms` out");
+	return STATUS_OK;
+}
+
 static enum status check_output(candil_Render *r, struct error *err)
 {
-	if ((unsigned)r->format > candil_Format_FORMAT_PNG)
+	if ((unsigned)r->format >= _candil_Format_ARRAYSIZE)
 		return error_set(err, STATUS_BAD_ARGUMENT, "format %u is none of candil.proto", (unsigned)r->format);
+	if (!format_is_picture(r->format) && check_file(r, err) != STATUS_OK)
+		return err->code;
 	if ((unsigned)r->view > candil_View_VIEW_FILMIC)
 		return error_set(err, STATUS_BAD_ARGUMENT, "view %u is none of candil.proto", (unsigned)r->view);
 	if (r->aovs & ~(uint32_t)AOV_ALL)
 		return error_set(err, STATUS_UNSUPPORTED, "an AOV's bit is unknown to this daemon");
-	if (r->aovs && r->format == candil_Format_FORMAT_PNG)
-		return error_set(err, STATUS_BAD_ARGUMENT, "AOVs need an EXR: a PNG has no place for them");
+	if (r->aovs && r->format != candil_Format_FORMAT_EXR_HALF && r->format != candil_Format_FORMAT_EXR_FLOAT)
+		return error_set(err, STATUS_BAD_ARGUMENT, "AOVs need an EXR: other files have no place for them");
 	if (!(fabs(r->exposure_ev) <= LIMIT_EXPOSURE_EV))
 		return error_set(err, STATUS_BAD_ARGUMENT, "exposure_ev is between -%g and %g", LIMIT_EXPOSURE_EV,
 				 LIMIT_EXPOSURE_EV);
@@ -379,6 +393,8 @@ enum status request_quote(const uint8_t *body, size_t bytes, candil_Quote *quote
 	enum status status = decode_lists(body, bytes, candil_Quote_fields, quote, err);
 	if (status == STATUS_OK && !quote->has_render)
 		status = error_set(err, STATUS_BAD_ARGUMENT, "a quote is about a render: fill in `render`");
+	if (status == STATUS_OK && !format_is_picture(quote->render.format))
+		status = error_set(err, STATUS_BAD_ARGUMENT, "a quote is about a picture: ask for the format of one");
 	if (status == STATUS_OK && quote->pilot_ms > LIMIT_PILOT_MS)
 		status = error_set(err, STATUS_LIMIT, "a pilot takes at most %u ms", LIMIT_PILOT_MS);
 	return status == STATUS_OK ? check_render(&quote->render, true, err) : status;
@@ -419,6 +435,9 @@ enum status request_sweep(const uint8_t *body, size_t bytes, candil_Sweep *sweep
 		status = error_set(err, STATUS_BAD_ARGUMENT, "a sweep needs at least one camera");
 	if (status == STATUS_OK && render->has_camera)
 		status = error_set(err, STATUS_BAD_ARGUMENT, "a sweep's cameras are in `cameras`: leave render.camera out");
+	if (status == STATUS_OK && !format_is_picture(render->format))
+		status =
+		    error_set(err, STATUS_BAD_ARGUMENT, "a sweep is of pictures: ask for a file of patches by a render");
 	if (status == STATUS_OK)
 		status = request_check_render(render, err);
 	for (pb_size_t i = 0; i < sweep->cameras_count && status == STATUS_OK; i++)

@@ -118,8 +118,16 @@ class Arguments(FakeCase):
     def test_too_many_samples(self):
         self.refuse("limit", samples=(1 << 24) + 1)
 
-    def test_other_techniques(self):
-        self.refuse("unsupported", technique=pb.TECHNIQUE_RADIOSITY)
+    def test_files_that_are_no_pictures(self):
+        for kind in (pb.FORMAT_PLY, pb.FORMAT_MTX):
+            self.refuse("unsupported", technique=pb.TECHNIQUE_PT, format=kind)
+            self.refuse("unsupported", format=kind)
+            self.refuse("bad-argument", technique=pb.TECHNIQUE_RADIOSITY, format=kind, aovs=1)
+            self.refuse("bad-argument", technique=pb.TECHNIQUE_RADIOSITY, format=kind, progressive=True)
+            connection = self.connect()
+            file = render("box", technique=pb.TECHNIQUE_RADIOSITY, format=kind)
+            self.assert_error(connection.ask(wire.SWEEP, pb.Sweep(render=file, cameras=[pb.Camera()])), "bad-argument")
+            self.assert_error(connection.ask(wire.QUOTE, pb.Quote(render=file)), "bad-argument")
 
     def test_camera_that_is_not_finite(self):
         eye = pb.Vec3(x=float("nan"))

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "protocol/header.h"
+#include "protocol/names.h"
 #include "server/front/request.h"
 
 static candil_Render good(void)
@@ -132,7 +133,7 @@ static void techniques(void **state)
 	(void)state;
 	assert_int_equal(BROKEN(r.technique = candil_Technique_TECHNIQUE_PT), STATUS_OK);
 	assert_int_equal(BROKEN(r.technique = candil_Technique_TECHNIQUE_VCT), STATUS_OK);
-	assert_int_equal(BROKEN(r.technique = candil_Technique_TECHNIQUE_RADIOSITY), STATUS_UNSUPPORTED);
+	assert_int_equal(BROKEN(r.technique = candil_Technique_TECHNIQUE_RADIOSITY), STATUS_OK);
 	assert_int_equal(BROKEN(r.technique = (candil_Technique)77), STATUS_BAD_ARGUMENT);
 }
 
@@ -170,6 +171,7 @@ static void effects_and_outputs(void **state)
 	assert_int_equal(BROKEN(r.aovs = AOV_ALL + 1), STATUS_UNSUPPORTED);
 	assert_int_equal(BROKEN((r.aovs = AOV_ID, r.format = candil_Format_FORMAT_PNG)), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN(r.format = (candil_Format)9), STATUS_BAD_ARGUMENT);
+	assert_int_equal(BROKEN(r.format = (candil_Format)(candil_Format_FORMAT_MTX + 1)), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN(r.view = (candil_View)9), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN(r.exposure_ev = NAN), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN(r.exposure_ev = -LIMIT_EXPOSURE_EV - 1), STATUS_BAD_ARGUMENT);
@@ -177,6 +179,23 @@ static void effects_and_outputs(void **state)
 	assert_int_equal(BROKEN((r.has_background = true, r.background.y = NAN)), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN((r.has_background = true, r.background.z = 2 * LIMIT_RADIANCE)), STATUS_BAD_ARGUMENT);
 	assert_int_equal(BROKEN(r.progress_ms = LIMIT_PROGRESS_MS + 1), STATUS_LIMIT);
+}
+
+// Whether a file that is no picture may be asked for so.
+#define FILE_OF(format_, change) \
+	BROKEN(r.technique = candil_Technique_TECHNIQUE_RADIOSITY; r.format = candil_Format_##format_; change)
+
+static void files_of_patches(void **state)
+{
+	(void)state;
+	assert_int_equal(FILE_OF(FORMAT_PLY, r.seed = 1), STATUS_OK);
+	assert_int_equal(FILE_OF(FORMAT_MTX, r.samples = 2), STATUS_OK);
+	for (unsigned i = 0; i < TECHNIQUE_COUNT; i++)
+		if (!(technique_traits(i) & TECHNIQUE_PATCHES))
+			assert_int_equal(FILE_OF(FORMAT_PLY, r.technique = (candil_Technique)i), STATUS_UNSUPPORTED);
+	assert_int_equal(FILE_OF(FORMAT_PLY, r.aovs = AOV_ID), STATUS_BAD_ARGUMENT);
+	assert_int_equal(FILE_OF(FORMAT_MTX, r.progressive = true), STATUS_BAD_ARGUMENT);
+	assert_int_equal(FILE_OF(FORMAT_MTX, r.deadline_ms = 1000), STATUS_BAD_ARGUMENT);
 }
 
 static enum status with_option(const char *name, const char *value)
@@ -357,6 +376,7 @@ int main(void)
 	    cmocka_unit_test(techniques),
 	    cmocka_unit_test(cameras),
 	    cmocka_unit_test(effects_and_outputs),
+	    cmocka_unit_test(files_of_patches),
 	    cmocka_unit_test(options),
 	    cmocka_unit_test(lenses),
 	    cmocka_unit_test(ends),

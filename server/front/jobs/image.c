@@ -4,12 +4,15 @@
 
 #include "protocol/header.h"
 #include "protocol/limits.h"
+#include "protocol/names.h"
 #include "server/front/reply.h"
 #include "server/front/session.h"
 
 uint64_t image_estimate(const candil_Render *render)
 {
 	uint32_t channels = 3;
+	if (!format_is_picture(render->format))
+		return LIMIT_PATCH_FILE_BYTES;
 	if (render->aovs & AOV_DEPTH)
 		channels += 1;
 	if (render->aovs & AOV_NORMAL)

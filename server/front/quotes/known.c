@@ -158,6 +158,8 @@ static void learn_frame(void *owner, const struct rendered *f)
 	struct quote_known *known = owner;
 	const candil_Technique technique = f->render->technique ? f->render->technique : TECHNIQUE_OF_AUTO;
 	const candil_Done *done = f->done;
+	if (!format_is_picture(f->render->format))
+		return;
 	// A worker that is gone by now took along what was warm, and another's warmth is none of this frame's.
 	if (done->samples == 0 || done->retries > 0 || f->worker != known->worker->starts)
 		return;

@@ -115,9 +115,10 @@ static void work(struct encoder *e, const struct encoder_task *task)
 	memset(&image, 0, sizeof image); // with the padding, which is sent too
 	image.head.op = IPC_IMAGE;
 	image.head.job = task->job;
-	int fd = -1;
-	size_t bytes = 0;
-	if (!e->encode) {
+	const bool is_file = task->frame->file >= 0;
+	int fd = is_file ? task->frame->file : -1;
+	size_t bytes = is_file ? task->frame->file_bytes : 0;
+	if (!e->encode && !is_file) {
 		e->encode = e->open(&image.error);
 		e->opened_us = clock_us();
 	}
@@ -128,14 +129,15 @@ static void work(struct encoder *e, const struct encoder_task *task)
 		frame_add_stage(task->frame, FRAME_STAGE_OPEN, ready - task->submitted_us);
 	frame_add_stage(task->frame, "encoder", start - ready);
 	const struct verdict_file *file = &task->file;
-	if (e->encode)
+	if (e->encode && !is_file)
 		image.error.code =
 		    e->encode(task->frame, file->format, file->view, file->exposure_ev, &fd, &bytes, &image.error);
-	judge(task, &image);
+	if (!is_file)
+		judge(task, &image);
 	frame_add_stage(task->frame, "encode", clock_us() - start);
 	fill_image(e, task, bytes, &image);
 	send_image(e->socket, &image, fd);
-	if (fd >= 0)
+	if (fd >= 0 && !is_file)
 		close(fd);
 }
 

@@ -1,5 +1,6 @@
 // The encoder: a thread that takes finished frames from the device's thread, encodes them, and sends each to the front as an
-// IPC_IMAGE message with the file in a sealed memfd. A worker has one. All functions are for the device's thread.
+// IPC_IMAGE message with the file in a sealed memfd. A frame that is a file already is sent as it is. A worker has one. All
+// functions are for the device's thread.
 #ifndef CANDIL_WORKER_ENCODER_H
 #define CANDIL_WORKER_ENCODER_H
 

@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "protocol/header.h"
 #include "server/base/checked.h"
@@ -29,6 +30,7 @@ enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct 
 	f->width = f->made_width = width;
 	f->height = f->made_height = height;
 	f->estimate = ESTIMATE_UNKNOWN;
+	f->file = -1;
 	f->radiance = plane(pixels, 3);
 	f->met = calloc(pixels, sizeof *f->met);
 	if (aovs & AOV_DEPTH)
@@ -51,6 +53,21 @@ out_of_memory:
 			 width, height);
 }
 
+enum status frame_create_file(uint32_t width, uint32_t height, int file, uint64_t bytes, struct frame **frame,
+			      struct error *err)
+{
+	struct frame *f = calloc(1, sizeof *f);
+	if (!f)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	f->width = f->made_width = width;
+	f->height = f->made_height = height;
+	f->estimate = ESTIMATE_UNKNOWN;
+	f->file = file;
+	f->file_bytes = bytes;
+	*frame = f;
+	return STATUS_OK;
+}
+
 static void free_pixels(struct frame *f)
 {
 	free(f->radiance);
@@ -66,6 +83,8 @@ void frame_destroy(struct frame *frame)
 	if (!frame)
 		return;
 	free_pixels(frame);
+	if (frame->file >= 0)
+		close(frame->file);
 	free(frame);
 }
 

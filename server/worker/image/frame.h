@@ -44,6 +44,10 @@ struct frame {
 	float *albedo; // 3: linear Rec.709
 	uint32_t *id; // 1: material index + 1; 0: nothing hit
 
+	// A file that is no picture: it is there in place of pixels. A sealed memfd, closed with the frame; -1: it is one.
+	int file;
+	uint64_t file_bytes;
+
 	uint32_t samples; // of a pixel, in this picture
 	uint32_t ahead; // if samples is 0: tiles of the picture, from its first on, that have one all the same
 	struct estimate estimate; // of its error
@@ -70,6 +74,10 @@ struct frame {
 // Make a zeroed frame with radiance and the AOVs of `aovs` (AOV_* bits of protocol/header.h). Its size must have passed the
 // request's limits. *frame is the caller's. STATUS_MEMORY.
 enum status frame_create(uint32_t width, uint32_t height, uint32_t aovs, struct frame **frame, struct error *err);
+
+// Make a frame without pixels of a file, which it owns. STATUS_MEMORY: it stays the caller's.
+enum status frame_create_file(uint32_t width, uint32_t height, int file, uint64_t bytes, struct frame **frame,
+			      struct error *err);
 
 // Free a frame. NULL is allowed.
 void frame_destroy(struct frame *frame);

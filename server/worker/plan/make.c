@@ -121,6 +121,9 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 	const struct technique *technique = technique_find(r->technique);
 	if (!technique)
 		return error_set(err, STATUS_UNSUPPORTED, "this worker has no such technique");
+	if (!format_is_picture(r->format) && !(technique->files >> r->format & 1u))
+		return error_set(err, STATUS_UNSUPPORTED, "%s makes no file of format %s", technique_name(technique->number),
+				 format_name(r->format));
 	p->technique = technique->number;
 	copy_request(r, p);
 	enum status s = plan_options(r, technique, p, err);

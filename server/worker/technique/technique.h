@@ -95,6 +95,11 @@ struct technique {
 	// off, and the reply names the techniques that can.
 	uint32_t effects;
 
+	// The files that are no pictures and that it can make instead: bits 1 << candil_Format. A job whose plan->format is
+	// one of them makes it in its steps, within LIMIT_PATCH_FILE_BYTES or STATUS_LIMIT, with what to ask for, and `read`
+	// gives a frame of it (frame_create_file), once, at the end.
+	uint32_t files;
+
 	// Why it cannot simulate an effect by this plan: a static sentence without a full stop. NULL: `effects` decides. If
 	// the function is NULL, `effects` always decides.
 	const char *(*cannot)(const struct plan *plan, candil_Effect effect);

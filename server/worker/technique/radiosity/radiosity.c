@@ -4,7 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "protocol/names.h"
 #include "server/base/clock.h"
 #include "server/base/vec3.h"
 #include "server/worker/devices.h"
@@ -12,6 +14,7 @@
 #include "server/worker/technique/deferred/deferred.h"
 #include "server/worker/technique/radiosity/display.h"
 #include "server/worker/technique/radiosity/display_views.h"
+#include "server/worker/technique/radiosity/patch_file.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/row_maker.h"
 #include "server/worker/technique/radiosity/solution.h"
@@ -32,8 +35,9 @@ struct technique_job {
 	struct solution *solution; // held
 	bool made; // some of the solution was made by this job
 	double fraction; // of the solution, told so far
-	struct survey *survey; // of what radiosity.show shows
-	uint64_t survey_us; // host time of it
+	struct survey *survey; // of what radiosity.show shows, or of what a file holds
+	struct patch_file *file; // NULL: a picture is made, or the file is not begun
+	uint64_t survey_us, file_us; // host time of them
 	bool placed; // `field` has the solution's values
 	struct display_field field;
 	struct display display;
@@ -182,11 +186,11 @@ static uint64_t radiosity_bytes(const struct devices *devices, const struct resi
 			       : rows.way == ROWS_BY_HEMICUBE ? 3.0 * rows.pixels * rows.pixels * rows.origins
 							      : INFINITY;
 	const double entries = n * entries_guess(n, samples);
-	return deferred_bytes(devices, plan, radiosity_settings(plan)->direct.rows) +
-	       display_bytes(devices, scene, plan, &display) +
-	       display_field_bytes(triangles, triangles, patches, display.corners) +
-	       element_buffers_bytes(triangles, triangles, patches) + row_maker_bytes(&of, &rows) +
-	       solver_bytes(2 * patches) + factors_bytes_most((uint64_t)entries, patches);
+	const uint64_t shown = deferred_bytes(devices, plan, radiosity_settings(plan)->direct.rows) +
+			       display_bytes(devices, scene, plan, &display) +
+			       display_field_bytes(triangles, triangles, patches, display.corners);
+	return (format_is_picture(plan->format) ? shown : 0) + element_buffers_bytes(triangles, triangles, patches) +
+	       row_maker_bytes(&of, &rows) + solver_bytes(2 * patches) + factors_bytes_most((uint64_t)entries, patches);
 }
 
 static void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
@@ -212,17 +216,36 @@ static void radiosity_end(struct technique_job *j)
 	deferred_destroy(j->deferred);
 	display_finish(&j->display);
 	display_field_finish(&j->field);
+	patch_file_destroy(j->file);
 	survey_destroy(j->survey);
 	solution_release(j->solution);
 	free(j);
+}
+
+static bool makes_file(const struct plan *plan)
+{
+	return !format_is_picture(plan->format);
+}
+
+// Begin what shows the solution.
+static enum status begin_display(struct technique_job *j, struct devices *devices, struct error *err)
+{
+	const struct display_options display = display_of(&j->plan, j->scene);
+	const struct plan shown = display_plan(&j->plan);
+	enum status s = display_init(&j->display, devices, j->scene, &j->plan, &display, &j->field, err);
+	if (s == STATUS_OK)
+		s = deferred_create(devices, j->scene, &shown, radiosity_settings(&j->plan)->direct.rows,
+				    display_traces(&display) ? TRACE_BINDINGS : 0, j->display.passes, j->display.pass_count,
+				    &j->deferred, err);
+	if (s == STATUS_OK)
+		deferred_add_setup(j->deferred, 0, display_compile_us(&j->display) + solution_take_compile_us(j->solution));
+	return s;
 }
 
 static enum status radiosity_begin(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 				   struct technique_job **job, struct error *err)
 {
 	struct solution_options options;
-	const struct display_options display = display_of(plan, scene);
-	const struct plan shown = display_plan(plan);
 	struct technique_job *j = calloc(1, sizeof *j);
 	if (!j)
 		return error_set(err, STATUS_MEMORY, "out of memory");
@@ -232,25 +255,15 @@ static enum status radiosity_begin(struct devices *devices, struct resident_scen
 	enum status s = devices_gl(devices, &j->gl, err);
 	if (s == STATUS_OK)
 		s = solution_acquire(scene, devices->vk, j->gl, plan, &options, &j->solution, err);
+	if (s == STATUS_OK && !makes_file(plan))
+		s = begin_display(j, devices, err);
+	if (s == STATUS_OK && (makes_file(plan) || j->display.options.plain))
+		s = survey_create(j->solution, !makes_file(plan), &j->survey, err);
 	if (s == STATUS_OK)
-		s = display_init(&j->display, devices, scene, plan, &display, &j->field, err);
-	if (s == STATUS_OK)
-		s = deferred_create(devices, scene, &shown, radiosity_settings(plan)->direct.rows,
-				    display_traces(&display) ? TRACE_BINDINGS : 0, j->display.passes, j->display.pass_count,
-				    &j->deferred, err);
-	if (s != STATUS_OK) {
+		*job = j;
+	else
 		radiosity_end(j);
-		return s;
-	}
-	if (display.plain)
-		s = survey_create(j->solution, true, &j->survey, err);
-	if (s != STATUS_OK) {
-		radiosity_end(j);
-		return s;
-	}
-	deferred_add_setup(j->deferred, 0, display_compile_us(&j->display) + solution_take_compile_us(j->solution));
-	*job = j;
-	return STATUS_OK;
+	return s;
 }
 
 // The element of radiosity.row, or without the option the one in the middle of the picture.
@@ -328,6 +341,23 @@ static enum status step_survey(struct technique_job *j, uint32_t budget_us, stru
 	return s;
 }
 
+static enum status step_file(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = STATUS_OK;
+	if (!j->file)
+		s = patch_file_create(j->solution, j->scene, j->plan.format, LIMIT_PATCH_FILE_BYTES, &j->file, err);
+	if (s == STATUS_OK)
+		s = patch_file_step(j->file, budget_us, err);
+	j->file_us += clock_us() - start;
+	if (s != STATUS_OK)
+		return s;
+	result->fraction = SOLVE_SHARE + (1 - SOLVE_SHARE) * patch_file_fraction(j->file);
+	result->finished = patch_file_finished(j->file);
+	result->samples_done = result->finished ? j->plan.samples : 0;
+	return STATUS_OK;
+}
+
 static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	enum status s = STATUS_OK;
@@ -342,6 +372,8 @@ static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, s
 	result->fraction = SOLVE_SHARE;
 	if (j->survey && !survey_finished(j->survey))
 		return step_survey(j, budget_us, err);
+	if (makes_file(&j->plan))
+		return step_file(j, budget_us, result, err);
 	if (!j->placed)
 		return place_field(j, err);
 	if (!display_ready(&j->display))
@@ -351,17 +383,37 @@ static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, s
 	return s;
 }
 
-static enum status radiosity_read(struct technique_job *j, struct frame **frame, struct error *err)
+static enum status read_file(struct technique_job *j, struct frame **frame, struct error *err)
 {
-	const enum status s = deferred_read(j->deferred, frame, err);
+	int fd;
+	uint64_t bytes;
+	enum status s = j->file ? patch_file_take(j->file, &fd, &bytes, err)
+				: error_set(err, STATUS_INTERNAL, "there is no file to read");
 	if (s != STATUS_OK)
 		return s;
-	(*frame)->diagram = j->display.options.plain;
+	s = frame_create_file(j->plan.width, j->plan.height, fd, bytes, frame, err);
+	if (s != STATUS_OK) {
+		close(fd);
+		return s;
+	}
+	(*frame)->samples = j->plan.samples;
+	frame_add_stage(*frame, FRAME_STAGE_COMPILE, solution_take_compile_us(j->solution));
+	frame_add_stage(*frame, "write", j->file_us);
+	return STATUS_OK;
+}
+
+static enum status radiosity_read(struct technique_job *j, struct frame **frame, struct error *err)
+{
+	const bool file = makes_file(&j->plan);
+	const enum status s = file ? read_file(j, frame, err) : deferred_read(j->deferred, frame, err);
+	if (s != STATUS_OK)
+		return s;
+	(*frame)->diagram = !file && j->display.options.plain;
 	if (solution_finished(j->solution))
 		solution_account(j->solution, j->made, *frame);
 	if (j->survey_us > 0)
 		frame_add_stage(*frame, "check", j->survey_us);
-	if (j->display.options.plain)
+	if (file || j->display.options.plain)
 		survey_account(j->solution, *frame);
 	return STATUS_OK;
 }
@@ -425,6 +477,7 @@ const struct technique technique_radiosity = {.number = candil_Technique_TECHNIQ
 					      .check = radiosity_options_check,
 					      .depth = radiosity_depth,
 					      .effects = RADIOSITY_EFFECTS,
+					      .files = 1u << candil_Format_FORMAT_PLY | 1u << candil_Format_FORMAT_MTX,
 					      .cannot = radiosity_cannot,
 					      .simulates = radiosity_simulates,
 					      .sides_are_code = true,
