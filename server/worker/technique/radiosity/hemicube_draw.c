@@ -87,7 +87,7 @@ static enum status draw_clusters(const struct hemicube *h, uint32_t level, const
 			glDrawArraysInstanced(GL_TRIANGLES, (GLint)(3 * c->first), corners, (GLsizei)d->count);
 		else
 			glDrawElementsInstanced(GL_TRIANGLES, corners, GL_UNSIGNED_INT,
-						(const char *)NULL + 3 * sizeof(uint32_t) * (size_t)c->first,
+						(const void *)(3 * sizeof(uint32_t) * (uintptr_t)c->first),
 						(GLsizei)d->count);
 		gl_program_has_run(h->device, program);
 	}
