@@ -152,6 +152,7 @@ class Refused(unittest.TestCase):
         for wrong, word in ((["--panorama", "--lens", "0.1,1"], "bad-argument"),
                             (["--technique", "direct", "--panorama"], "unsupported"),
                             (["--technique", "vct", "--lens", "0.1,1"], "unsupported"),
+                            (["--technique", "radiosity", "--panorama"], "unsupported"),
                             (["--technique", "direct", "--filter", "bh"], "unsupported"),
                             (["--technique", "direct", "--error", "0.1"], "unsupported")):
             with self.assertRaises(Failed) as failure:

@@ -16,7 +16,7 @@ from writers import Gltf, box, icosphere, quad
 
 daemon = Daemon()
 SKY = .8
-TECHNIQUES = ("pt", "direct", "vct")
+TECHNIQUES = ("pt", "direct", "vct", "radiosity")
 DOWN = (0, 2, 0, 0, 0, 0, 0, 0, -1, 20)
 
 
@@ -47,7 +47,7 @@ class Light(unittest.TestCase):
         g = Gltf()
         floor(g, g.material("white", (.5, .75, 1)))
         scene = g.save(daemon.folder, "plane.gltf")
-        for technique, tolerance in (("pt", 1e-6), ("direct", 1e-6), ("vct", .01)):
+        for technique, tolerance in (("pt", 1e-6), ("direct", 1e-6), ("vct", .01), ("radiosity", 1e-5)):
             got = seen(scene, technique, 1, DOWN)
             numpy.testing.assert_allclose(got, numpy.broadcast_to((.5 * SKY, .75 * SKY, SKY), got.shape), rtol=tolerance,
                                           err_msg=technique)
@@ -66,7 +66,7 @@ class Light(unittest.TestCase):
     def test_beneath_a_wall(self):
         """A floor beside a black wall, by quadrature over the wall of what it hides: d y / (π (d² + x² + y²)²)."""
         y, x = numpy.meshgrid((numpy.arange(400) + .5) / 400, (numpy.arange(3200) + .5) / 400 - 4, indexing="ij")
-        for technique, spp, tolerance, at in (("pt", 256, .02, (.25, 1)), ("direct", 64, .01, (.25, 1)), ("vct", 1, .06, (1, 2))):
+        for technique, spp, tolerance, at in (("pt", 256, .02, (.25, 1)), ("direct", 64, .01, (.25, 1)), ("vct", 1, .06, (1, 2)), ("radiosity", 1, .02, (.25, 1))):
             for d in at:
                 got = seen(wall(), technique, spp, (0, .5, d, 0, 0, d, 0, 0, -1, 1)).mean()
                 expected = .5 * SKY * (1 - (d * y / (math.pi * (d * d + x * x + y * y) ** 2)).sum() / 400 ** 2)

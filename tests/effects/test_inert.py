@@ -130,13 +130,14 @@ class Inert(unittest.TestCase):
         self.assertEqual([told[e]["state"] for e in ("clearcoat", "textures")], ["simulated"] * 2)
 
     def test_the_other_techniques(self):
-        for technique in ("direct", "vct"):
+        for technique in ("direct", "vct", "radiosity"):
             for name in ("mask of alpha 1", "texture on black", "gloss of what is all clear"):
                 with self.subTest((technique, name)):
                     effect, _, build = INERT[name]
                     told = self.forced(scene(name.replace(" ", "-"), build), technique)[effect]
-                    # direct draws what is clear opaque, with the gloss that it has by name.
-                    self.assertEqual(told["state"], "simulated" if (technique, effect) == ("direct", "glossy") else "absent")
+                    # What is clear these two draw opaque, with the gloss that it has by name.
+                    opaque = technique in ("direct", "radiosity") and effect == "glossy"
+                    self.assertEqual(told["state"], "simulated" if opaque else "absent")
 
     def test_a_flat_normal_map_is_not_flat(self):
         """128 of 255 is 1/255 above the middle: the map tilts by a third of a degree, which light shows."""

@@ -14,7 +14,7 @@ from wire import pb
 from writers import Gltf, box, icosphere, quad
 
 daemon = Daemon()
-TECHNIQUES = ("pt", "direct", "vct")
+TECHNIQUES = ("pt", "direct", "vct", "radiosity")
 SIDE = 16
 FRONT = (0, 0, 5, 0, 0, 0, 0, 1, 0, 40)
 

@@ -100,7 +100,7 @@ class Deadline(unittest.TestCase):
             self.assertEqual(whole, timed)
 
     def test_without_noise_one_sample_is_enough(self):
-        for technique in (wire.pb.TECHNIQUE_DIRECT, wire.pb.TECHNIQUE_VCT):
+        for technique in (wire.pb.TECHNIQUE_DIRECT, wire.pb.TECHNIQUE_VCT, wire.pb.TECHNIQUE_RADIOSITY):
             done = replies(technique=technique, deadline_ms=FAR)[-1].body
             self.assertEqual((done.samples, done.reason), (1, "samples"))
 

@@ -195,7 +195,7 @@ class Told(unittest.TestCase):
     def test_techniques_without_noise(self):
         """What they have wrong is the same in all samples, so that no number of these tells it: edges, above all."""
         path = make.cornell(daemon.folder)
-        for technique in ("direct", "vct"):
+        for technique in ("direct", "vct", "radiosity"):
             for spp in (1, 4):
                 picture = daemon.render(path, SIZE, spp, arguments=["--technique", technique])
                 self.assert_unknown(picture)

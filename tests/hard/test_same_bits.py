@@ -103,8 +103,8 @@ class Raster(unittest.TestCase):
         with Daemon() as daemon:
             daemon.candil("load", scene, "--name", "room")
             daemon.candil("load", empty, "--name", "empty")
-            for technique in ("direct", "vct"):
-                options = {"vct.resolution": 32} if technique == "vct" else {}
+            for technique in ("direct", "vct", "radiosity"):
+                options = {"vct": {"vct.resolution": 32}, "radiosity": {"radiosity.patches": 300}}.get(technique, {})
                 daemon.render("room", size=SIZE, spp=2, options=options, arguments=["--technique", technique])
                 picture = daemon.render("empty", size=SIZE, spp=4, options=options,
                                         arguments=["--technique", technique, "--background", "1,1,1"])

@@ -85,7 +85,7 @@ class Penumbra(unittest.TestCase):
 
 class Techniques(unittest.TestCase):
     def test_those_that_take_the_middle_say_so(self):
-        for technique, angle, told in (("pt", 5, 0), ("direct", 5, 1), ("direct", 0, 0), ("vct", 5, 1)):
+        for technique, angle, told in (("pt", 5, 0), ("direct", 5, 1), ("direct", 0, 0), ("vct", 5, 1), ("radiosity", 5, 1)):
             report = daemon.render(scene("plane"), (8, 8), 1, arguments=["--technique", technique, *sun(angle)]).report
             self.assertEqual(sum("angle" in note for note in report["notes"]), told, report["notes"])
 

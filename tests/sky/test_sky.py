@@ -236,7 +236,7 @@ class Together(unittest.TestCase):
         with Daemon() as other:
             other.candil("load", written("sunset", skies.sunset(128, 500)), "--name", "sunset")
             other.candil("load", room(), "--name", "room")
-            for technique in ("pt", "vct", "direct"):
+            for technique in ("pt", "vct", "direct", "radiosity"):
                 for more in (under("sunset"), []):
                     other.render("room", (16, 12), 1, arguments=["--technique", technique, *more])
             self.assertEqual(other.stats()["worker_starts"], 1)
