@@ -161,6 +161,46 @@ static void rows_of_a_closed_cube_are_whole(void **state)
 	model_finish(&model);
 }
 
+// A ball of many small triangles: at its outline, where they are seen edge-on, depths are not those of pixels' middles.
+static void add_ball(const double middle[3], double radius, int rings)
+{
+	double p[4][3];
+	for (int i = 0; i < rings; i++)
+		for (int k = 0; k < 2 * rings; k++) {
+			for (int c = 0; c < 4; c++) {
+				const double t = PI * (i + (c == 1 || c == 2)) / rings,
+					     a = PI * (k + (c == 2 || c == 3)) / rings;
+				p[c][0] = middle[0] + radius * sin(t) * cos(a);
+				p[c][1] = middle[1] + radius * sin(t) * sin(a);
+				p[c][2] = middle[2] + radius * cos(t);
+			}
+			if (i > 0)
+				model_add(&model, p[0], p[1], p[3], NULL, 1);
+			if (i + 1 < rings)
+				model_add(&model, p[1], p[2], p[3], NULL, 1);
+		}
+}
+
+static void next_to_nothing_is_seen_in_closed_bodies(void **state)
+{
+	(void)state;
+	const struct hemicube_options options = {.pixels = 128, .origins = 4};
+	model_start(&model);
+	add_cube(0, 1);
+	add_ball((const double[3]){0.4, 0.55, 0.5}, 0.3, 24);
+	model_close(&model, 0.251);
+	const uint32_t n = model.elements.patches.count;
+	struct hemicube_result r = hemicube_result_make(&model, &options, 0, 96, 0);
+	double behind = 0;
+	for (uint32_t i = 0; i < 96; i++)
+		for (uint32_t j = n; j < 2 * n; j++)
+			behind += factor_at(&r, i, j);
+	printf("%u patches: %.1e of 96 rows is behind surfaces\n", n, behind);
+	assert_true(behind < 96 * 1e-5);
+	hemicube_result_finish(&r);
+	model_finish(&model);
+}
+
 static void batches_do_not_matter(void **state)
 {
 	(void)state;
@@ -268,6 +308,7 @@ int main(void)
 	    cmocka_unit_test(half_of_the_way_is_blocked),
 	    cmocka_unit_test(nothing_is_too_near),
 	    cmocka_unit_test(rows_of_a_closed_cube_are_whole),
+	    cmocka_unit_test(next_to_nothing_is_seen_in_closed_bodies),
 	    cmocka_unit_test(batches_do_not_matter),
 	    cmocka_unit_test(scale_and_place_do_not_matter),
 	    cmocka_unit_test(masks_let_through),

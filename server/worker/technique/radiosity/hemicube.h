@@ -5,10 +5,11 @@
 // that is Vulkan's.
 //
 // A row's sum, with what escaped and what was cut off, is 1 but for the rounding of floats. An entry is off by what pixels
-// on outlines have, and by the few points that a patch has: for near elements take more. Nothing is cut off by a near plane:
-// depth is inverse, and the nearest plane that is drawn is 2⁻⁵⁰ of the scene's size away. A row's bits depend on the scene,
-// the options and the device alone, not on the batch that it is made in. Of blended surfaces those are there whose alpha is
-// a half or more.
+// on outlines have, and by the few points that a patch has: for near elements take more. At
+// outlines of bodies of small triangles, which are seen edge-on there, a pixel may see a triangle's back: some 3e-6 of a
+// row. Nothing is cut off by a near plane: depth is inverse, and the nearest plane that is drawn is 2⁻⁵⁰ of the scene's size
+// away. A row's bits depend on the scene, the options and the device alone, not on the batch that it is made in. Of blended
+// surfaces those are there whose alpha is a half or more.
 //
 // Example: all rows of elements `e` of a resident scene
 //	struct hemicube *h;
