@@ -5,11 +5,17 @@
 // that is Vulkan's.
 //
 // A row's sum, with what escaped and what was cut off, is 1 but for the rounding of floats. An entry is off by what pixels
-// on outlines have, and by the few points that a patch has: for near elements take more. At
-// outlines of bodies of small triangles, which are seen edge-on there, a pixel may see a triangle's back: some 3e-6 of a
-// row. Nothing is cut off by a near plane: depth is inverse, and the nearest plane that is drawn is 2⁻⁵⁰ of the scene's size
-// away. A row's bits depend on the scene, the options and the device alone, not on the batch that it is made in. Of blended
-// surfaces those are there whose alpha is a half or more.
+// on outlines have, and by the few points that a patch has: for near elements take more. Where triangles are seen edge-on,
+// at outlines of bodies of many small ones, a pixel may see the back of one: some 3e-6 of a row. Nothing is cut off by a
+// near plane: depth is inverse, and the nearest plane that is drawn is 2⁻⁵⁰ of the scene's size away. A row's bits depend on
+// the scene, the options and the device alone, not on the batch that it is made in. Of blended surfaces those are there
+// whose alpha is a half or more.
+//
+// With mirrors, factors are extended (Sillion and Puech 1989) as those by rays are (rays.h): the share of a pixel counts for
+// the mirror that it sees, and what the mirror reflects of it for what the mirror shows there. So rows may sum up to more
+// than 1. Reflectance is the luminance of radiosity_surface.mirror. What the limit of bounces leaves is told as `cut`. By
+// portals, mirrors that lie in one plane are looked into together, and each plane that is seen costs a picture of its own;
+// rays cost the same whatever the planes. A scene without mirrors has no buffers, programs or passes for them.
 //
 // Example: all rows of elements `e` of a resident scene
 //	struct hemicube *h;
