@@ -19,7 +19,7 @@ _Static_assert(offsetof(struct material, emission) == 16 && offsetof(struct mate
 	       "shaders/radiosity/place.glsl knows where they are");
 _Static_assert(sizeof(struct environment_row) == 8, "shaders fetch it as two words");
 
-static const struct gl_source show_source = {.name = "show", .compute = source_radiosity_show_comp};
+static const struct gl_source show_source = {.name = "lookup", .compute = source_radiosity_show_comp};
 static const struct gl_source light_source = {.name = "light", .compute = source_radiosity_light_comp};
 static const struct gl_source gather_source = {.name = "gather", .compute = source_radiosity_gather_comp};
 
