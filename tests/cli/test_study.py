@@ -81,7 +81,7 @@ class Study(DaemonCase):
         self.assertTrue(state["complete"])
         self.assertEqual((state["version"], state["size"], state["seeds"], state["title"]), (1, [32, 24], 2, PLAN["title"]))
         self.assertEqual(state["settings_varied"]["direct"], ["samples", "direct.samples"])
-        self.assertEqual(state["techniques"], ["pt", "vct", "direct"])
+        self.assertEqual(state["techniques"], ["pt", "vct", "radiosity", "direct"])
         self.assertEqual(len(state["scene"]["hash"]), 32)
         self.assertLessEqual({"cpu", "cores", "os", "load"}, set(state["machine"]))
         lines = self.lines()
@@ -462,7 +462,7 @@ class Study(DaemonCase):
         without = {(line["technique"], line["effects"]) for line in lines if line["kind"] == "ablation"}
         self.assertLessEqual({("pt", "auto,-bounces"), ("pt", "auto,-emitters")}, without)
         points = [line for line in lines if line["kind"] == "point"]
-        self.assertEqual({line["technique"] for line in points}, {"pt", "vct", "direct"})
+        self.assertEqual({line["technique"] for line in points}, {"pt", "vct", "radiosity", "direct"})
         self.assertLessEqual({1, 4}, {line["settings"]["samples"] for line in points if line["technique"] == "pt"})
         # What does not fit into the budget is left out, and said.
         plan = json.loads(read(self.path("plan.json")))

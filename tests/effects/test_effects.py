@@ -145,7 +145,7 @@ class Plan(unittest.TestCase):
 
     def test_an_option_of_another_technique_is_refused(self):
         scene = make.cornell(daemon.folder)
-        for technique, option, wanted in (("pt", "vct.show=albedo", "vct"), ("auto", "direct.samples=2", "vct, radiosity or direct"),
+        for technique, option, wanted in (("pt", "vct.show=albedo", "vct"), ("auto", "direct.samples=2", "direct, vct or radiosity"),
                                           ("direct", "vct.bounces=1", "vct"), ("vct", "pt.depth=3", "pt")):
             status, _, text = daemon.candil("render", scene, "-o", daemon.folder + "/x.png", "--technique", technique, "--set", option,
                                             check=False)

@@ -34,13 +34,12 @@ static enum status plan_environment(const candil_Render *r, const struct blob_he
 // The techniques that take an option, as a list in a sentence: "pt", "direct or vct".
 static void list_takers(const char *option, char *out, size_t capacity)
 {
-	out[0] = '\0';
-	for (uint32_t i = 0; i < technique_count(); i++) {
-		const struct technique *t = technique_at(i);
-		const size_t used = strlen(out);
-		if (option_known(t->options, option))
-			snprintf(out + used, capacity - used, "%s%s", used ? " or " : "", technique_name(t->number));
-	}
+	const char *names[TECHNIQUE_COUNT];
+	size_t count = 0;
+	for (uint32_t i = 0; i < technique_count(); i++)
+		if (option_known(technique_at(i)->options, option))
+			names[count++] = technique_name(technique_at(i)->number);
+	names_list(names, count, "or", out, capacity);
 }
 
 // Refuse an option that no technique has. The sentence names the options of the technique that it begins with; the names of

@@ -65,11 +65,23 @@ static enum status number_places(struct corner_places *p, const struct point *po
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < n; i++)
 		count += is_new(points, i);
+	// An attempt without enough memory may have left some.
+	free(p->at);
+	free(p->reach);
+	free(p->same);
+	p->count = 0;
 	p->at = malloc(count * sizeof *p->at + 1);
 	p->reach = malloc(count * sizeof *p->reach + 1);
 	p->same = malloc(count * sizeof *p->same + 1);
-	if (!p->at || !p->reach || !p->same)
+	if (!p->at || !p->reach || !p->same) {
+		free(p->at);
+		free(p->reach);
+		free(p->same);
+		p->at = NULL;
+		p->reach = NULL;
+		p->same = NULL;
 		return error_set(err, STATUS_MEMORY, "out of memory");
+	}
 	for (uint32_t i = 0; i < n; i++) {
 		if (is_new(points, i)) {
 			memcpy(p->at[p->count], points[i].at, sizeof points[i].at);
@@ -122,7 +134,8 @@ enum status corner_places_find(struct corner_places *p, uint32_t count, struct e
 	if (!p->sort.done)
 		return STATUS_OK;
 	const enum status s = number_places(p, p->sort.items, p->sort.count, err);
-	free_sort(p);
+	if (s == STATUS_OK)
+		free_sort(p);
 	return s;
 }
 

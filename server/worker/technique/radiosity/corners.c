@@ -147,6 +147,12 @@ static void list_members(struct corners *c)
 
 static enum status make_groups(struct corners *c, struct error *err)
 {
+	// An attempt without enough memory may have left some.
+	free(c->first);
+	free(c->values);
+	free(c->held);
+	free(c->decided);
+	c->groups = 0;
 	number_groups(c);
 	c->first = calloc(c->groups + 1, sizeof *c->first);
 	c->values = malloc(c->groups * sizeof *c->values + 1);

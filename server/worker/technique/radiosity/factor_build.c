@@ -30,6 +30,9 @@ static void build_destroy(struct shelved *shelved, bool scene_goes)
 	free(b->group_first);
 	free(b->wanted);
 	free(b->queue);
+	free(b->vertices);
+	free(b->triangles);
+	free(b->followed);
 	free(b->batch);
 	free(b);
 }
@@ -60,7 +63,8 @@ static enum status make_groups(struct factor_build *b, const struct resident_sce
 	b->group_first = calloc(b->node_count + 1, sizeof *b->group_first);
 	b->wanted = calloc(2 * (size_t)b->node_count + 1, sizeof *b->wanted);
 	b->queue = calloc(2 * (size_t)b->node_count + 1, sizeof *b->queue);
-	if (!b->group_first || !b->wanted || !b->queue)
+	b->followed = calloc(b->elements.count + 1, sizeof *b->followed);
+	if (!b->group_first || !b->wanted || !b->queue || !b->followed)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	uint32_t face = 0, triangle = 0;
 	for (uint32_t i = 0; i < b->node_count; i++) {
@@ -122,6 +126,29 @@ bool factor_build_has(const struct factor_build *b, uint32_t element)
 
 // ---- the shelf ----------------------------------------------------------------------------------------------------------
 
+static void *copy_of(const struct resident_scene *scene, enum blob_section section, size_t stride)
+{
+	const size_t bytes = stride * scene_count(scene, section);
+	void *copy = malloc(bytes + 1);
+	if (copy && bytes > 0)
+		memcpy(copy, scene_section(scene, section), bytes);
+	return copy;
+}
+
+// What is made of a variant stays on the shelf of its base, and may outlive it.
+static enum status own_mesh(struct factor_build *b, const struct resident_scene *scene, struct error *err)
+{
+	if (!scene->base)
+		return STATUS_OK;
+	b->vertices = copy_of(scene, BLOB_VERTICES, sizeof(struct vertex));
+	b->triangles = copy_of(scene, BLOB_TRIANGLES, sizeof(struct triangle));
+	if (!b->vertices || !b->triangles)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	b->elements.patches.vertices = b->vertices;
+	b->elements.patches.triangles = b->triangles;
+	return STATUS_OK;
+}
+
 static enum status build_create(struct resident_scene *scene, struct device *device, const struct factor_options *options,
 				struct factor_build **out, struct error *err)
 {
@@ -132,6 +159,8 @@ static enum status build_create(struct resident_scene *scene, struct device *dev
 	b->keys = scene->keys;
 	b->device = device;
 	enum status s = elements_init(&b->elements, &scene->view, &options->cut, err);
+	if (s == STATUS_OK)
+		s = own_mesh(b, scene, err);
 	if (s == STATUS_OK)
 		s = make_groups(b, scene, err);
 	if (s == STATUS_OK)
@@ -218,8 +247,11 @@ static enum status want_columns(struct factor_build *b, const uint32_t *elements
 	const struct factors_row *rows = b->factors.rows;
 	const struct factors_row *begin = &rows[elements[0]], *last = &rows[elements[count - 1]];
 	const uint64_t entries = last->first + last->count - begin->first, bytes = entries * sizeof(uint32_t);
-	if (entries == 0)
+	if (entries == 0) {
+		for (uint32_t i = 0; i < count; i++)
+			b->followed[elements[i]] = 1;
 		return STATUS_OK;
+	}
 	uint32_t *columns = malloc(bytes);
 	if (!columns)
 		return error_set(err, STATUS_MEMORY, "out of memory");
@@ -228,6 +260,8 @@ static enum status want_columns(struct factor_build *b, const uint32_t *elements
 	for (uint32_t i = 0; s == STATUS_OK && i < count; i++)
 		for (uint32_t k = 0; k < rows[elements[i]].count; k++)
 			factor_build_want(b, columns[rows[elements[i]].first - begin->first + k]);
+	for (uint32_t i = 0; s == STATUS_OK && i < count; i++)
+		b->followed[elements[i]] = 1;
 	free(columns);
 	return s;
 }
@@ -248,22 +282,29 @@ static enum status want_seen(struct factor_build *b, const uint32_t *elements, u
 	return s;
 }
 
-// The next elements without a row, as many as fit `most`.
-static uint32_t next_elements(struct factor_build *b, uint32_t *elements, uint32_t most)
+// The next elements without a row, as many as fit `most`. Rows that are there, but that nobody has followed, are followed.
+static enum status next_elements(struct factor_build *b, uint32_t *elements, uint32_t most, uint32_t *found,
+				 struct error *err)
 {
 	uint32_t count = 0;
-	while (b->done < b->queued && count < most) {
+	enum status s = STATUS_OK;
+	while (s == STATUS_OK && b->done < b->queued && count < most) {
 		uint32_t first;
 		const uint32_t size = factor_build_group_elements(b, b->queue[b->done], &first);
-		for (; b->next < size && count < most; b->next++)
-			if (!factor_build_has(b, first + b->next))
-				elements[count++] = first + b->next;
+		for (; s == STATUS_OK && b->next < size && count < most; b->next += s == STATUS_OK) {
+			const uint32_t element = first + b->next;
+			if (!factor_build_has(b, element))
+				elements[count++] = element;
+			else if (!b->followed[element])
+				s = want_seen(b, &element, 1, err);
+		}
 		if (b->next < size)
 			break;
 		b->done++;
 		b->next = 0;
 	}
-	return count;
+	*found = s == STATUS_OK ? count : 0;
+	return s;
 }
 
 // Begin a batch of rows, if none is begun.
@@ -272,20 +313,26 @@ static enum status begin_batch(struct factor_build *b, struct row_maker *maker, 
 	const uint32_t most = row_maker_batch(maker, budget_us);
 	if (b->batch_count > 0)
 		return STATUS_OK;
+	b->batch_by = maker;
 	free(b->batch);
 	b->batch = malloc(most * sizeof *b->batch);
 	if (!b->batch)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	b->batch_done = b->done;
 	b->batch_next = b->next;
-	b->batch_count = next_elements(b, b->batch, most);
+	const enum status s = next_elements(b, b->batch, most, &b->batch_count, err);
+	if (s != STATUS_OK) {
+		b->done = b->batch_done;
+		b->next = b->batch_next;
+		return s;
+	}
 	row_maker_begin(maker, b->batch, b->batch_count);
 	return STATUS_OK;
 }
 
-void factor_build_pause(struct factor_build *b)
+void factor_build_pause(struct factor_build *b, const struct row_maker *maker)
 {
-	if (b->batch_count == 0)
+	if (b->batch_count == 0 || b->batch_by != maker)
 		return;
 	b->done = b->batch_done;
 	b->next = b->batch_next;
@@ -296,17 +343,20 @@ static enum status make_rows(struct factor_build *b, struct row_maker *maker, ui
 {
 	bool done = true;
 	enum status s = begin_batch(b, maker, budget_us, err);
-	if (s != STATUS_OK || b->batch_count == 0)
+	// Another job may be in the midst of rows, which it will end.
+	if (s != STATUS_OK || b->batch_count == 0 || b->batch_by != maker)
 		return s;
 	s = row_maker_step(maker, budget_us, &b->factors, &done, err);
 	if (s != STATUS_OK) {
-		factor_build_pause(b);
+		factor_build_pause(b, maker);
 		return s;
 	}
 	if (!done)
 		return STATUS_OK;
 	b->rows += b->batch_count;
 	s = want_seen(b, b->batch, b->batch_count, err);
+	if (s != STATUS_OK)
+		factor_build_pause(b, maker);
 	b->batch_count = 0;
 	return s;
 }

@@ -32,6 +32,8 @@ struct factor_build {
 	struct device *device;
 	struct elements elements;
 	struct element_buffers buffers; // without surfaces
+	void *vertices,
+	    *triangles; // that the elements are of, where the scene is a variant, which may go before the factors
 	struct factors factors;
 	struct corners *corners; // of the elements, for whoever shows a solution
 	uint32_t *group_first; // by node of the scene, and one more: its first patch
@@ -40,7 +42,9 @@ struct factor_build {
 	uint32_t *queue; // groups, in the order in which they were wanted
 	uint32_t queued, done; // groups of the queue, and of those that have all their rows
 	uint32_t next; // row within queue[done]
+	uint8_t *followed; // by element: the groups that its row sees are wanted
 	uint32_t *batch; // elements whose rows are begun
+	const struct row_maker *batch_by; // by whom
 	uint32_t batch_count; // 0: none are
 	uint32_t batch_done, batch_next; // where `done` and `next` were before it
 	uint32_t rows; // made
@@ -60,8 +64,8 @@ void factor_build_want(struct factor_build *build, uint32_t element);
 // Make rows with `maker`, which must be of these elements and options, for about budget_us, at least one piece.
 enum status factor_build_step(struct factor_build *build, struct row_maker *maker, uint32_t budget_us, struct error *err);
 
-// Forget what the maker has begun, before it goes.
-void factor_build_pause(struct factor_build *build);
+// Forget what this maker has begun, before it goes.
+void factor_build_pause(struct factor_build *build, const struct row_maker *maker);
 
 // Whether all that are wanted have their rows, and the share of the rows that do, 0…1.
 bool factor_build_finished(const struct factor_build *build);

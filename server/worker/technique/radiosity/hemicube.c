@@ -336,10 +336,27 @@ enum status hemicube_create(struct gl_device *device, struct resident_scene *sce
 	return STATUS_OK;
 }
 
+static void finish_levels(struct hemicube *h, uint32_t first)
+{
+	for (uint32_t i = first; i <= HEMICUBE_PORTALS_MOST; i++) {
+		gl_texture_finish(&h->levels[i].found, h->device);
+		free(h->levels[i].views);
+		free(h->levels[i].seen);
+		h->levels[i].views = NULL;
+		h->levels[i].seen = NULL;
+	}
+}
+
 enum status hemicube_reflect(struct hemicube *h, const struct radiosity_surface *surfaces, struct error *err)
 {
 	if (h->options.mirrors == HEMICUBE_MIRRORS_OFF)
 		return STATUS_OK;
+	// What an attempt without enough memory has left.
+	hemicube_planes_finish(&h->planes);
+	gl_buffer_finish(&h->mirrors, h->device);
+	gl_buffer_finish(&h->pixels, h->device);
+	gl_buffer_finish(&h->seen, h->device);
+	finish_levels(h, 1);
 	enum status s = hemicube_planes_init(&h->planes, h->elements, surfaces, err);
 	if (s != STATUS_OK)
 		return s;
@@ -373,11 +390,7 @@ void hemicube_destroy(struct hemicube *h)
 	finish_target(h, &h->target);
 	for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
 		gl_buffer_finish(buffers[i], h->device);
-	for (uint32_t i = 0; i <= HEMICUBE_PORTALS_MOST; i++) {
-		gl_texture_finish(&h->levels[i].found, h->device);
-		free(h->levels[i].views);
-		free(h->levels[i].seen);
-	}
+	finish_levels(h, 0);
 	hemicube_planes_finish(&h->planes);
 	free(h->clusters);
 	free(h->host_draws);

@@ -20,6 +20,7 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are written as they are in memory");
 
 struct patch_file {
+	bool broken; // a part could not be written
 	const struct solution *solution;
 	const struct resident_scene *scene;
 	candil_Format format;
@@ -46,7 +47,11 @@ static const struct elements *elements_of(const struct patch_file *f)
 
 static enum status flush(struct patch_file *f, struct error *err)
 {
+	// What a failure has left in the file is not known: it cannot be gone on with.
+	if (f->broken)
+		return error_set(err, STATUS_INTERNAL, "the file could not be written");
 	const enum status s = memfd_append(f->fd, f->buffer, f->used, err);
+	f->broken = s != STATUS_OK;
 	f->used = 0;
 	return s;
 }

@@ -34,6 +34,7 @@ enum status patch_pass_init(struct patch_pass *p, const struct patch_scene *of, 
 	struct plan plan = *of->plan;
 	struct scene_params params;
 	plan.effects = effects;
+	plan.seed = 0; // what is made serves requests of any seed
 	scene_params_fill(&plan, &of->scene->view, sky_is_lamp, &params);
 	p->patches = of->elements->patches.count;
 	enum status s = resident_upload(of->scene, p->device, scene_bindings_shade(&plan), err);

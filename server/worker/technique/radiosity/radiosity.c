@@ -14,6 +14,7 @@
 #include "server/worker/technique/deferred/deferred.h"
 #include "server/worker/technique/radiosity/display.h"
 #include "server/worker/technique/radiosity/display_views.h"
+#include "server/worker/technique/radiosity/light.h"
 #include "server/worker/technique/radiosity/patch_file.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/row_maker.h"
@@ -92,6 +93,15 @@ static void rows_of(const struct plan *plan, const struct resident_scene *scene,
 	o->origins = s->factors == ROWS_BY_HEMICUBE ? s->origins : 0;
 }
 
+// Effects that matter to rows: what is cut out, and what mirrors reflect.
+static uint32_t effects_of_rows(const struct plan *plan, bool mirrors)
+{
+	const uint32_t masks = plan->effects & 1u << candil_Effect_EFFECT_ALPHA_MASK;
+	const uint32_t looks = 1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_VERTEX_COLORS |
+			       1u << candil_Effect_EFFECT_UNLIT;
+	return masks | (masks || mirrors ? plan->effects & looks : 0);
+}
+
 static void options_of(const struct plan *plan, const struct resident_scene *scene, struct solution_options *o)
 {
 	const struct radiosity_settings *s = radiosity_settings(plan);
@@ -99,7 +109,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->factors.cut.edge = (double)s->edge;
 	o->factors.cut.count = s->edge > 0 ? 0 : s->patches;
 	rows_of(plan, scene, &o->factors.rows);
-	o->factors.effects = plan->effects & (1u << candil_Effect_EFFECT_ALPHA_MASK);
+	o->factors.effects = effects_of_rows(plan, o->factors.rows.mirrors);
 	o->effects = plan->effects;
 	o->points = s->points;
 	o->sky_points = s->points < LIMIT_RADIOSITY_POINTS / SKY_POINTS ? SKY_POINTS * s->points : LIMIT_RADIOSITY_POINTS;
@@ -190,7 +200,8 @@ static uint64_t radiosity_bytes(const struct devices *devices, const struct resi
 			       display_bytes(devices, scene, plan, &display) +
 			       display_field_bytes(triangles, triangles, patches, display.corners);
 	return (format_is_picture(plan->format) ? shown : 0) + element_buffers_bytes(triangles, triangles, patches) +
-	       row_maker_bytes(&of, &rows) + solver_bytes(2 * patches) + factors_bytes_most((uint64_t)entries, patches);
+	       surfaces_bytes(triangles) + light_bytes(plan, triangles, patches) + row_maker_bytes(&of, &rows) +
+	       solver_bytes(2 * patches) + factors_bytes_most((uint64_t)entries, patches);
 }
 
 static void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
@@ -271,6 +282,8 @@ static enum status choose_row(const struct technique_job *j, uint32_t *element, 
 {
 	const struct elements *e = &j->solution->factors->elements;
 	const uint32_t asked = radiosity_settings(&j->plan)->row;
+	if (e->count == 0)
+		return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no surface, and so no row to show");
 	if (asked != NONE && asked >= e->count)
 		return error_set(err, STATUS_BAD_ARGUMENT, "radiosity.row is %u: the elements are 0 to %u", asked,
 				 e->count - 1);

@@ -2,6 +2,7 @@
 
 #include "server/worker/technique/radiosity/hemicube.h"
 #include "server/worker/technique/radiosity/patches.h"
+#include "server/worker/technique/radiosity/sight.h"
 #include "server/worker/technique/radiosity/solver.h"
 
 _Static_assert(sizeof(struct radiosity_settings) <= PLAN_SETTINGS_BYTES, "the plan has room for them");
@@ -75,5 +76,10 @@ enum status radiosity_options_check(const struct plan *plan, struct error *err)
 		    "radiosity.mirrors=portal looks into %u mirrors one behind the other, not into %u: ask for a "
 		    "smaller radiosity.bounces",
 		    HEMICUBE_PORTALS_MOST, s->bounces);
+	if (s->factors == ROWS_BY_CONTOUR && (s->rays % 16 != 0 || s->rays < SIGHT_PROBE || s->rays > SIGHT_RAYS_MOST))
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "with radiosity.factors=analytic radiosity.rays is a multiple of 16 from %u to %u: rays "
+				 "between two patches that are partly hidden from each other",
+				 SIGHT_PROBE, SIGHT_RAYS_MOST);
 	return STATUS_OK;
 }

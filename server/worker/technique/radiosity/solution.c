@@ -24,7 +24,7 @@ static void finish_making(struct solution *v)
 {
 	solver_destroy(v->solver);
 	if (v->rows_by)
-		factor_build_pause(v->factors);
+		factor_build_pause(v->factors, v->rows_by);
 	row_maker_destroy(v->rows_by);
 	light_destroy(v->light);
 	surfaces_destroy(v->surfaces);

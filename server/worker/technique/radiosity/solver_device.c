@@ -199,7 +199,7 @@ uint64_t solver_bytes(uint32_t elements)
 
 static enum status bind_gathers(struct solver *s, struct error *err)
 {
-	const uint32_t blocks = s->factors->block_count;
+	const uint32_t blocks = s->gather_blocks = s->factors->block_count;
 	for (uint32_t k = 0; k < 2; k++) {
 		s->gather_sets[k] = calloc(blocks ? blocks : 1, sizeof *s->gather_sets[k]);
 		if (!s->gather_sets[k])
@@ -264,7 +264,7 @@ enum status solver_device_init(struct solver *s, const struct solver_problem *pr
 void solver_device_finish(struct solver *s)
 {
 	for (uint32_t k = 0; k < 2; k++) {
-		for (uint32_t b = 0; s->gather_sets[k] && b < s->factors->block_count; b++)
+		for (uint32_t b = 0; s->gather_sets[k] && b < s->gather_blocks; b++)
 			binding_set_finish(&s->gather_sets[k][b], s->device);
 		free(s->gather_sets[k]);
 	}

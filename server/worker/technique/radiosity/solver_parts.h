@@ -63,6 +63,7 @@ struct solver {
 	struct pipeline *gather[2]; // plain, and pairs
 	struct pipeline *steps[STEP_COUNT]; // NULL: this way has none
 	struct binding_set *gather_sets[2]; // by block
+	uint32_t gather_blocks; // of the matrix when the sets were made: others may add some
 	struct binding_set step_sets[STEP_COUNT];
 	// The product under way.
 	bool sweeping;

@@ -41,8 +41,13 @@ static enum status begin_reaching(struct survey *s, struct error *err)
 	const struct factor_build *b = s->solution->factors;
 	s->reached = calloc(b->elements.count + 1, sizeof *s->reached);
 	s->queue = calloc(2 * (size_t)b->node_count + 1, sizeof *s->queue);
-	if (!s->reached || !s->queue)
+	if (!s->reached || !s->queue) {
+		free(s->reached);
+		free(s->queue);
+		s->reached = NULL;
+		s->queue = NULL;
 		return error_set(err, STATUS_MEMORY, "out of memory");
+	}
 	for (uint32_t i = 0; i < b->elements.count; i++)
 		if (solution_is_lit(s->solution, i))
 			reach(s, i);
@@ -88,6 +93,7 @@ static enum status follow_rows(struct survey *s, uint32_t budget_us, struct erro
 static enum status begin_checking(struct survey *s, struct error *err)
 {
 	const struct elements *e = &s->solution->factors->elements;
+	free(s->area);
 	s->area = malloc((e->count + 1) * sizeof *s->area);
 	if (!s->area)
 		return error_set(err, STATUS_MEMORY, "out of memory");
