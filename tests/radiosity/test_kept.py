@@ -103,6 +103,24 @@ class Kept(unittest.TestCase):
             self.setUp()
             numpy.testing.assert_array_equal(self.render(*arguments).radiance, picture, str(arguments))
 
+    def test_factors_outlive_the_edit_that_they_were_made_for(self):
+        """More edits than a worker keeps: the moved scene goes, and its factors, which other lights use meanwhile, stay."""
+        self.render(*MOVED)
+        for i in range(6):
+            self.render("--light", f"point:at=-.5,1.5,.{i},intensity=3")
+        for options in ({}, dict(display="constant"), dict(show="row", row=3)):
+            again = self.render(*MOVED, *LIGHT, **options)
+            daemon.candil("unload", "room")
+            daemon.candil("load", room(), "--name", "room")
+            self.assertEqual(again.radiance.tobytes(), self.render(*MOVED, *LIGHT, **options).radiance.tobytes(), options)
+
+    def test_the_seed_changes_nothing(self):
+        """A solution serves requests of any seed."""
+        first = self.render(*LIGHT, "--seed", "1")
+        daemon.candil("unload", "room")
+        daemon.candil("load", room(), "--name", "room")
+        self.assertEqual(first.radiance.tobytes(), self.render(*LIGHT, "--seed", "2").radiance.tobytes())
+
     def test_edits_do_not_add_up_in_memory(self):
         def held():
             return daemon.stats()["device_bytes"]
