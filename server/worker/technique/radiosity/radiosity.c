@@ -71,6 +71,9 @@ static bool lamps_by_points(const struct plan *plan, const struct resident_scene
 	const struct emitter *emitters = scene_section(scene, BLOB_EMITTERS);
 	const uint32_t way = radiosity_settings(plan)->emitters;
 	double lamps = 0, all = 0;
+	// What mirrors show of a lamp only chance finds, and form factors have more rays for it.
+	if (way == RADIOSITY_EMITTERS_AUTO && has_mirrors(plan, scene))
+		return false;
 	if (way != RADIOSITY_EMITTERS_AUTO || !plan_has(plan, candil_Effect_EFFECT_EMITTERS))
 		return way == RADIOSITY_EMITTERS_POINTS;
 	for (uint32_t i = 0; i < scene_count(scene, BLOB_EMITTERS); i++)
