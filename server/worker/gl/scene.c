@@ -105,16 +105,16 @@ static void bind_texels(const struct gl_scene *s, unsigned binding, unsigned uni
 	glBindTextureUnit(unit, texture);
 }
 
-void gl_scene_bind(const struct gl_scene *s)
+void gl_scene_bind(const struct gl_scene *s, uint32_t bindings)
 {
 	if (s->base)
-		gl_scene_bind(s->base);
+		gl_scene_bind(s->base, bindings);
 	for (unsigned i = BIND_LEAF_TRIANGLES + 1; i < BIND_SCENE_COUNT; i++)
 		if (s->buffers[i].name)
 			gl_buffer_bind(&s->buffers[i], i);
-	if (s->node_texels)
+	if (s->node_texels && bindings >> BIND_NODES & 1u)
 		bind_texels(s, BIND_NODES, UNIT_NODES, s->node_texels);
-	if (s->leaf_texels)
+	if (s->leaf_texels && bindings >> BIND_LEAF_TRIANGLES & 1u)
 		bind_texels(s, BIND_LEAF_TRIANGLES, UNIT_LEAF_TRIANGLES, s->leaf_texels);
 }
 

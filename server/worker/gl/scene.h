@@ -27,8 +27,9 @@ enum status gl_scene_get(struct resident_scene *scene, struct gl_device *device,
 const struct gl_buffer *gl_scene_buffer(const struct gl_scene *scene, uint32_t binding);
 
 // Bind every buffer that is there to the storage block of its number. The BVH is bound as texel buffers instead, to texture
-// units UNIT_NODES and UNIT_LEAF_TRIANGLES.
-void gl_scene_bind(const struct gl_scene *scene);
+// units UNIT_NODES and UNIT_LEAF_TRIANGLES, as far as it is among `bindings`: what others have uploaded must not make it
+// seem that a program is to run with other textures (gl_shape).
+void gl_scene_bind(const struct gl_scene *scene, uint32_t bindings);
 
 // Bind triangles and vertices as texel buffers, too, to texture units UNIT_TRIANGLES and UNIT_VERTICES.
 void gl_scene_bind_corners(const struct gl_scene *scene);

@@ -43,6 +43,7 @@ struct deferred {
 	struct gl_device *device;
 	struct resident_scene *scene;
 	struct gl_scene *gl_scene;
+	uint32_t bindings; // of the scene that passes read
 	struct plan plan;
 	uint32_t rows; // that are worked on at once; 0: as many as the device binds
 	struct deferred_pass passes[DEFERRED_PASSES_MAX];

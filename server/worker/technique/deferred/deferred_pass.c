@@ -89,7 +89,7 @@ static void set_uniforms(const struct deferred *d, uint32_t first_tile, uint32_t
 static void bind_common(const struct deferred *d, const struct gl_program *program)
 {
 	gl_program_use(d->device, program);
-	gl_scene_bind(d->gl_scene);
+	gl_scene_bind(d->gl_scene, d->bindings);
 	gl_buffer_bind(&d->job, BIND_JOB);
 }
 

@@ -194,7 +194,8 @@ static enum status make_works(struct deferred *d, struct error *err)
 static enum status make_all(struct deferred *d, uint32_t bindings, struct error *err)
 {
 	const uint64_t start = clock_us();
-	enum status s = gl_scene_get(d->scene, d->device, bindings | scene_bindings_shade(&d->plan), &d->gl_scene, err);
+	d->bindings = bindings | scene_bindings_shade(&d->plan);
+	enum status s = gl_scene_get(d->scene, d->device, d->bindings, &d->gl_scene, err);
 	if (s == STATUS_OK)
 		s = deferred_cut_bands(d, err);
 	if (s == STATUS_OK)

@@ -184,7 +184,7 @@ static enum status draw(const struct shadow_maps *m, uint32_t count, struct erro
 	enum status s = gl_scene_get(m->scene, m->device, m->bindings, &scene, err);
 	if (s != STATUS_OK)
 		return s;
-	gl_scene_bind(scene);
+	gl_scene_bind(scene, m->bindings);
 	gl_buffer_bind(&m->job, BIND_JOB);
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_SHADOW_MAPS, m->views.name);
 	glNamedFramebufferTextureLayer(m->framebuffer, GL_DEPTH_ATTACHMENT, m->depths.name, 0, (GLint)m->layer);

@@ -151,7 +151,7 @@ static enum status bind_scene(const struct hemicube *h, uint32_t bindings, struc
 	const enum status s = gl_scene_get(h->scene, h->device, bindings, &scene, err);
 	if (s != STATUS_OK)
 		return s;
-	gl_scene_bind(scene);
+	gl_scene_bind(scene, bindings);
 	gl_buffer_bind(&h->job, BIND_JOB);
 	return s;
 }

@@ -174,7 +174,7 @@ static enum status vct_build_bind(const struct vct_volume *v, enum vct_stage sta
 		enum status s = gl_scene_get(v->scene, v->device, v->bindings, &scene, err);
 		if (s != STATUS_OK)
 			return s;
-		gl_scene_bind(scene);
+		gl_scene_bind(scene, v->bindings);
 		gl_buffer_bind(&v->job, BIND_JOB);
 		if (v->maps)
 			shadow_maps_bind(v->maps);

@@ -137,7 +137,7 @@ void voxel_build_destroy(struct voxel_build *b, struct gl_device *device)
 
 static void voxel_build_use(const struct voxels *v, const struct gl_program *program)
 {
-	gl_scene_bind(v->build->gl);
+	gl_scene_bind(v->build->gl, 0);
 	gl_buffer_bind(&v->build->job, BIND_JOB);
 	gl_buffer_bind(&v->build->items, BIND_VOXEL_ITEMS);
 	voxels_bind(v);
