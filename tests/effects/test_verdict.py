@@ -144,7 +144,7 @@ class Sentences(unittest.TestCase):
         self.says("nothing gives light: add a light", scene, "--no-default-light", camera=camera)
         self.says("neutral sky", scene, camera=camera)
         self.says("switched off: emitters", make.cornell(daemon.folder), "--effects", "auto,-emitters", camera=(0, 1, 3, 0, 1, 0, 0, 1, 0, 40))
-        self.says("takes no light from a background: add a light, or take pt or vct", scene, "--background", "1,1,1", camera=camera, technique="direct", spp=1)
+        self.says("takes no light from a background: add a light, or take pt, vct or radiosity", scene, "--background", "1,1,1", camera=camera, technique="direct", spp=1)
 
     def test_exposure(self):
         """The advice holds: the same picture at the exposure that it names needs none, and is neither black nor clipped."""
