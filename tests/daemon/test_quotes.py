@@ -277,7 +277,7 @@ class Refused(QuoteCase):
                 (pb.Quote(), "bad-argument"), (quote(width=0), "bad-argument"), (quote(width=1 << 20), "limit"),
                 (quote(samples=1 << 30), "limit"), (quote(target_error=-1), "bad-argument"), (quote(target_error=float("nan")), "bad-argument"),
                 (quote(target_error=float("inf"), technique=pb.TECHNIQUE_DIRECT), "bad-argument"), (quote(pilot_ms=1 << 31), "limit"),
-                (quote(deadline_ms=1 << 31), "limit"), (quote(technique=77), "bad-argument"), (quote(technique=pb.TECHNIQUE_RADIOSITY), "unsupported"),
+                (quote(deadline_ms=1 << 31), "limit"), (quote(technique=77), "bad-argument"),
                 (quote(scene="nothing"), "scene-not-found"), (quote(options=[pb.Option(name="xx.depth", value="3")]), "bad-argument"),
                 (quote(options=[pb.Option(name="pt.depth", value="3"), pb.Option(name="vct.cones", value="3")]), "bad-argument")):
             self.assert_error(connection.ask(wire.QUOTE, question), name)
