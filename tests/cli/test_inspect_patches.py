@@ -95,7 +95,7 @@ class Command(unittest.TestCase):
         scene = rooms.uniform_room(daemon.folder, RHO)
         answer = inspect(scene, "--set", "radiosity.patches=54", "--size", "40x30", "--format", "exr", "--json")
         self.assertEqual(figures(answer)["patches"], 54)
-        self.assertLessEqual({"show", "check", "factors"}, stages(answer))
+        self.assertLessEqual({"lookup", "check", "factors"}, stages(answer))
         images = {os.path.basename(i["image"]): i for i in answer["images"]}
         self.assertEqual(set(images), {f"i-{view}.exr" for view in VIEWS})
         for image in images.values():
