@@ -148,12 +148,14 @@ static void look_around(struct gl_device *d)
 }
 
 // State that every pass expects and no pass changes: depth is in 0…1 and grows towards the eye (reversed, with an infinite
-// far plane).
+// far plane), and of equal depths the triangle drawn first stays. All else is as a context begins.
 static void set_state(struct gl_device *d)
 {
 	glCreateVertexArrays(1, &d->vertex_array);
 	glBindVertexArray(d->vertex_array);
 	glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+	glEnable(GL_DEPTH_TEST);
+	glDepthFunc(GL_GREATER);
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	if (validation_wanted()) {

@@ -93,21 +93,11 @@ static void bind_common(const struct deferred *d, const struct gl_program *progr
 	gl_buffer_bind(&d->job, BIND_JOB);
 }
 
-// Depth grows towards the eye. Of equal depths the triangle drawn first stays.
 static void deferred_set_raster(const struct deferred *d)
 {
 	const struct deferred_band *b = &d->bands[d->band];
 	glBindFramebuffer(GL_FRAMEBUFFER, d->framebuffer);
 	glViewport(0, -(GLint)b->outer.first_row, (GLsizei)d->plan.width, (GLsizei)d->plan.height);
-	glDisable(GL_SCISSOR_TEST);
-	glDisable(GL_CULL_FACE);
-	glDisable(GL_BLEND);
-	glDisable(GL_STENCIL_TEST);
-	glDisable(GL_RASTERIZER_DISCARD);
-	glEnable(GL_DEPTH_TEST);
-	glDepthFunc(GL_GREATER);
-	glDepthMask(GL_TRUE);
-	glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 	glBindVertexArray(d->device->vertex_array);
 }
 

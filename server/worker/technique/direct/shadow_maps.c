@@ -146,14 +146,6 @@ static void shadow_maps_set_raster(const struct shadow_maps *m)
 {
 	glBindFramebuffer(GL_FRAMEBUFFER, m->framebuffer);
 	glViewport(0, 0, (GLsizei)m->key.side, (GLsizei)m->key.side);
-	glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-	glDisable(GL_SCISSOR_TEST);
-	glDisable(GL_CULL_FACE);
-	glDisable(GL_STENCIL_TEST);
-	glDisable(GL_RASTERIZER_DISCARD);
-	glEnable(GL_DEPTH_TEST);
-	glDepthFunc(GL_GREATER);
-	glDepthMask(GL_TRUE);
 	glBindVertexArray(m->device->vertex_array);
 }
 
@@ -198,8 +190,6 @@ static enum status draw(const struct shadow_maps *m, uint32_t count, struct erro
 			next++;
 		draw_run(m, at, next, cut);
 	}
-	// Back to the state that all other passes expect.
-	glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
 	glBindFramebuffer(GL_FRAMEBUFFER, 0);
 	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 	return STATUS_OK;

@@ -23,23 +23,7 @@ static void set_raster(const struct hemicube *h)
 	}
 	glBindFramebuffer(GL_FRAMEBUFFER, h->target.framebuffer);
 	glViewportArrayv(0, (GLsizei)(h->abreast * HEMICUBE_FACES), ports);
-	glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-	glDisable(GL_SCISSOR_TEST);
-	glDisable(GL_CULL_FACE);
-	glDisable(GL_STENCIL_TEST);
-	glDisable(GL_RASTERIZER_DISCARD);
-	glEnable(GL_DEPTH_TEST);
-	glDepthFunc(GL_GREATER);
-	glDepthMask(GL_TRUE);
 	glBindVertexArray(h->vertex_array);
-}
-
-// Back to the state that all other passes expect.
-static void reset_raster(void)
-{
-	glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-	glBindFramebuffer(GL_FRAMEBUFFER, 0);
-	glBindVertexArray(0);
 }
 
 static void set_sizes(const struct hemicube *h)
@@ -170,7 +154,8 @@ static enum status draw(struct hemicube *h, uint32_t level, struct error *err)
 	glClearBufferuiv(GL_COLOR, 0, nothing);
 	glClearBufferfv(GL_DEPTH, 0, &far);
 	s = draw_all(h, level, err);
-	reset_raster();
+	glBindFramebuffer(GL_FRAMEBUFFER, 0);
+	glBindVertexArray(0);
 	return s;
 }
 
