@@ -155,7 +155,8 @@ static double differ(const struct cast_ray *rays, uint32_t count, struct cast *c
 		exit(1);
 	must(cast_read(cast, hits, &err));
 	for (uint32_t i = 0; i < count; i += 97)
-		n += !same_place(&rays[i], embree_ray(judge, &rays[i]), hits[i].id == NONE ? INFINITY : hits[i].t);
+		n += !same_place(&rays[i], cast_judge_hit(judge, &rays[i]).ray.tfar,
+				 hits[i].id == NONE ? INFINITY : hits[i].t);
 	free(hits);
 	return n * 97.0 / count;
 }

@@ -85,20 +85,3 @@ void embree_rays(RTCScene scene, const struct cast_ray *rays, uint32_t count, ui
 		*hits += shares[t].hits;
 	}
 }
-
-float embree_ray(RTCScene scene, const struct cast_ray *r)
-{
-	struct RTCIntersectContext context;
-	rtcInitIntersectContext(&context);
-	struct RTCRayHit h = {.ray = {.org_x = r->origin[0],
-				      .org_y = r->origin[1],
-				      .org_z = r->origin[2],
-				      .dir_x = r->direction[0],
-				      .dir_y = r->direction[1],
-				      .dir_z = r->direction[2],
-				      .tfar = INFINITY,
-				      .mask = ~0u}};
-	h.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-	rtcIntersect1(scene, &context, &h);
-	return h.ray.tfar;
-}

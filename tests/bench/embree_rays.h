@@ -19,7 +19,4 @@ double bench_us(bool by_processor);
 // multiple of it are left out. `any`: any hit will do. *hits is how many hit.
 void embree_rays(RTCScene scene, const struct cast_ray *rays, uint32_t count, uint32_t width, bool any, uint32_t *hits);
 
-// How far away a ray hits something, in units of its direction's length; infinity: it hits nothing.
-float embree_ray(RTCScene scene, const struct cast_ray *ray);
-
 #endif

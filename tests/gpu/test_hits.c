@@ -57,23 +57,6 @@ static void make_ray(const struct blob_header *b, uint32_t i, struct cast_ray *r
 	r->t_max = INFINITY;
 }
 
-static struct RTCRayHit judge_hit(RTCScene scene, const struct cast_ray *r)
-{
-	struct RTCIntersectContext context;
-	rtcInitIntersectContext(&context);
-	struct RTCRayHit h = {.ray = {.org_x = r->origin[0],
-				      .org_y = r->origin[1],
-				      .org_z = r->origin[2],
-				      .dir_x = r->direction[0],
-				      .dir_y = r->direction[1],
-				      .dir_z = r->direction[2],
-				      .tfar = INFINITY,
-				      .mask = ~0u}};
-	h.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-	rtcIntersect1(scene, &context, &h);
-	return h;
-}
-
 // ---- is it a tie? -------------------------------------------------------------------------------------------------------
 //
 // Two correct tests in floats may differ where exact arithmetic could not help them: two surfaces at one distance, or a ray
@@ -147,7 +130,7 @@ static void compare(const struct blob_header *b, RTCScene judge, const struct ca
 		    struct tally *t)
 {
 	for (uint32_t i = 0; i < RAYS; i++) {
-		const struct RTCRayHit h = judge_hit(judge, &rays[i]);
+		const struct RTCRayHit h = cast_judge_hit(judge, &rays[i]);
 		const uint32_t judged = h.hit.geomID != RTC_INVALID_GEOMETRY_ID ? h.hit.primID : NONE;
 		const int kind = i % 3 == 2;
 		t->rays[kind]++;

@@ -1,5 +1,6 @@
 #include "tests/support/cast.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "server/worker/trace/trace.h"
@@ -95,4 +96,21 @@ RTCScene cast_judge(RTCDevice device, const struct blob_header *b)
 	rtcReleaseGeometry(g);
 	rtcCommitScene(scene);
 	return scene;
+}
+
+struct RTCRayHit cast_judge_hit(RTCScene scene, const struct cast_ray *r)
+{
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	struct RTCRayHit h = {.ray = {.org_x = r->origin[0],
+				      .org_y = r->origin[1],
+				      .org_z = r->origin[2],
+				      .dir_x = r->direction[0],
+				      .dir_y = r->direction[1],
+				      .dir_z = r->direction[2],
+				      .tfar = INFINITY,
+				      .mask = ~0u}};
+	h.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+	rtcIntersect1(scene, &context, &h);
+	return h;
 }

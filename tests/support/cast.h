@@ -28,4 +28,7 @@ enum status cast_read(const struct cast *cast, struct cast_hit *hits, struct err
 // The same triangles in an Embree scene, RTC_SCENE_FLAG_ROBUST, primitives numbered by triangle id. Release it.
 RTCScene cast_judge(RTCDevice device, const struct blob_header *blob);
 
+// What a ray from there on, of any length, hits first.
+struct RTCRayHit cast_judge_hit(RTCScene scene, const struct cast_ray *ray);
+
 #endif
