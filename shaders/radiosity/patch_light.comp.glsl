@@ -31,20 +31,8 @@ layout(push_constant) uniform Push {
 layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
 	pass_counters counters;
 };
-layout(std430, set = 0, binding = BIND_RADIOSITY_FACES) readonly buffer Faces {
-	radiosity_face radiosity_faces[];
-};
-layout(std430, set = 0, binding = BIND_RADIOSITY_TRIANGLES) readonly buffer FaceWords {
-	uint radiosity_triangles[];
-};
-layout(std430, set = 0, binding = BIND_RADIOSITY_PATCHES) readonly buffer Patches {
-	radiosity_patch radiosity_patches[];
-};
 layout(std430, set = 0, binding = BIND_RADIOSITY_SURFACES) readonly buffer Surfaces {
 	radiosity_surface radiosity_surfaces[];
-};
-layout(std430, set = 0, binding = BIND_PATCH_TRIANGLES) readonly buffer FaceTriangles {
-	uvec2 patch_triangles[];
 };
 layout(std430, set = 0, binding = BIND_PATCH_LIGHT) buffer Light {
 	float patch_light[];
@@ -56,8 +44,8 @@ layout(std430, set = 0, binding = BIND_PATCH_SKY_ROWS) readonly buffer SkyRows {
 	environment_row sky_rows[];
 };
 #include "common/sky_sample.glsl"
-#include "radiosity/element.glsl"
 #include "radiosity/patch_point.glsl"
+#include "radiosity/element.glsl"
 
 // A point of a patch that light may reach.
 struct receiver {

@@ -1,10 +1,23 @@
-// Points of a patch, and where on the scene's triangles they are: the inverse of element.glsl. The includer declares
-// radiosity_faces[] (struct radiosity_face), radiosity_triangles[] (uint) and patch_triangles[] (uvec2, by face).
+// The patches of a pass of shared/patch_pass.h; points of a patch, and where on the scene's triangles they are: the inverse of
+// element.glsl.
 #ifndef RADIOSITY_PATCH_POINT_GLSL
 #define RADIOSITY_PATCH_POINT_GLSL
 
 #include "common/sampling.glsl"
 #include "shared/patch_pass.h"
+
+layout(std430, set = 0, binding = BIND_RADIOSITY_FACES) readonly buffer Faces {
+	radiosity_face radiosity_faces[];
+};
+layout(std430, set = 0, binding = BIND_RADIOSITY_TRIANGLES) readonly buffer FaceWords {
+	uint radiosity_triangles[];
+};
+layout(std430, set = 0, binding = BIND_RADIOSITY_PATCHES) readonly buffer Patches {
+	radiosity_patch radiosity_patches[];
+};
+layout(std430, set = 0, binding = BIND_PATCH_TRIANGLES) readonly buffer FaceTriangles {
+	uvec2 patch_triangles[];
+};
 
 struct patch_point {
 	uint id;       // of the triangle

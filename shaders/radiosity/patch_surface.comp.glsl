@@ -15,20 +15,8 @@ layout(constant_id = SPEC_PATCH_COUNT) const uint PATCH_COUNT = 0u;
 layout(push_constant) uniform Push {
 	patch_push push;
 };
-layout(std430, set = 0, binding = BIND_RADIOSITY_FACES) readonly buffer Faces {
-	radiosity_face radiosity_faces[];
-};
-layout(std430, set = 0, binding = BIND_RADIOSITY_TRIANGLES) readonly buffer FaceWords {
-	uint radiosity_triangles[];
-};
-layout(std430, set = 0, binding = BIND_RADIOSITY_PATCHES) readonly buffer Patches {
-	radiosity_patch radiosity_patches[];
-};
 layout(std430, set = 0, binding = BIND_RADIOSITY_SURFACES) writeonly buffer Surfaces {
 	radiosity_surface radiosity_surfaces[];
-};
-layout(std430, set = 0, binding = BIND_PATCH_TRIANGLES) readonly buffer FaceTriangles {
-	uvec2 patch_triangles[];
 };
 #include "radiosity/patch_point.glsl"
 

@@ -20,18 +20,6 @@ layout(push_constant) uniform Push {
 layout(std430, set = 0, binding = BIND_COUNTERS) buffer Counters {
 	pass_counters counters;
 };
-layout(std430, set = 0, binding = BIND_RADIOSITY_FACES) readonly buffer Faces {
-	radiosity_face radiosity_faces[];
-};
-layout(std430, set = 0, binding = BIND_RADIOSITY_TRIANGLES) readonly buffer FaceWords {
-	uint radiosity_triangles[];
-};
-layout(std430, set = 0, binding = BIND_RADIOSITY_PATCHES) readonly buffer Patches {
-	radiosity_patch radiosity_patches[];
-};
-layout(std430, set = 0, binding = BIND_PATCH_TRIANGLES) readonly buffer FaceTriangles {
-	uvec2 patch_triangles[];
-};
 layout(std430, set = 0, binding = BIND_SIGHT_PAIRS) readonly buffer Pairs {
 	uvec2 pairs[];
 };

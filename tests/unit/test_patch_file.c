@@ -72,7 +72,7 @@ static void sample_init(struct sample *s, uint32_t kind)
 	s->solution.made_of = calloc(count, sizeof *s->solution.made_of);
 	s->solution.irradiance = calloc(3 * (size_t)count, sizeof *s->solution.irradiance);
 	s->solution.direct = calloc(3 * (size_t)count, sizeof *s->solution.direct);
-	s->solution.options.lamps = kind % 2;
+	s->solution.lamps = kind % 2;
 	for (uint32_t i = 0; i < 3 * count; i++) {
 		s->solution.made_of[i / 3].emission[i % 3] = any(&s->mesh.seed);
 		s->solution.made_of[i / 3].albedo[i % 3] = any(&s->mesh.seed);
@@ -167,7 +167,7 @@ static const char *check_face(const struct sample *s, uint32_t element, uint32_t
 	assert_true(number == patch && side == (element != patch) && material == p.material);
 	at = take(take(take(take(take(at, &area, 4), b, 12), m, 12), d, 12), rho, 12);
 	at = take(take(take(take(at, &straight, 1), &reached, 1), &escaped, 4), &cut, 4);
-	assert_true(straight == s->solution.options.lamps && !memcmp(d, &s->solution.direct[3 * element], sizeof d));
+	assert_true(straight == s->solution.lamps && !memcmp(d, &s->solution.direct[3 * element], sizeof d));
 	const struct factors_row *row = &s->build.factors.rows[element];
 	assert_true(area == e->shapes[patch].area && reached == s->solution.reached[element]);
 	assert_true(escaped == (reached ? row->escaped : 0) && cut == (reached ? row->cut : 0));

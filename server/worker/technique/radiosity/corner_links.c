@@ -5,6 +5,7 @@
 
 #include "server/base/angle.h"
 #include "server/base/vec3.h"
+#include "server/worker/technique/radiosity/union_find.h"
 
 #define HITS 1024u // corners on one side
 #define EXTRA 1u // parts, beside the sides themselves, for each side: more is no mesh, and stays uncut
@@ -207,23 +208,6 @@ uint32_t corner_links_same(const struct corner_links *l, uint32_t corner)
 	return corner;
 }
 
-// The same, and halves the way for the next time.
-static uint32_t find(uint32_t *same, uint32_t corner)
-{
-	while (same[corner] != corner) {
-		same[corner] = same[same[corner]];
-		corner = same[corner];
-	}
-	return corner;
-}
-
-static void unite(uint32_t *same, uint32_t a, uint32_t b)
-{
-	a = find(same, a);
-	b = find(same, b);
-	same[a > b ? a : b] = a < b ? a : b;
-}
-
 static void side_way(const struct corner_links *l, uint32_t side, double out[3])
 {
 	way(l->places, l->places->of[side], l->places->of[next_corner(l->places->elements, side)], out);
@@ -272,7 +256,7 @@ static enum status link(struct corner_links *l, const struct corner_edge *edge, 
 	for (int i = 0; i < 2 && s == STATUS_OK; i++) {
 		const uint32_t a = corner_in(l, side[0], ends[i]), b = corner_in(l, side[1], ends[i]);
 		if (a != NONE && b != NONE)
-			unite(l->same, a + back[0], b + back[1]);
+			union_join(l->same, a + back[0], b + back[1]);
 		else if (b != NONE)
 			s = hang(l, b + back[1], side[1], side[0], ends[i], back[0], err);
 		else if (a != NONE)

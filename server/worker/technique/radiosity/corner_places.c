@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/worker/technique/radiosity/union_find.h"
+
 #define SAME (4 * FLT_EPSILON) // of the largest coordinate of a face: what two roundings and a matrix may move a corner by
 #define NEAR 64u // places near one that are compared with it
 
@@ -139,23 +141,6 @@ enum status corner_places_find(struct corner_places *p, uint32_t count, struct e
 	return s;
 }
 
-// The place that stands for another, halving the way to it for the next time.
-static uint32_t stands_for(uint32_t *same, uint32_t i)
-{
-	while (same[i] != i) {
-		same[i] = same[same[i]];
-		i = same[i];
-	}
-	return i;
-}
-
-static void join(uint32_t *same, uint32_t a, uint32_t b)
-{
-	a = stands_for(same, a);
-	b = stands_for(same, b);
-	same[a > b ? a : b] = a < b ? a : b;
-}
-
 void corner_places_weld(struct corner_places *p, uint32_t count, uint64_t *left)
 {
 	struct corner_hit hits[NEAR];
@@ -166,12 +151,12 @@ void corner_places_weld(struct corner_places *p, uint32_t count, uint64_t *left)
 			here.from[c] = (double)p->at[i][c];
 		const uint32_t found = corner_tree_find(&p->tree, &here, hits, NEAR, left);
 		for (uint32_t k = 0; k < found; k++)
-			join(p->same, i, hits[k].point);
+			union_join(p->same, i, hits[k].point);
 	}
 	if (p->welded < p->count)
 		return;
 	for (uint32_t i = 0; i < p->count; i++)
-		p->same[i] = stands_for(p->same, i);
+		p->same[i] = union_find(p->same, i);
 	for (uint64_t i = 0; i < 4 * (uint64_t)p->elements->patches.count; i++)
 		p->of[i] = p->of[i] == NONE ? NONE : p->same[p->of[i]];
 }

@@ -247,21 +247,18 @@ static enum status want_columns(struct factor_build *b, const uint32_t *elements
 	const struct factors_row *rows = b->factors.rows;
 	const struct factors_row *begin = &rows[elements[0]], *last = &rows[elements[count - 1]];
 	const uint64_t entries = last->first + last->count - begin->first, bytes = entries * sizeof(uint32_t);
-	if (entries == 0) {
-		for (uint32_t i = 0; i < count; i++)
-			b->followed[elements[i]] = 1;
-		return STATUS_OK;
-	}
-	uint32_t *columns = malloc(bytes);
+	uint32_t *columns = malloc(bytes + 1);
 	if (!columns)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	const enum status s = buffer_read(&b->factors.blocks[begin->block].columns, b->device,
-					  begin->first * sizeof(uint32_t), bytes, columns, err);
-	for (uint32_t i = 0; s == STATUS_OK && i < count; i++)
+	enum status s = STATUS_OK;
+	if (entries > 0)
+		s = buffer_read(&b->factors.blocks[begin->block].columns, b->device, begin->first * sizeof(uint32_t), bytes,
+				columns, err);
+	for (uint32_t i = 0; s == STATUS_OK && i < count; i++) {
 		for (uint32_t k = 0; k < rows[elements[i]].count; k++)
 			factor_build_want(b, columns[rows[elements[i]].first - begin->first + k]);
-	for (uint32_t i = 0; s == STATUS_OK && i < count; i++)
 		b->followed[elements[i]] = 1;
+	}
 	free(columns);
 	return s;
 }
@@ -347,14 +344,12 @@ static enum status make_rows(struct factor_build *b, struct row_maker *maker, ui
 	if (s != STATUS_OK || b->batch_count == 0 || b->batch_by != maker)
 		return s;
 	s = row_maker_step(maker, budget_us, &b->factors, &done, err);
-	if (s != STATUS_OK) {
-		factor_build_pause(b, maker);
-		return s;
-	}
-	if (!done)
+	if (s == STATUS_OK && !done)
 		return STATUS_OK;
-	b->rows += b->batch_count;
-	s = want_seen(b, b->batch, b->batch_count, err);
+	if (s == STATUS_OK) {
+		b->rows += b->batch_count;
+		s = want_seen(b, b->batch, b->batch_count, err);
+	}
 	if (s != STATUS_OK)
 		factor_build_pause(b, maker);
 	b->batch_count = 0;

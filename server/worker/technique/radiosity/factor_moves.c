@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "server/base/clock.h"
-#include "server/base/vec3.h"
+#include "server/worker/technique/radiosity/element_shape.h"
 
 #define ROWS_AT_ONCE 64u // between two looks at the clock
 
@@ -67,38 +67,28 @@ void factor_moves_finish(struct factor_moves *m)
 	*m = (struct factor_moves){0};
 }
 
-// Whether all of a box is behind the plane of a patch, on the side that is not `back`'s. The plane is that of the corners,
-// as floats; what is within their rounding of it counts as in front.
-static bool is_behind(const struct radiosity_patch *p, bool back, const double box[2][3])
+// Whether all of a box is behind an element's plane. What is within the rounding of floats of it counts as in front.
+static bool is_behind(const struct element_shape *shape, const double box[2][3])
 {
-	double a[3], b[3], n[3], low = 0, size = 0;
-	for (int c = 0; c < 3; c++) {
-		a[c] = (double)p->corner[6 + c] - (double)p->corner[c];
-		b[c] = (double)p->corner[9 + c] - (double)p->corner[3 + c];
-		if (p->share >= 1)
-			b[c] = (double)p->corner[6 + c] - (double)p->corner[3 + c];
-	}
-	vec3_cross(a, b, n);
-	vec3_normalize(n);
+	double most = 0, size = 0;
 	// The box's corner that is farthest in front.
 	for (int c = 0; c < 3; c++) {
-		const double along = back ? -n[c] : n[c];
-		low += along * (box[along > 0][c] - (double)p->corner[c]);
-		size = fmax(size, fmax(fabs(box[0][c]), fmax(fabs(box[1][c]), fabs((double)p->corner[c]))));
+		most += shape->normal[c] * (box[shape->normal[c] > 0][c] - shape->middle[c]);
+		size = fmax(size, fmax(fabs(box[0][c]), fmax(fabs(box[1][c]), fabs(shape->middle[c]))));
 	}
-	return low < -1e-5 * size;
+	return most < -1e-5 * size;
 }
 
-// Whether an element, whose row has these columns, has nothing to do with what has moved.
-static bool is_apart(const struct factor_moves *m, const struct elements *e, uint32_t element, const uint32_t *columns,
-		     uint32_t count)
+// Whether an element has not moved, and sees nothing that has.
+static bool is_apart(const struct factor_moves *m, const struct elements *e, uint32_t element)
 {
-	const uint32_t patches = e->patches.count, patch = element % patches;
-	bool apart = !m->moved[patch];
-	for (uint32_t i = 0; apart && i < count; i++)
-		apart = !m->moved[columns[i] % patches];
+	struct element_shape shape;
+	if (m->moved[element % e->patches.count])
+		return false;
+	element_shape_get(e, element, &shape);
+	bool apart = true;
 	for (uint32_t i = 0; apart && i < m->box_count; i++)
-		apart = is_behind(&e->shapes[patch], element >= patches, (const double(*)[3])m->boxes[i]);
+		apart = is_behind(&shape, (const double(*)[3])m->boxes[i]);
 	return apart;
 }
 
@@ -108,12 +98,15 @@ static enum status take_row(const struct factor_moves *m, struct factor_build *b
 	const struct factors_row *row = &from->rows[element];
 	uint32_t *columns;
 	float *values;
-	if (row->block == NONE)
+	if (row->block == NONE || !is_apart(m, &b->elements, element))
 		return STATUS_OK;
 	enum status s = factors_read_row(from, element, &columns, &values, err);
 	if (s != STATUS_OK)
 		return s;
-	if (is_apart(m, &b->elements, element, columns, row->count)) {
+	bool saw = false;
+	for (uint32_t i = 0; i < row->count; i++)
+		saw = saw || m->moved[columns[i] % b->elements.patches.count];
+	if (!saw) {
 		const struct factors_put put = {element, row->escaped, row->cut};
 		s = factors_put_row(&b->factors, &put, columns, values, row->count, err);
 		b->taken += s == STATUS_OK;

@@ -166,7 +166,7 @@ static void append_face(const struct patch_file *f, uint32_t element, uint32_t f
 	const uint32_t patch = element % e->patches.count, count = corner_count(e, patch);
 	const uint8_t corners = (uint8_t)count, side = element >= e->patches.count, reached = f->solution->reached[element];
 	const float escaped = reached ? row->escaped : 0, cut = reached ? row->cut : 0;
-	const uint8_t straight = f->solution->options.lamps != 0;
+	const uint8_t straight = f->solution->lamps;
 	struct patch shape;
 	patches_get(&e->patches, patch, &shape);
 	append(at, &corners, 1);

@@ -8,7 +8,6 @@
 
 #include "protocol/names.h"
 #include "server/base/clock.h"
-#include "server/base/vec3.h"
 #include "server/worker/devices.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/deferred/deferred.h"
@@ -25,7 +24,6 @@
 #include "server/worker/trace/trace.h"
 
 #define SOLVE_SHARE 0.9 // share of the job's work that making the solution counts for
-#define LAMP_AREA_MOST 0.0625 // share of all surfaces up to which lamps are small beside the scene
 #define SKY_POINTS 16u // of a patch for one of those that look at lights
 #define DEPTH 65535u // light scatters on until the solver ends
 
@@ -51,36 +49,6 @@ static bool has_mirrors(const struct plan *plan, const struct resident_scene *sc
 {
 	return radiosity_has_mirrors(radiosity_settings(plan)) && plan_has(plan, candil_Effect_EFFECT_GLOSSY) &&
 	       (radiosity_settings(plan)->mirrors == RADIOSITY_MIRRORS_ON || surfaces_may_mirror(&scene->view));
-}
-
-static double area_of(const struct resident_scene *scene, uint32_t triangle)
-{
-	const struct triangle *t = (const struct triangle *)scene_section(scene, BLOB_TRIANGLES) + triangle;
-	const struct vertex *vertices = scene_section(scene, BLOB_VERTICES);
-	double a[3], b[3], n[3];
-	for (int c = 0; c < 3; c++) {
-		a[c] = (double)vertices[t->vertex[1]].position[c] - (double)vertices[t->vertex[0]].position[c];
-		b[c] = (double)vertices[t->vertex[2]].position[c] - (double)vertices[t->vertex[0]].position[c];
-	}
-	vec3_cross(a, b, n);
-	return 0.5 * sqrt(vec3_dot(n, n));
-}
-
-static bool lamps_by_points(const struct plan *plan, const struct resident_scene *scene)
-{
-	const struct emitter *emitters = scene_section(scene, BLOB_EMITTERS);
-	const uint32_t way = radiosity_settings(plan)->emitters;
-	double lamps = 0, all = 0;
-	// What mirrors show of a lamp only chance finds, and form factors have more rays for it.
-	if (way == RADIOSITY_EMITTERS_AUTO && has_mirrors(plan, scene))
-		return false;
-	if (way != RADIOSITY_EMITTERS_AUTO || !plan_has(plan, candil_Effect_EFFECT_EMITTERS))
-		return way == RADIOSITY_EMITTERS_POINTS;
-	for (uint32_t i = 0; i < scene_count(scene, BLOB_EMITTERS); i++)
-		lamps += area_of(scene, emitters[i].triangle);
-	for (uint32_t i = 0; i < scene_count(scene, BLOB_TRIANGLES); i++)
-		all += area_of(scene, i);
-	return lamps <= LAMP_AREA_MOST * all;
 }
 
 // Only what the way reads is filled in, so that what it does not read makes no other rows.
@@ -116,7 +84,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->effects = plan->effects;
 	o->points = s->points;
 	o->sky_points = s->points < LIMIT_RADIOSITY_POINTS / SKY_POINTS ? SKY_POINTS * s->points : LIMIT_RADIOSITY_POINTS;
-	o->lamps = lamps_by_points(plan, scene);
+	o->emitters = s->emitters;
 	o->solver = s->solver;
 	o->residual = s->residual;
 	if (plan_has_sky(plan)) {

@@ -13,7 +13,7 @@ struct row_maker {
 	struct rays *rays;
 	struct hemicube *hemicube;
 	bool reflects; // the hemicube knows what reflects
-	struct device *device;
+	const struct radiosity_surface *surfaces; // by element
 	struct analytic *analytic;
 	const uint32_t *elements; // that were begun
 	uint32_t count, next; // by contour integrals: the row that is worked on
@@ -34,14 +34,15 @@ static struct rays_options rays_of(const struct row_options *o)
 	return (struct rays_options){.rays = o->rays, .mirrors = o->mirrors, .bounces = o->bounces};
 }
 
-enum status row_maker_create(const struct patch_scene *of, const struct row_options *options, struct device *device,
-			     struct gl_device *gl, struct row_maker **maker, struct error *err)
+enum status row_maker_create(const struct patch_scene *of, const struct row_options *options,
+			     const struct radiosity_surface *surfaces, struct device *device, struct gl_device *gl,
+			     struct row_maker **maker, struct error *err)
 {
 	struct row_maker *m = calloc(1, sizeof *m);
 	enum status s = STATUS_OK;
 	if (!m)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	*m = (struct row_maker){.options = *options, .of = *of, .device = device, .reflects = !options->mirrors};
+	*m = (struct row_maker){.options = *options, .of = *of, .surfaces = surfaces, .reflects = !options->mirrors};
 	const struct rays_options rays = rays_of(options);
 	const struct hemicube_options hemicube = hemicube_of(options);
 	if (options->way == ROWS_BY_HEMISPHERE)
@@ -109,27 +110,16 @@ static enum status step_contour(struct row_maker *m, uint32_t budget_us, struct 
 	return s;
 }
 
-// Tell the hemicubes what elements reflect, which is known by now.
-static enum status tell_surfaces(struct row_maker *m, struct error *err)
-{
-	const uint32_t count = m->of.elements->count;
-	struct radiosity_surface *surfaces = malloc(count * sizeof *surfaces);
-	if (!surfaces)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = buffer_read(&m->of.buffers->surfaces, m->device, 0, count * sizeof *surfaces, surfaces, err);
-	if (s == STATUS_OK)
-		s = hemicube_reflect(m->hemicube, surfaces, err);
-	free(surfaces);
-	m->reflects = s == STATUS_OK;
-	return s;
-}
-
 enum status row_maker_step(struct row_maker *m, uint32_t budget_us, struct factors *factors, bool *done, struct error *err)
 {
 	enum status s = STATUS_OK;
 	if (m->options.way == ROWS_BY_CONTOUR)
 		return step_contour(m, budget_us, factors, done, err);
-	if (m->hemicube && !m->reflects && (s = tell_surfaces(m, err)) != STATUS_OK)
+	if (m->hemicube && !m->reflects) {
+		s = hemicube_reflect(m->hemicube, m->surfaces, err);
+		m->reflects = s == STATUS_OK;
+	}
+	if (s != STATUS_OK)
 		return s;
 	if (m->hemicube)
 		s = hemicube_rows(m->hemicube, m->elements, m->count, factors, err);

@@ -25,10 +25,12 @@ struct row_options {
 
 struct row_maker;
 
-// Make ready. What `of` names must outlive it; with mirrors its surfaces are read when the first rows are begun. `gl` is
-// asked for hemicubes alone. Fails as rays_create, hemicube_create and analytic_create; *maker is NULL then.
-enum status row_maker_create(const struct patch_scene *of, const struct row_options *options, struct device *device,
-			     struct gl_device *gl, struct row_maker **maker, struct error *err);
+// Make ready. What `of` names must outlive it, and so must `surfaces`, by element, which hemicubes with mirrors read when
+// the first rows are made. `gl` is asked for hemicubes alone. Fails as rays_create, hemicube_create and analytic_create;
+// *maker is NULL then.
+enum status row_maker_create(const struct patch_scene *of, const struct row_options *options,
+			     const struct radiosity_surface *surfaces, struct device *device, struct gl_device *gl,
+			     struct row_maker **maker, struct error *err);
 void row_maker_destroy(struct row_maker *maker); // NULL is allowed
 
 // Compile its code, unless that has been done.

@@ -6,12 +6,16 @@
 
 #include "server/base/angle.h"
 #include "server/base/clock.h"
+#include "server/scene/lights.h"
 #include "server/worker/code_list.h"
 #include "server/worker/technique/radiosity/corners.h"
 #include "server/worker/technique/radiosity/light.h"
+#include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/row_maker.h"
 #include "server/worker/technique/radiosity/solver.h"
 #include "server/worker/technique/radiosity/surfaces.h"
+
+#define LAMP_AREA_MOST 0.0625 // share of all surfaces up to which lamps are small beside the scene
 
 // Share of the work that each stage counts for, for progress.
 static const double shares[SOLUTION_STAGES] = {[SOLUTION_SURFACES] = 0.02,
@@ -72,22 +76,20 @@ static enum status make_passes(struct solution *v, struct gl_device *gl, const s
 {
 	const struct factor_options *f = &v->options.factors;
 	const struct patch_scene of = {plan, v->scene, &v->factors->elements, &v->buffers};
-	const struct light_options light = {.points = v->options.points,
-					    .sky_points = v->options.sky_points,
-					    .lamps = v->options.lamps,
-					    .bounces = f->rows.bounces};
+	const struct light_options light = {
+	    .points = v->options.points, .sky_points = v->options.sky_points, .lamps = v->lamps, .bounces = f->rows.bounces};
 	const struct code_list *code = v->device->code;
 	const uint32_t added = code ? code->added : 0;
 	const uint64_t start = clock_us();
 	enum status s = surfaces_create(&of, v->device, &v->surfaces, err);
 	if (s == STATUS_OK)
 		s = surfaces_compile(v->surfaces, err);
-	if (s == STATUS_OK && light_wanted(plan, v->scene, v->options.lamps))
+	if (s == STATUS_OK && light_wanted(plan, v->scene, v->lamps))
 		s = light_create(&of, &light, v->device, &v->light, err);
 	if (s == STATUS_OK && v->light)
 		s = light_compile(v->light, err);
 	if (s == STATUS_OK)
-		s = row_maker_create(&of, &f->rows, v->device, gl, &v->rows_by, err);
+		s = row_maker_create(&of, &f->rows, v->made_of, v->device, gl, &v->rows_by, err);
 	if (s == STATUS_OK)
 		s = row_maker_compile(v->rows_by, err);
 	if (s == STATUS_OK)
@@ -95,6 +97,25 @@ static enum status make_passes(struct solution *v, struct gl_device *gl, const s
 	// What the driver has compiled before is made at once, and no time that is spent once.
 	v->compile_us = !code || code->added != added ? clock_us() - start : 0;
 	return s;
+}
+
+// Whether light of emissive surfaces is looked for by points on them: where they are small beside the scene. What mirrors
+// show of them only chance finds that way, and form factors have more rays for it.
+static bool lamps_by_points(const struct solution *v, const struct resident_scene *scene)
+{
+	const struct emitter *emitters = scene_section(scene, BLOB_EMITTERS);
+	const struct triangle *triangles = scene_section(scene, BLOB_TRIANGLES);
+	const struct vertex *vertices = scene_section(scene, BLOB_VERTICES);
+	double lamps = 0, all = 0;
+	if (v->options.emitters != RADIOSITY_EMITTERS_AUTO)
+		return v->options.emitters == RADIOSITY_EMITTERS_POINTS;
+	if (v->options.factors.rows.mirrors || !(v->options.effects >> candil_Effect_EFFECT_EMITTERS & 1u))
+		return false;
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_EMITTERS); i++)
+		lamps += lights_area(vertices, &triangles[emitters[i].triangle]);
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_TRIANGLES); i++)
+		all += lights_area(vertices, &triangles[i]);
+	return lamps <= LAMP_AREA_MOST * all;
 }
 
 static enum status make_arrays(struct solution *v, struct error *err)
@@ -119,6 +140,7 @@ static enum status solution_create(struct resident_scene *scene, struct device *
 	v->keys = scene->keys;
 	v->device = device;
 	v->scene = scene;
+	v->lamps = lamps_by_points(v, scene);
 	enum status s = factor_build_acquire(scene, device, &options->factors, &v->factors, err);
 	if (s != STATUS_OK) {
 		free(v);
@@ -251,7 +273,7 @@ static enum status begin_solving(struct solution *v, struct error *err)
 	float *exitance = all, *albedo = all + 3 * (size_t)e->count, *area = albedo + 3 * (size_t)e->count;
 	for (uint32_t i = 0; i < e->count; i++) {
 		for (uint32_t c = 0; c < 3; c++) {
-			exitance[3 * i + c] = v->options.lamps ? 0 : (float)PI * v->made_of[i].emission[c];
+			exitance[3 * i + c] = v->lamps ? 0 : (float)PI * v->made_of[i].emission[c];
 			albedo[3 * i + c] = bounces ? v->made_of[i].albedo[c] : 0;
 		}
 		area[i] = e->shapes[i % e->patches.count].area;

@@ -17,7 +17,7 @@ struct solution_options {
 	struct factor_options factors;
 	uint32_t effects; // bits 1 << candil_Effect
 	uint32_t points, sky_points; // of a patch, from which lights and the sky are looked at
-	uint32_t lamps; // whether light of emissive surfaces comes straight from them, and not by form factors
+	uint32_t emitters; // enum radiosity_emitters
 	uint32_t solver; // enum solver_way
 	float residual; // the solver ends there
 	float background[3]; // radiance, W/(m² sr)
@@ -49,6 +49,7 @@ struct solution {
 	struct surfaces *surfaces; // until it is done
 	struct light *light; // until it is done; NULL: the scene has none
 	struct row_maker *rows_by; // until it is done
+	bool lamps; // light of emissive surfaces comes straight from them, and not by form factors
 	struct solver *solver;
 	// By element, in host memory.
 	struct radiosity_surface *made_of;
