@@ -17,6 +17,7 @@
 #include "protocol/names.h"
 #include "server/base/error.h"
 #include "server/base/estimate.h"
+#include "server/base/part.h"
 #include "server/base/pilot.h"
 #include "server/base/remarks.h"
 
@@ -60,8 +61,7 @@ struct ipc_scene {
 
 struct ipc_begin {
 	struct ipc_head head;
-	uint64_t scene;
-	uint64_t environment; // id of the scene that holds the environment map; 0: none
+	uint64_t parts[PARTS]; // ids of the scenes that it names; 0: none
 	candil_Render render; // already checked by the front
 	uint64_t end_us; // clock_us() by which sampling has to end for its deadline; UINT64_MAX: never
 	uint32_t compile; // compile what the driver has not compiled before; 0: refuse the job where that is needed
@@ -124,8 +124,7 @@ struct ipc_image {
 
 struct ipc_pilot {
 	struct ipc_head head; // `job` is the quote's number
-	uint64_t scene;
-	uint64_t environment; // 0: none
+	uint64_t parts[PARTS]; // as of struct ipc_begin
 	uint32_t budget_us; // of work of each technique, beside compiling
 	uint32_t limit_us; // of all of it: no picture is begun or gone on with past it
 	uint32_t techniques; // bits 1 << candil_Technique

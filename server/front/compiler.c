@@ -64,40 +64,36 @@ static void make_small(candil_Render *render)
 }
 
 // All of it fits a socket's buffer, so nothing waits for the process to start.
-static enum status give_orders(const struct compiler *c, const struct scene *scene, const struct scene *environment,
-			       const candil_Render *render, uint32_t pilot_us, struct error *err)
+static enum status give_orders(const struct compiler *c, const struct subject *subject, const candil_Render *render,
+			       uint32_t pilot_us, struct error *err)
 {
-	const struct scene *const both[] = {scene, environment};
 	enum status status = STATUS_OK;
-	for (int i = 0; status == STATUS_OK && i < 2; i++) {
-		if (!both[i])
+	for (unsigned i = 0; status == STATUS_OK && i < PARTS; i++) {
+		const struct scene *scene = subject->part[i];
+		if (!scene)
 			continue;
-		const struct ipc_scene message = {.head = {.op = IPC_SCENE}, .scene = both[i]->id};
-		status = ipc_send(c->child.socket, &message, sizeof message, both[i]->blob, err);
+		const struct ipc_scene message = {.head = {.op = IPC_SCENE}, .scene = scene->id};
+		status = ipc_send(c->child.socket, &message, sizeof message, scene->blob, err);
 	}
-	struct ipc_begin begin = {.head = {.op = IPC_BEGIN, .job = 1},
-				  .scene = scene->id,
-				  .environment = environment ? environment->id : 0,
+	struct ipc_begin begin = {
+	    .head = {.op = IPC_BEGIN, .job = 1}, .render = *render, .end_us = UINT64_MAX, .compile = true};
+	struct ipc_pilot pilot = {.head = {.op = IPC_PILOT, .job = 1},
 				  .render = *render,
-				  .end_us = UINT64_MAX,
+				  .techniques = 1u << render->technique,
+				  .budget_us = pilot_us,
+				  .limit_us = UINT32_MAX,
 				  .compile = true};
 	make_small(&begin.render);
-	const struct ipc_pilot pilot = {.head = {.op = IPC_PILOT, .job = 1},
-					.scene = begin.scene,
-					.environment = begin.environment,
-					.render = *render,
-					.techniques = 1u << render->technique,
-					.budget_us = pilot_us,
-					.limit_us = UINT32_MAX,
-					.compile = true};
+	subject_ids(subject, begin.parts);
+	subject_ids(subject, pilot.parts);
 	if (status != STATUS_OK)
 		return status;
 	return pilot_us > 0 ? ipc_send(c->child.socket, &pilot, sizeof pilot, -1, err)
 			    : ipc_send(c->child.socket, &begin, sizeof begin, -1, err);
 }
 
-enum status compiler_start(struct compiler *c, uint64_t code, const struct scene *scene, const struct scene *environment,
-			   const candil_Render *render, uint32_t pilot_us, struct error *err)
+enum status compiler_start(struct compiler *c, uint64_t code, const struct subject *subject, const candil_Render *render,
+			   uint32_t pilot_us, struct error *err)
 {
 	struct worker_command command;
 	enum status status = worker_command(c->worker, true, &command, err);
@@ -108,7 +104,7 @@ enum status compiler_start(struct compiler *c, uint64_t code, const struct scene
 	if (status == STATUS_OK)
 		status = loop_watch(c->worker->loop, c->child.pidfd, EPOLLIN, compiler_ended, c, err);
 	if (status == STATUS_OK)
-		status = give_orders(c, scene, environment, render, pilot_us, err);
+		status = give_orders(c, subject, render, pilot_us, err);
 	if (status != STATUS_OK) {
 		compiler_stop(c);
 		return status;

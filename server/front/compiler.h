@@ -38,11 +38,10 @@ struct compiler {
 void compiler_init(struct compiler *compiler, struct worker *worker, compiler_done *done, void *owner);
 
 // Start it for a job, or for a pilot by the technique of `render` with so much work, `pilot_us`, which is then not 0: a
-// pilot's pictures are of other sizes. `code` is not 0, `scene` and `environment` (NULL: none) are loaded. It must be free.
+// pilot's pictures are of other sizes. `code` is not 0, and the scenes of `subject` are loaded. It must be free.
 // Failure, and it is free: STATUS_INTERNAL, STATUS_IO.
-enum status compiler_start(struct compiler *compiler, uint64_t code, const struct scene *scene,
-			   const struct scene *environment, const candil_Render *render, uint32_t pilot_us,
-			   struct error *err);
+enum status compiler_start(struct compiler *compiler, uint64_t code, const struct subject *subject,
+			   const candil_Render *render, uint32_t pilot_us, struct error *err);
 
 // Kill it; `done` is not called. Nothing if it is free.
 void compiler_stop(struct compiler *compiler);

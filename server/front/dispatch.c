@@ -156,66 +156,68 @@ static enum status on_describe(const struct message *m, struct error *err)
 	return STATUS_OK;
 }
 
-// Find the picture of the surroundings that a request names. *environment is NULL if it names none.
-static enum status find_environment(const struct message *m, const candil_Render *render, struct scene **environment,
-				    struct error *err)
+// Refuse what is known not to be what it is named as. The worker refuses what is still being loaded.
+static enum status check_parts(const struct subject *subject, struct error *err)
 {
-	*environment = NULL;
-	if (!render->has_environment)
-		return STATUS_OK;
-	enum status status = find_scene(m, render->environment.scene, environment, err);
-	if (status == STATUS_OK && (*environment)->state == SCENE_READY && (*environment)->info.environment_width == 0)
+	const struct scene *picture = subject->part[PART_ENVIRONMENT];
+	if (picture && picture->state == SCENE_READY && picture->info.environment_width == 0)
 		return error_set(err, STATUS_BAD_ARGUMENT, "\"%s\" is a scene, no picture of surroundings",
-				 render->environment.scene);
-	return status;
+				 picture->info.name);
+	return STATUS_OK;
 }
 
 // Find the scenes of a request that is to be worked on.
-static enum status find_scenes(const struct message *m, const candil_Render *render, struct scene **scene,
-			       struct scene **environment, struct error *err)
+static enum status find_subject(const struct message *m, const candil_Render *render, struct subject *subject,
+				struct error *err)
 {
-	enum status status = find_scene(m, render->scene, scene, err);
+	const char *const names[PARTS] = {
+	    [PART_SCENE] = render->scene, [PART_ENVIRONMENT] = render->has_environment ? render->environment.scene : NULL};
+	enum status status = STATUS_OK;
+	*subject = (struct subject){0};
+	for (unsigned i = 0; status == STATUS_OK && i < PARTS; i++)
+		if (names[i])
+			status = find_scene(m, names[i], &subject->part[i], err);
 	if (status == STATUS_OK)
-		status = find_environment(m, render, environment, err);
+		status = check_parts(subject, err);
 	if (status != STATUS_OK)
 		return status;
-	const struct suspects suspects = scene_suspects(*scene, *environment);
+	const struct subject_hashes suspects = subject_hashes_of(subject);
 	return quarantine_check(&m->service->scenes.quarantine, &suspects, err);
 }
 
 static enum status on_render(const struct message *m, struct error *err)
 {
 	candil_Render render;
-	struct scene *scene, *environment;
+	struct subject subject;
 	enum status status = check_place(m, err);
 	if (status == STATUS_OK)
 		status = request_render(m->body, m->header->length, &render, err);
 	if (status == STATUS_OK)
-		status = find_scenes(m, &render, &scene, &environment, err);
+		status = find_subject(m, &render, &subject, err);
 	if (status == STATUS_OK)
-		status = jobs_add(&m->service->jobs, m->session, m->header->request, scene, environment, &render, err);
+		status = jobs_add(&m->service->jobs, m->session, m->header->request, &subject, &render, err);
 	if (status == STATUS_OK && request_is_open(&render))
-		quotes_choose(&m->service->quotes, m->session, m->header->request, scene, environment, &render);
+		quotes_choose(&m->service->quotes, m->session, m->header->request, &subject, &render);
 	return status;
 }
 
 static enum status on_quote(const struct message *m, struct error *err)
 {
 	candil_Quote quote;
-	struct scene *scene, *environment;
+	struct subject subject;
 	enum status status = check_place(m, err);
 	if (status == STATUS_OK)
 		status = request_quote(m->body, m->header->length, &quote, err);
 	if (status == STATUS_OK)
-		status = find_scenes(m, &quote.render, &scene, &environment, err);
+		status = find_subject(m, &quote.render, &subject, err);
 	if (status == STATUS_OK)
-		status = quotes_add(&m->service->quotes, m->session, m->header->request, scene, environment, &quote, err);
+		status = quotes_add(&m->service->quotes, m->session, m->header->request, &subject, &quote, err);
 	return status;
 }
 
 static enum status on_sweep(const struct message *m, struct error *err)
 {
-	struct scene *scene, *environment;
+	struct subject subject;
 	enum status status = check_place(m, err);
 	if (status != STATUS_OK)
 		return status;
@@ -224,9 +226,9 @@ static enum status on_sweep(const struct message *m, struct error *err)
 		return error_set(err, STATUS_MEMORY, "no memory for a sweep");
 	status = request_sweep(m->body, m->header->length, sweep, err);
 	if (status == STATUS_OK)
-		status = find_scenes(m, &sweep->render, &scene, &environment, err);
+		status = find_subject(m, &sweep->render, &subject, err);
 	if (status == STATUS_OK)
-		status = jobs_add_sweep(&m->service->jobs, m->session, m->header->request, scene, environment, sweep, err);
+		status = jobs_add_sweep(&m->service->jobs, m->session, m->header->request, &subject, sweep, err);
 	if (status != STATUS_OK)
 		free(sweep);
 	return status;

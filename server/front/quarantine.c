@@ -3,39 +3,66 @@
 #include <stdio.h>
 #include <string.h>
 
-static unsigned find(const struct quarantine *q, const struct suspects *s)
+static const char *const names[PARTS] = {[PART_SCENE] = "the scene", [PART_ENVIRONMENT] = "the picture around the scene"};
+
+static unsigned find(const struct quarantine *q, const struct subject_hashes *s)
 {
 	unsigned i = 0;
-	while (i < QUARANTINE_PAIRS && (q->pairs[i].losses == 0 || strcmp(q->pairs[i].hashes[0], s->scene) != 0 ||
-					strcmp(q->pairs[i].hashes[1], s->environment) != 0))
+	while (i < QUARANTINE_CASES && (q->cases[i].losses == 0 || memcmp(&q->cases[i].of, s, sizeof *s) != 0))
 		i++;
 	return i;
 }
 
+// The part that a hash has in a case; PARTS: none. "" has none.
+static unsigned part_of(const struct quarantine_case *c, const char *hash)
+{
+	unsigned k = hash[0] && c->losses > 0 ? 0 : PARTS;
+	while (k < PARTS && strcmp(c->of.part[k], hash) != 0)
+		k++;
+	return k;
+}
+
 static bool is_guilty(const struct quarantine *q, const char *hash)
 {
-	for (unsigned i = 0; i < QUARANTINE_PAIRS; i++)
-		for (unsigned k = 0; k < 2; k++)
-			if (q->pairs[i].guilty[k] && !strcmp(q->pairs[i].hashes[k], hash))
-				return true;
+	for (unsigned i = 0; i < QUARANTINE_CASES; i++) {
+		const unsigned k = part_of(&q->cases[i], hash);
+		if (k < PARTS && q->cases[i].guilty[k])
+			return true;
+	}
 	return false;
 }
 
-// The losses that may be its fault: not those beside what is guilty by itself. *own: not all were beside the same other.
+// What was beside a part in a case. *alone: nothing. False: something guilty by itself was.
+static bool take_others(const struct quarantine *q, const struct quarantine_case *c, unsigned part,
+			struct subject_hashes *others, bool *alone)
+{
+	*others = c->of;
+	*alone = true;
+	memset(others->part[part], 0, sizeof others->part[part]);
+	for (unsigned k = 0; k < PARTS; k++) {
+		*alone = *alone && !others->part[k][0];
+		if (is_guilty(q, others->part[k]))
+			return false;
+	}
+	return true;
+}
+
+// The losses that may be its fault: not those beside what is guilty by itself. *own: not all were beside the same others.
 static unsigned count_losses(const struct quarantine *q, const char *hash, bool *own)
 {
-	const char *last = NULL;
+	struct subject_hashes others, last = {0};
 	unsigned losses = 0;
 	*own = false;
-	for (unsigned i = 0; i < QUARANTINE_PAIRS; i++)
-		for (unsigned k = 0; k < 2; k++) {
-			const char *other = q->pairs[i].hashes[1 - k];
-			if (q->pairs[i].losses == 0 || strcmp(q->pairs[i].hashes[k], hash) != 0 || is_guilty(q, other))
-				continue;
-			*own |= !other[0] || (last && strcmp(last, other) != 0);
-			last = other;
-			losses += q->pairs[i].losses;
-		}
+	for (unsigned i = 0; i < QUARANTINE_CASES; i++) {
+		const struct quarantine_case *c = &q->cases[i];
+		const unsigned part = part_of(c, hash);
+		bool alone;
+		if (part == PARTS || !take_others(q, c, part, &others, &alone))
+			continue;
+		*own |= alone || (losses > 0 && memcmp(&last, &others, sizeof last) != 0);
+		last = others;
+		losses += c->losses;
+	}
 	return losses;
 }
 
@@ -43,10 +70,11 @@ static bool judge(struct quarantine *q, const char *hash)
 {
 	bool own;
 	const bool guilty = hash[0] && count_losses(q, hash, &own) >= LIMIT_SCENE_LOSSES && own;
-	for (unsigned i = 0; i < QUARANTINE_PAIRS; i++)
-		for (unsigned k = 0; k < 2; k++)
-			if (!strcmp(q->pairs[i].hashes[k], hash))
-				q->pairs[i].guilty[k] = guilty;
+	for (unsigned i = 0; i < QUARANTINE_CASES; i++) {
+		const unsigned k = part_of(&q->cases[i], hash);
+		if (k < PARTS)
+			q->cases[i].guilty[k] = guilty;
+	}
 	return guilty;
 }
 
@@ -55,40 +83,54 @@ static void judge_with_others(struct quarantine *q, const char *hash)
 {
 	if (!judge(q, hash))
 		return;
-	for (unsigned i = 0; i < QUARANTINE_PAIRS; i++)
-		for (unsigned k = 0; k < 2; k++)
-			if (!strcmp(q->pairs[i].hashes[k], hash))
-				judge(q, q->pairs[i].hashes[1 - k]);
+	for (unsigned i = 0; i < QUARANTINE_CASES; i++) {
+		const unsigned part = part_of(&q->cases[i], hash);
+		for (unsigned k = 0; part < PARTS && k < PARTS; k++)
+			if (k != part)
+				judge(q, q->cases[i].of.part[k]);
+	}
 }
 
 bool quarantine_knows(const struct quarantine *q, const char *scene)
 {
-	for (unsigned i = 0; i < QUARANTINE_PAIRS; i++)
-		for (unsigned k = 0; k < 2; k++)
-			if (scene[0] && !strcmp(q->pairs[i].hashes[k], scene))
-				return true;
+	for (unsigned i = 0; i < QUARANTINE_CASES; i++)
+		if (part_of(&q->cases[i], scene) < PARTS)
+			return true;
 	return false;
 }
 
-void quarantine_blame(struct quarantine *q, const struct suspects *suspects)
+// Hashes that can be compared byte by byte, each of them once. False: there is none.
+static bool tidy(const struct subject_hashes *suspects, struct subject_hashes *s)
 {
-	struct suspects s = *suspects;
-	if (!strcmp(s.scene, s.environment))
-		s.environment[0] = 0;
-	if (!s.scene[0] && !s.environment[0])
+	bool some = false;
+	memset(s, 0, sizeof *s);
+	for (unsigned k = 0; k < PARTS; k++) {
+		bool known = false;
+		for (unsigned i = 0; i < k; i++)
+			known = known || !strcmp(s->part[i], suspects->part[k]);
+		if (!known)
+			snprintf(s->part[k], sizeof s->part[k], "%s", suspects->part[k]);
+		some = some || s->part[k][0];
+	}
+	return some;
+}
+
+void quarantine_blame(struct quarantine *q, const struct subject_hashes *suspects)
+{
+	struct subject_hashes s;
+	if (!tidy(suspects, &s))
 		return;
 	unsigned i = find(q, &s);
-	if (i == QUARANTINE_PAIRS) {
-		i = q->count++ % QUARANTINE_PAIRS;
-		q->pairs[i].losses = 0;
-		q->pairs[i].guilty[0] = is_guilty(q, s.scene);
-		q->pairs[i].guilty[1] = is_guilty(q, s.environment);
-		snprintf(q->pairs[i].hashes[0], sizeof q->pairs[i].hashes[0], "%s", s.scene);
-		snprintf(q->pairs[i].hashes[1], sizeof q->pairs[i].hashes[1], "%s", s.environment);
+	if (i == QUARANTINE_CASES) {
+		struct quarantine_case c = {.of = s};
+		for (unsigned k = 0; k < PARTS; k++)
+			c.guilty[k] = is_guilty(q, s.part[k]);
+		i = q->count++ % QUARANTINE_CASES;
+		q->cases[i] = c;
 	}
-	q->pairs[i].losses++;
-	judge_with_others(q, s.scene);
-	judge_with_others(q, s.environment);
+	q->cases[i].losses++;
+	for (unsigned k = 0; k < PARTS; k++)
+		judge_with_others(q, s.part[k]);
 }
 
 static enum status refuse(const char *what, unsigned losses, const char *whom, struct error *err)
@@ -99,15 +141,20 @@ static enum status refuse(const char *what, unsigned losses, const char *whom, s
 			 what, losses, whom);
 }
 
-enum status quarantine_check(const struct quarantine *q, const struct suspects *s, struct error *err)
+enum status quarantine_check(const struct quarantine *q, const struct subject_hashes *suspects, struct error *err)
 {
+	struct subject_hashes s;
+	char what[128];
 	bool own;
-	const unsigned pair = find(q, s);
-	if (is_guilty(q, s->scene))
-		return refuse("the scene is", count_losses(q, s->scene, &own), "it", err);
-	if (is_guilty(q, s->environment))
-		return refuse("the picture around the scene is", count_losses(q, s->environment, &own), "it", err);
-	if (pair < QUARANTINE_PAIRS && q->pairs[pair].losses >= LIMIT_SCENE_LOSSES)
-		return refuse("the scene and the picture around it are, together,", q->pairs[pair].losses, "them", err);
+	if (!tidy(suspects, &s))
+		return STATUS_OK;
+	for (unsigned k = 0; k < PARTS; k++)
+		if (is_guilty(q, s.part[k])) {
+			snprintf(what, sizeof what, "%s is", names[k]);
+			return refuse(what, count_losses(q, s.part[k], &own), "it", err);
+		}
+	const unsigned i = find(q, &s);
+	if (i < QUARANTINE_CASES && q->cases[i].losses >= LIMIT_SCENE_LOSSES)
+		return refuse("the scene and what goes with it are, together,", q->cases[i].losses, "them", err);
 	return STATUS_OK;
 }

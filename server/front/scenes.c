@@ -67,15 +67,6 @@ static void scene_unlist(struct scene *scene)
 	scene_release(scene);
 }
 
-struct suspects scene_suspects(const struct scene *scene, const struct scene *environment)
-{
-	struct suspects s = {.environment = ""};
-	memcpy(s.scene, scene->info.hash, sizeof s.scene);
-	if (environment)
-		memcpy(s.environment, environment->info.hash, sizeof s.environment);
-	return s;
-}
-
 static struct scene *scenes_find_state(struct scenes *scenes, const char *name, bool loading)
 {
 	for (struct scene *s = scenes->first; s; s = s->next)
@@ -176,8 +167,8 @@ static void scene_loaded(void *owner, const struct ipc_loaded *message, int blob
 	}
 	struct scene *old = scenes_find_state(table, scene->info.name, false);
 	struct error err;
-	struct suspects suspects = {.environment = ""};
-	memcpy(suspects.scene, message->info.hash, sizeof suspects.scene);
+	struct subject_hashes suspects = {0};
+	memcpy(suspects.part[PART_SCENE], message->info.hash, sizeof suspects.part[PART_SCENE]);
 	if (quarantine_check(&table->quarantine, &suspects, &err) != STATUS_OK ||
 	    check_bytes(table, old, message->info.blob_bytes, &err) != STATUS_OK) {
 		close(blob);

@@ -120,9 +120,6 @@ void scenes_unload(struct scene *scene);
 void scene_hold(struct scene *scene);
 void scene_release(struct scene *scene);
 
-// What a worker works on with a scene and the picture around it (NULL: none), as the quarantine knows them.
-struct suspects scene_suspects(const struct scene *scene, const struct scene *environment);
-
 // How many scenes are ready and have their name. *bytes: the blobs of all scenes, those included that only jobs still use.
 uint32_t scenes_count(const struct scenes *scenes, uint64_t *bytes);
 

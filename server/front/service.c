@@ -225,29 +225,31 @@ static void on_worker_piloted(void *owner, uint32_t pilot, const struct ipc_pilo
 // on: it counts for the scene and the picture around it, and for the device unless the scene has ended a worker before. A
 // picture that many put around their scenes is no excuse for a device that fails under each of them.
 // What a device was given up over has had its share in that.
-static void blame(struct service *service, const struct suspects *suspects, enum worker_fault fault)
+static void blame(struct service *service, const struct subject_hashes *suspects, enum worker_fault fault)
 {
 	struct quarantine *quarantine = &service->scenes.quarantine;
 	struct error err;
 	bool by_scene = fault == FAULT_WORK;
 	if (fault == FAULT_NONE)
 		return;
-	if (fault == FAULT_DEVICE || !quarantine_knows(quarantine, suspects->scene))
+	if (fault == FAULT_DEVICE || !quarantine_knows(quarantine, suspects->part[PART_SCENE]))
 		by_scene |= worker_blame_device(&service->worker);
 	if (!by_scene)
 		return;
 	quarantine_blame(quarantine, suspects);
 	if (quarantine_check(quarantine, suspects, &err) == STATUS_OK)
 		return;
-	log_line(LOG_ERROR, "scene of hash %s, surroundings of %s: %s", suspects->scene,
-		 suspects->environment[0] ? suspects->environment : "none", err.text);
+	for (unsigned i = 0; i < PARTS; i++)
+		if (suspects->part[i][0])
+			log_line(LOG_ERROR, "%s of hash %s: %s", i == PART_SCENE ? "scene" : "surroundings",
+				 suspects->part[i], err.text);
 	fail_quarantined(service);
 }
 
 static void on_worker_lost(void *owner, const struct worker_loss *loss)
 {
 	struct service *service = owner;
-	struct suspects suspects;
+	struct subject_hashes suspects;
 	if (!quotes_worked_on(&service->quotes, &suspects))
 		suspects = jobs_worked_on(&service->jobs);
 	jobs_worker_lost(&service->jobs, loss);

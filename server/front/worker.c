@@ -127,15 +127,12 @@ void worker_forget(struct worker *worker, uint64_t scene)
 		worker_give(worker, &message, sizeof message, -1);
 }
 
-void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render,
+void worker_begin(struct worker *worker, uint32_t job, const struct subject *subject, const candil_Render *render,
 		  uint64_t end_us, bool compile)
 {
-	struct ipc_begin message = {.head = {.op = IPC_BEGIN, .job = job},
-				    .scene = scene,
-				    .environment = environment,
-				    .render = *render,
-				    .end_us = end_us,
-				    .compile = compile};
+	struct ipc_begin message = {
+	    .head = {.op = IPC_BEGIN, .job = job}, .render = *render, .end_us = end_us, .compile = compile};
+	subject_ids(subject, message.parts);
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
 }
@@ -162,17 +159,16 @@ void worker_end(struct worker *worker, uint32_t job)
 	worker_give(worker, &message, sizeof message, -1);
 }
 
-void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
+void worker_pilot(struct worker *worker, uint32_t pilot, const struct subject *subject, const candil_Render *render,
 		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us, bool compile)
 {
 	struct ipc_pilot message = {.head = {.op = IPC_PILOT, .job = pilot},
-				    .scene = scene,
-				    .environment = environment,
 				    .budget_us = budget_us,
 				    .limit_us = limit_us,
 				    .techniques = techniques,
 				    .compile = compile,
 				    .render = *render};
+	subject_ids(subject, message.parts);
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
 	worker->pilot = pilot;

@@ -17,6 +17,7 @@
 #include "server/front/device_losses.h"
 #include "server/front/options.h"
 #include "server/front/parcels.h"
+#include "server/front/subject.h"
 #include "server/front/watch.h"
 
 // Whose fault a loss is, as far as its end tells.
@@ -106,7 +107,7 @@ bool worker_blame_device(struct worker *worker);
 void worker_device_note(const struct worker *worker, char note[LIMIT_TEXT + 1]);
 
 // Orders. They are ignored unless the worker is WORKER_READY, and none fails: a worker that an order cannot reach is killed,
-// and `lost` follows from the loop. `scene` and `environment` are numbers of scenes that it was given; environment 0: none.
+// and `lost` follows from the loop. The scenes of a `subject` were given to it.
 
 // Know this scene: `blob`, a sealed memfd, stays the caller's, who says worker_forget before closing it.
 void worker_scene(struct worker *worker, uint64_t scene, int blob);
@@ -115,7 +116,7 @@ void worker_scene(struct worker *worker, uint64_t scene, int blob);
 void worker_forget(struct worker *worker, uint64_t scene);
 
 // Begin a job under a number that no job has; `begun` answers. `end_us`, `compile`: as of struct ipc_begin.
-void worker_begin(struct worker *worker, uint32_t job, uint64_t scene, uint64_t environment, const candil_Render *render,
+void worker_begin(struct worker *worker, uint32_t job, const struct subject *subject, const candil_Render *render,
 		  uint64_t end_us, bool compile);
 
 // Work on a job for about budget_us of device time; `stepped` answers.
@@ -124,7 +125,7 @@ void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
 // Look at a scene by the techniques of some bits, 1 << candil_Technique, with so much work for each, and all together
 // within a limit, and compile what that needs, as of struct ipc_pilot; `piloted` answers. No STEP, no BEGIN and no PILOT may
 // be outstanding.
-void worker_pilot(struct worker *worker, uint32_t pilot, uint64_t scene, uint64_t environment, const candil_Render *render,
+void worker_pilot(struct worker *worker, uint32_t pilot, const struct subject *subject, const candil_Render *render,
 		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us, bool compile);
 
 // End the pilot that is out before its time; `piloted` answers with what it has seen, unless it has answered already. What

@@ -67,12 +67,13 @@ static enum status refuse_size(const struct stock *s, const struct job *job, uin
 			 (unsigned long long)((bytes > budget ? budget : left) >> 20), advice);
 }
 
-enum status job_acquire(struct stock *s, uint64_t scene, uint64_t environment, const candil_Render *render, struct job *job,
+enum status job_acquire(struct stock *s, const uint64_t ids[PARTS], const candil_Render *render, struct job *job,
 			struct error *err)
 {
-	enum status r = resident_acquire(&s->scenes, scene, render->has_edits ? &render->edits : NULL, &job->scene, err);
-	if (r == STATUS_OK && environment)
-		r = resident_acquire(&s->scenes, environment, NULL, &job->environment, err);
+	enum status r =
+	    resident_acquire(&s->scenes, ids[PART_SCENE], render->has_edits ? &render->edits : NULL, &job->scene, err);
+	if (r == STATUS_OK && ids[PART_ENVIRONMENT])
+		r = resident_acquire(&s->scenes, ids[PART_ENVIRONMENT], NULL, &job->environment, err);
 	return r;
 }
 
@@ -92,7 +93,7 @@ enum status job_begin(struct stock *s, const struct ipc_begin *m, struct job *jo
 	job->id = m->head.job;
 	job->request = m->render;
 	job->compile = m->compile;
-	enum status r = job_acquire(s, m->scene, m->environment, &m->render, job, err);
+	enum status r = job_acquire(s, m->parts, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
 	if (job->scene->base && !job->scene->edit_told) {

@@ -38,8 +38,8 @@ struct job {
 enum status job_begin(struct stock *stock, const struct ipc_begin *order, struct job *job, struct error *err);
 
 // Take hold of what a request is about, likewise, and of nothing else.
-enum status job_acquire(struct stock *stock, uint64_t scene, uint64_t environment, const candil_Render *render,
-			struct job *job, struct error *err);
+enum status job_acquire(struct stock *stock, const uint64_t ids[PARTS], const candil_Render *render, struct job *job,
+			struct error *err);
 
 // What the client is told of a job that is begun.
 void job_accept(const struct stock *stock, const struct job *job, candil_Accepted *accepted);

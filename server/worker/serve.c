@@ -201,7 +201,7 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 	const uint64_t end_us = clock_us() + m->limit_us;
 	enum status r = room_need(ROOM_WORK_BYTES, "a look at the scene", err);
 	if (r == STATUS_OK)
-		r = job_acquire(&s->stock, m->scene, m->environment, &m->render, job, err);
+		r = job_acquire(&s->stock, m->parts, &m->render, job, err);
 	if (r != STATUS_OK)
 		return r;
 	// What its edits took is the pilot's, and no later job's.

@@ -188,7 +188,7 @@ static void on_begin(const struct ipc_begin *message)
 	struct ipc_begun begun = {.head = {.op = IPC_BEGUN, .job = message->head.job}};
 	if (getenv("FAKE_NO_DEVICE"))
 		error_set(&begun.error, STATUS_DEVICE, "there is no device");
-	else if (!find_scene(message->scene))
+	else if (!find_scene(message->parts[PART_SCENE]))
 		error_set(&begun.error, STATUS_INTERNAL, "the worker does not have the scene");
 	else if (active() >= fake_number("FAKE_MEMORY_JOBS", MAX - 1) ||
 		 pixels() + message->render.width * message->render.height > fake_number("FAKE_MEMORY_PIXELS", ~0ul))
@@ -354,7 +354,7 @@ static void on_pilot(const struct ipc_pilot *message)
 {
 	const char *wrong = getenv("FAKE_PILOT") ? getenv("FAKE_PILOT") : "";
 	struct ipc_piloted piloted = {.head = {.op = IPC_PILOTED, .job = message->head.job}};
-	if (!find_scene(message->scene))
+	if (!find_scene(message->parts[PART_SCENE]))
 		exit(8);
 	if (trace)
 		fprintf(trace, "pilot %u %u\n", message->budget_us, message->limit_us);

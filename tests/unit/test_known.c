@@ -45,9 +45,12 @@ static int tear_down(void **state)
 	return 0;
 }
 
-static struct rendered of(const struct scene *scene)
+static struct rendered of(struct scene *scene)
 {
-	return (struct rendered){.scene = scene, .render = &request, .alone = true, .worker = worker.starts};
+	static struct subject subjects[4]; // by scene
+	struct subject *subject = &subjects[scene->id];
+	subject->part[PART_SCENE] = scene;
+	return (struct rendered){.subject = subject, .render = &request, .alone = true, .worker = worker.starts};
 }
 
 static void add_stage(candil_Done *done, const char *name, uint64_t us)
@@ -58,7 +61,7 @@ static void add_stage(candil_Done *done, const char *name, uint64_t us)
 	done->elapsed_us += us;
 }
 
-static void render_slowed(const struct scene *scene, uint64_t compile_us, uint64_t send_us, uint64_t times, bool slowed)
+static void render_slowed(struct scene *scene, uint64_t compile_us, uint64_t send_us, uint64_t times, bool slowed)
 {
 	candil_Done done = {.samples = 4};
 	struct rendered f = of(scene);
@@ -72,18 +75,18 @@ static void render_slowed(const struct scene *scene, uint64_t compile_us, uint64
 	jobs.rendered(jobs.owner, &f);
 }
 
-static void render(const struct scene *scene, uint64_t compile_us, uint64_t send_us)
+static void render(struct scene *scene, uint64_t compile_us, uint64_t send_us)
 {
 	render_slowed(scene, compile_us, send_us, 1, false);
 }
 
-static struct quote_query ask(const struct scene *scene, candil_Technique technique)
+static struct quote_query ask(struct scene *scene, candil_Technique technique)
 {
 	const struct rendered f = of(scene);
 	return quote_known_query(&known, &f, technique, 4);
 }
 
-static void look(const struct scene *scene, candil_Technique technique, uint32_t pixels, struct estimate error)
+static void look(struct scene *scene, candil_Technique technique, uint32_t pixels, struct estimate error)
 {
 	const struct rendered f = of(scene);
 	const struct pilot_result result = {

@@ -625,6 +625,8 @@ static void options_and_lenses_leave_what_takes_them(void **state)
 
 static void keys_know_what_shows(void **state)
 {
+	const struct subject_hashes scene = {.part[PART_SCENE] = "s"};
+	const struct subject_hashes lit = {.part = {[PART_SCENE] = "s", [PART_ENVIRONMENT] = "e"}};
 	candil_Render a = {.width = 64, .height = 64, .samples = 4}, b = a;
 	(void)state;
 	b.width = 128;
@@ -632,11 +634,11 @@ static void keys_know_what_shows(void **state)
 	b.seed = 3;
 	b.format = candil_Format_FORMAT_PNG;
 	b.deadline_ms = 5;
-	struct quote_key x = quote_key_of(&a, PT, "s", NULL, "d"), y = quote_key_of(&b, PT, "s", NULL, "d");
+	struct quote_key x = quote_key_of(&a, PT, &scene, "d"), y = quote_key_of(&b, PT, &scene, "d");
 	assert_memory_equal(&x, &y, sizeof x);
 	b.has_camera = true;
 	b.camera.vfov_degrees = 30;
-	y = quote_key_of(&b, PT, "s", NULL, "d");
+	y = quote_key_of(&b, PT, &scene, "d");
 	assert_true(x.view != y.view && x.look == y.look && x.scene == y.scene);
 	assert_true(quote_warmth_of(&a, &x, 1) == quote_warmth_of(&b, &y, 1));
 	assert_true(quote_warmth_of(&a, &x, 1) != quote_warmth_of(&a, &x, 2));
@@ -649,22 +651,22 @@ static void keys_know_what_shows(void **state)
 	strcpy(a.options[1].name, "pt.clamp");
 	strcpy(b.options[1].name, "pt.depth");
 	strcpy(b.options[0].name, "pt.clamp");
-	x = quote_key_of(&a, PT, "s", NULL, "d");
-	y = quote_key_of(&b, PT, "s", NULL, "d");
+	x = quote_key_of(&a, PT, &scene, "d");
+	y = quote_key_of(&b, PT, &scene, "d");
 	assert_true(x.look == y.look);
 	strcpy(b.options[1].value, "3");
-	y = quote_key_of(&b, PT, "s", "e", "other");
+	y = quote_key_of(&b, PT, &lit, "other");
 	assert_true(x.look != y.look && x.scene != y.scene && x.where != y.where);
 	// Those of another technique are none of a reference's.
 	const candil_Technique vct = candil_Technique_TECHNIQUE_VCT;
 	candil_Render plain = a;
 	plain.options_count = 0;
-	x = quote_key_of(&a, vct, "s", NULL, "d");
-	y = quote_key_of(&plain, vct, "s", NULL, "d");
+	x = quote_key_of(&a, vct, &scene, "d");
+	y = quote_key_of(&plain, vct, &scene, "d");
 	assert_true(x.look == y.look);
 	// But some techniques take those of others.
 	strcpy(a.options[0].name, "direct.samples");
-	x = quote_key_of(&a, vct, "s", NULL, "d");
+	x = quote_key_of(&a, vct, &scene, "d");
 	assert_true(x.look != y.look);
 }
 

@@ -50,8 +50,8 @@ static struct compiler *find_free(struct jobs *jobs, uint64_t peer)
 	return share_allows(has, 1, left) ? compiler : NULL;
 }
 
-bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct scene *scene,
-		  const struct scene *environment, const candil_Render *render, uint32_t pilot_us)
+bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct subject *subject,
+		  const candil_Render *render, uint32_t pilot_us)
 {
 	struct error err;
 	if (jobs_compiling(jobs, code))
@@ -60,7 +60,7 @@ bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct 
 	if (!compiler)
 		return false;
 	compiler->peer = peer;
-	if (compiler_start(compiler, code, scene, environment, render, pilot_us, &err) != STATUS_OK) {
+	if (compiler_start(compiler, code, subject, render, pilot_us, &err) != STATUS_OK) {
 		log_line(LOG_ERROR, "no compiler: %s", err.text);
 		jobs_compiled(jobs, code, NULL);
 	}
@@ -72,7 +72,7 @@ void jobs_compile_next(struct jobs *jobs)
 	for (unsigned i = 0; i < jobs->count; i++) {
 		const struct job *job = jobs->job[i];
 		if (job->compiling)
-			jobs_compile(jobs, job->session->peer->id, job->code, job->scene, job->environment, &job->render, 0);
+			jobs_compile(jobs, job->session->peer->id, job->code, &job->subject, &job->render, 0);
 	}
 }
 

@@ -42,7 +42,7 @@ static struct job *next_to_begin(const struct jobs *jobs)
 	count_on_device(jobs);
 	for (unsigned i = 0; i < jobs->count; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state != JOB_WAITING || job->undecided || job->compiling || !job_is_loaded(job))
+		if (job->state != JOB_WAITING || job->undecided || job->compiling || !subject_is_ready(&job->subject))
 			continue;
 		if (!job->short_of_memory && (!next || job->session->peer->on_device < next->session->peer->on_device))
 			next = job;
@@ -77,17 +77,16 @@ void jobs_begin_next(struct jobs *jobs)
 		job->compiled_us += job->again_us - job->cold_us;
 	job->cold_us = 0;
 	job->worker = jobs->worker->starts;
-	const struct rendered frame = {.scene = job->scene, .environment = job->environment, .render = &job->render};
+	const struct rendered frame = {.subject = &job->subject, .render = &job->render};
 	if (jobs->predict && !(technique_traits(job->render.technique) & TECHNIQUE_NOISE))
 		job->predicted = jobs->predict(jobs->owner, &frame);
 	job_set_end(jobs, job);
 	if (!job->begun_us)
 		job->begun_us = job->again_us;
 	jobs->beginning = job->id;
-	jobs->begun_over = scene_suspects(job->scene, job->environment);
+	jobs->begun_over = subject_hashes_of(&job->subject);
 	jobs->begin_behind_step = jobs->stepping != 0;
-	worker_begin(jobs->worker, job->id, job->scene->id, job->environment ? job->environment->id : 0, &job->render,
-		     job->end_us, may_compile(jobs, job));
+	worker_begin(jobs->worker, job->id, &job->subject, &job->render, job->end_us, may_compile(jobs, job));
 }
 
 void jobs_step_next(struct jobs *jobs)
@@ -111,7 +110,7 @@ void jobs_step_next(struct jobs *jobs)
 	for (size_t i = 0; i < count; i++)
 		active[i]->crowded |= count > 1;
 	jobs->stepping = job->id;
-	jobs->stepped_over = scene_suspects(job->scene, job->environment);
+	jobs->stepped_over = subject_hashes_of(&job->subject);
 	jobs->held = job->id;
 	jobs->step_sent_us = clock_us();
 	worker_step(jobs->worker, job->id, job_slice_us(jobs, job));

@@ -26,13 +26,13 @@ void jobs_finish(struct jobs *jobs)
 	jobs_clear(jobs);
 }
 
-enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-		     struct scene *environment, const candil_Render *render, struct error *err)
+enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, const struct subject *subject,
+		     const candil_Render *render, struct error *err)
 {
 	struct job *job;
 	enum status status = jobs_may_add(jobs, session, err);
 	if (status == STATUS_OK)
-		status = job_create(jobs, session, request, scene, environment, &job, err);
+		status = job_create(jobs, session, request, subject, &job, err);
 	if (status != STATUS_OK)
 		return status;
 	job->render = *render;
@@ -41,10 +41,10 @@ enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t reques
 	return STATUS_OK;
 }
 
-enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-			   struct scene *environment, candil_Sweep *message, struct error *err)
+enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, const struct subject *subject,
+			   candil_Sweep *message, struct error *err)
 {
-	struct sweep *sweep = sweep_create(session, request, scene, environment, message);
+	struct sweep *sweep = sweep_create(session, request, subject, message);
 	if (!sweep)
 		return error_set(err, STATUS_MEMORY, "no memory for a sweep");
 	enum status status = jobs_add_frame(jobs, sweep, err);
@@ -89,8 +89,8 @@ static void spare_held(struct jobs *jobs)
 {
 	for (unsigned i = 0; i < jobs->count && jobs->worker->state == WORKER_READY; i++) {
 		struct job *job = jobs->job[i];
-		if (job->state == JOB_WAITING && job_is_loaded(job) && !job->compiling && !job->short_of_memory &&
-		    (jobs->piloting || job->undecided))
+		if (job->state == JOB_WAITING && subject_is_ready(&job->subject) && !job->compiling &&
+		    !job->short_of_memory && (jobs->piloting || job->undecided))
 			job->spared = true;
 	}
 }

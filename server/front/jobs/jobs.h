@@ -23,7 +23,7 @@ struct job;
 
 // A frame that a job is about to render, or has rendered, for the length of a call.
 struct rendered {
-	const struct scene *scene, *environment; // environment NULL: none
+	const struct subject *subject;
 	const candil_Render *render; // as it is rendered
 	const candil_Done *done; // NULL: not yet
 	bool alone; // no other job had the device meanwhile
@@ -51,7 +51,7 @@ struct jobs {
 	uint32_t stepping; // id of the job whose STEP is outstanding; the job may be gone by now; 0: none
 	uint64_t step_sent_us;
 	uint32_t beginning; // the same for BEGIN
-	struct suspects stepped_over, begun_over; // what that STEP is about; and that BEGIN
+	struct subject_hashes stepped_over, begun_over; // what that STEP is about; and that BEGIN
 	bool begin_behind_step; // both are outstanding, and the STEP was sent first
 	uint32_t held; // id of the job that had the device last; 0: none
 	struct room room; // taken by all images together
@@ -78,11 +78,11 @@ void jobs_init(struct jobs *jobs, struct worker *worker, uint32_t slice_ms, unsi
 // Free all jobs; neither clients nor the worker are told. The worker, the scenes and the sessions must still be there.
 void jobs_finish(struct jobs *jobs);
 
-// Queue a request that request_render has checked. `scene` and `environment` (NULL: none) are ready or loading; the job
+// Queue a request that request_render has checked. The scenes of `subject` are ready or loading; the job
 // holds them. `render` is copied. The session gets ERROR or DONE under `request` later. Failures, without a job and without
 // a reply: STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
-enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-		     struct scene *environment, const candil_Render *render, struct error *err);
+enum status jobs_add(struct jobs *jobs, struct session *session, uint32_t request, const struct subject *subject,
+		     const candil_Render *render, struct error *err);
 
 // Hold back the job of a session's request until its technique is chosen. Returns its number; 0: it has none that is not
 // begun. A job that could have begun is not failed for its deadline meanwhile, nor after that before it begins.
@@ -111,8 +111,8 @@ uint64_t jobs_image_bytes(const candil_Render *render);
 
 // The same for a sweep that request_sweep has checked. `message` comes from malloc. It belongs to the jobs on success and
 // stays the caller's on failure.
-enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-			   struct scene *environment, candil_Sweep *message, struct error *err);
+enum status jobs_add_sweep(struct jobs *jobs, struct session *session, uint32_t request, const struct subject *subject,
+			   candil_Sweep *message, struct error *err);
 
 // The job of a session's request, NULL if it has none. A sweep has several jobs, and one of them is returned. The pointer is
 // good until the next call that may end jobs.
@@ -121,8 +121,8 @@ struct job *jobs_find(struct jobs *jobs, const struct session *session, uint32_t
 // Have shader code, a number that the worker gave, compiled for a peer (peer.h) by a process of its own (compile.h):
 // `pilot_us` as of compiler_start. False: no place is free, or none that this peer may have: ask again later. And is it
 // under way?
-bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct scene *scene,
-		  const struct scene *environment, const candil_Render *render, uint32_t pilot_us);
+bool jobs_compile(struct jobs *jobs, uint64_t peer, uint64_t code, const struct subject *subject,
+		  const candil_Render *render, uint32_t pilot_us);
 bool jobs_compiling(const struct jobs *jobs, uint64_t code);
 
 // End a job with an error to its client. A job of a sweep takes the whole sweep along, so several jobs may go and others
@@ -139,7 +139,7 @@ void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct 
 // Fail all jobs over what is quarantined.
 void jobs_fail_quarantined(struct jobs *jobs, const struct quarantine *quarantine);
 
-// How many jobs use a scene, whether as their scene or as their environment.
+// How many jobs use a scene, whatever part it has in them.
 uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene);
 
 // End the jobs whose deadline has come and give the worker what it can take now: READ, STEP, BEGIN. The service calls it
@@ -164,6 +164,6 @@ void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss);
 
 // What the worker carries out an order about, a STEP, BEGIN or READ, even if its job has ended since; empty: nothing, as far
 // as is known.
-struct suspects jobs_worked_on(const struct jobs *jobs);
+struct subject_hashes jobs_worked_on(const struct jobs *jobs);
 
 #endif

@@ -51,7 +51,7 @@ static void blame(struct jobs *jobs, const char *how)
 	jobs_fail(jobs, job, &err);
 }
 
-struct suspects jobs_worked_on(const struct jobs *jobs)
+struct subject_hashes jobs_worked_on(const struct jobs *jobs)
 {
 	if (jobs->stepping && (!jobs->beginning || jobs->begin_behind_step))
 		return jobs->stepped_over;
@@ -59,8 +59,8 @@ struct suspects jobs_worked_on(const struct jobs *jobs)
 		return jobs->begun_over;
 	for (unsigned i = 0; i < jobs->count; i++)
 		if (jobs->job[i]->state == JOB_READING)
-			return scene_suspects(jobs->job[i]->scene, jobs->job[i]->environment);
-	return (struct suspects){.scene = ""};
+			return subject_hashes_of(&jobs->job[i]->subject);
+	return (struct subject_hashes){0};
 }
 
 void jobs_worker_lost(struct jobs *jobs, const struct worker_loss *loss)

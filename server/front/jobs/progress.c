@@ -115,7 +115,7 @@ enum status jobs_add_frame(struct jobs *jobs, struct sweep *sweep, struct error 
 	if (sweep->next == 0 || sweep->jobs > 0)
 		status = jobs_may_add(jobs, sweep->session, err);
 	if (status == STATUS_OK)
-		status = job_create(jobs, sweep->session, sweep->request, sweep->scene, sweep->environment, &job, err);
+		status = job_create(jobs, sweep->session, sweep->request, &sweep->subject, &job, err);
 	if (status != STATUS_OK)
 		return status;
 	job->sweep = sweep;
@@ -205,8 +205,7 @@ static void complete_account(struct job *job)
 
 static void tell_owner(const struct jobs *jobs, const struct job *job)
 {
-	const struct rendered frame = {.scene = job->scene,
-				       .environment = job->environment,
+	const struct rendered frame = {.subject = &job->subject,
 				       .render = &job->render,
 				       .done = &job->done,
 				       .alone = !job->crowded && jobs->count == 1,

@@ -10,29 +10,23 @@
 #define MAX_NOTES (sizeof((candil_Done *)0)->notes / sizeof((candil_Done *)0)->notes[0])
 #define MAX_STAGES (sizeof((candil_Done *)0)->stages / sizeof(candil_Stage))
 
-struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, struct scene *environment,
-			   candil_Sweep *message)
+struct sweep *sweep_create(struct session *session, uint32_t request, const struct subject *subject, candil_Sweep *message)
 {
 	struct sweep *sweep = calloc(1, sizeof *sweep);
 	if (!sweep)
 		return NULL;
 	sweep->session = session;
 	sweep->request = request;
-	sweep->scene = scene;
-	sweep->environment = environment;
+	sweep->subject = *subject;
 	sweep->message = message;
 	sweep->asked_us = clock_us();
-	scene_hold(scene);
-	if (environment)
-		scene_hold(environment);
+	subject_hold(subject);
 	return sweep;
 }
 
 void sweep_destroy(struct sweep *sweep)
 {
-	scene_release(sweep->scene);
-	if (sweep->environment)
-		scene_release(sweep->environment);
+	subject_release(&sweep->subject);
 	free(sweep->message);
 	free(sweep);
 }

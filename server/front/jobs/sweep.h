@@ -22,8 +22,7 @@ struct session;
 struct sweep {
 	struct session *session; // outlives the sweep
 	uint32_t request;
-	struct scene *scene; // held
-	struct scene *environment; // held; NULL: none
+	struct subject subject; // held
 	candil_Sweep *message; // ours, from malloc
 	uint32_t next; // camera that the next job is for
 	uint32_t finished; // images that are sent
@@ -37,9 +36,8 @@ struct sweep {
 };
 
 // A sweep without jobs. `message` is a checked one from malloc; it is the sweep's on success and the caller's on failure.
-// The sweep holds `scene` and `environment` (NULL: none). NULL: no memory.
-struct sweep *sweep_create(struct session *session, uint32_t request, struct scene *scene, struct scene *environment,
-			   candil_Sweep *message);
+// The sweep holds `subject`. NULL: no memory.
+struct sweep *sweep_create(struct session *session, uint32_t request, const struct subject *subject, candil_Sweep *message);
 
 // Free it and its message, and give the scenes back. It must have no jobs.
 void sweep_destroy(struct sweep *sweep);

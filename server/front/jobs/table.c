@@ -28,16 +28,11 @@ struct job *jobs_find(struct jobs *jobs, const struct session *session, uint32_t
 	return NULL;
 }
 
-static bool job_uses(const struct job *job, const struct scene *scene)
-{
-	return job->scene == scene || job->environment == scene;
-}
-
 uint32_t jobs_using(const struct jobs *jobs, const struct scene *scene)
 {
 	uint32_t count = 0;
 	for (unsigned i = 0; i < jobs->count; i++)
-		count += job_uses(jobs->job[i], scene);
+		count += subject_has(&jobs->job[i]->subject, scene);
 	return count;
 }
 
@@ -57,11 +52,6 @@ bool job_is_first(const struct jobs *jobs, const struct job *job)
 	return true;
 }
 
-bool job_is_loaded(const struct job *job)
-{
-	return job->scene->state == SCENE_READY && (!job->environment || job->environment->state == SCENE_READY);
-}
-
 bool job_on_device(const struct job *job)
 {
 	return job->state == JOB_BEGINNING || job->state == JOB_ACTIVE || job->state == JOB_FINISHED;
@@ -79,8 +69,8 @@ enum status jobs_may_add(const struct jobs *jobs, const struct session *session,
 			 LIMIT_JOBS, own);
 }
 
-enum status job_create(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-		       struct scene *environment, struct job **out, struct error *err)
+enum status job_create(struct jobs *jobs, struct session *session, uint32_t request, const struct subject *subject,
+		       struct job **out, struct error *err)
 {
 	if (jobs->count == LIMIT_JOBS)
 		return error_set(err, STATUS_TOO_MANY_JOBS, "the daemon has %u jobs: try again when some have ended",
@@ -91,16 +81,13 @@ enum status job_create(struct jobs *jobs, struct session *session, uint32_t requ
 	job->id = jobs_new_id(jobs);
 	job->session = session;
 	job->request = request;
-	job->scene = scene;
-	job->environment = environment;
+	job->subject = *subject;
 	job->asked_us = clock_us();
 	job->estimate = job->predicted = ESTIMATE_UNKNOWN;
 	image_init(&job->preview);
 	image_init(&job->final);
 	image_init(&job->last);
-	scene_hold(scene);
-	if (environment)
-		scene_hold(environment);
+	subject_hold(subject);
 	session->peer->jobs++;
 	jobs->job[jobs->count++] = job;
 	*out = job;
@@ -140,9 +127,7 @@ static void job_destroy(struct jobs *jobs, struct job *job)
 		job->session->requests--;
 		sweep_destroy(job->sweep);
 	}
-	scene_release(job->scene);
-	if (job->environment)
-		scene_release(job->environment);
+	subject_release(&job->subject);
 	free(job->quote);
 	free(job);
 }
@@ -173,8 +158,8 @@ void jobs_clear(struct jobs *jobs)
 void job_log_end(const struct job *job, const char *how)
 {
 	log_line(LOG_INFO, "job %u: %s: scene \"%s\", %ux%u, %u samples, %u slices, %llu ms on the device, %llu ms in all",
-		 job->id, how, job->scene->info.name, job->render.width, job->render.height, job->render.samples,
-		 job->slices, (unsigned long long)job->device_us / 1000,
+		 job->id, how, job->subject.part[PART_SCENE]->info.name, job->render.width, job->render.height,
+		 job->render.samples, job->slices, (unsigned long long)job->device_us / 1000,
 		 (unsigned long long)(clock_us() - job->asked_us) / 1000);
 }
 
@@ -214,7 +199,7 @@ void jobs_fail_all(struct jobs *jobs, const struct session *session, const struc
 void jobs_fail_scene(struct jobs *jobs, const struct scene *scene, const struct error *err)
 {
 	for (unsigned i = jobs->count; i-- > 0;)
-		if (i < jobs->count && job_uses(jobs->job[i], scene))
+		if (i < jobs->count && subject_has(&jobs->job[i]->subject, scene))
 			jobs_fail(jobs, jobs->job[i], err);
 }
 
@@ -222,8 +207,7 @@ void jobs_fail_quarantined(struct jobs *jobs, const struct quarantine *quarantin
 {
 	for (unsigned i = jobs->count; i-- > 0;) {
 		struct job *job = i < jobs->count ? jobs->job[i] : NULL;
-		const struct suspects suspects =
-		    job ? scene_suspects(job->scene, job->environment) : (struct suspects){.scene = ""};
+		const struct subject_hashes suspects = job ? subject_hashes_of(&job->subject) : (struct subject_hashes){0};
 		struct error err;
 		if (quarantine_check(quarantine, &suspects, &err) != STATUS_OK)
 			jobs_fail(jobs, job, &err);

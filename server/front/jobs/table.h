@@ -31,8 +31,7 @@ struct job {
 	uint32_t request;
 	struct sweep *sweep; // that it is an image of; goes with the last of its jobs; NULL: a render
 	uint32_t index; // of its camera
-	struct scene *scene; // held
-	struct scene *environment; // held; NULL: none
+	struct subject subject; // held
 	candil_Render render;
 	struct turn turn;
 	bool accepted; // the client has been told
@@ -81,9 +80,6 @@ struct job *jobs_by_id(const struct jobs *jobs, uint32_t id);
 // A number that no job has. Never 0.
 uint32_t jobs_new_id(struct jobs *jobs);
 
-// Is its scene there, and the picture of its surroundings?
-bool job_is_loaded(const struct job *job);
-
 // Does the worker hold memory of the device for it?
 bool job_on_device(const struct job *job);
 
@@ -94,10 +90,10 @@ bool job_is_first(const struct jobs *jobs, const struct job *job);
 // May a peer with the session's jobs have one more? Failure: STATUS_TOO_MANY_JOBS.
 enum status jobs_may_add(const struct jobs *jobs, const struct session *session, struct error *err);
 
-// Put a job at the end of the table: WAITING, with its arrival as of now, holding `scene` and `environment` (NULL: none).
-// The caller fills in `render` and the deadline. Failures: STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
-enum status job_create(struct jobs *jobs, struct session *session, uint32_t request, struct scene *scene,
-		       struct scene *environment, struct job **out, struct error *err);
+// Put a job at the end of the table: WAITING, with its arrival as of now, holding `subject`. The caller fills in `render`
+// and the deadline. Failures: STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
+enum status job_create(struct jobs *jobs, struct session *session, uint32_t request, const struct subject *subject,
+		       struct job **out, struct error *err);
 
 // Take a job out of the table and free it, and its sweep if it is the last of it; the worker gets END if it has the job. The
 // client is told nothing. Jobs behind it move up.

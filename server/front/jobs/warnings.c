@@ -52,7 +52,7 @@ void warnings_fill(const struct job *job, candil_Accepted *accepted)
 {
 	accepted->warnings_count = 0;
 	accepted->warnings_more = 0;
-	add_scene(job->scene, accepted);
-	if (job->environment)
-		add_scene(job->environment, accepted);
+	for (unsigned i = 0; i < PARTS; i++)
+		if (job->subject.part[i])
+			add_scene(job->subject.part[i], accepted);
 }

@@ -8,6 +8,7 @@
 
 #include "protocol/names.h"
 #include "server/base/ipc.h"
+#include "server/front/scenes.h"
 
 static void add_text(XXH64_state_t *state, const char *text)
 {
@@ -69,20 +70,24 @@ static uint64_t hash_look(const candil_Render *render, candil_Technique techniqu
 	return XXH64_digest(&state);
 }
 
-static uint64_t hash_texts(const char *first, const char *second)
+static uint64_t hash_texts(const char *const *texts, size_t count)
 {
 	XXH64_state_t state;
 	XXH64_reset(&state, 0);
-	add_text(&state, first);
-	add_text(&state, second);
+	for (size_t i = 0; i < count; i++)
+		add_text(&state, texts[i]);
 	return XXH64_digest(&state);
 }
 
-struct quote_key quote_key_of(const candil_Render *render, candil_Technique technique, const char *scene,
-			      const char *environment, const char *device)
+struct quote_key quote_key_of(const candil_Render *render, candil_Technique technique, const struct subject_hashes *of,
+			      const char *device)
 {
-	return (struct quote_key){.where = hash_texts(device, ipc_build()),
-				  .scene = hash_texts(scene, environment),
+	const char *const where[] = {device, ipc_build()};
+	const char *parts[PARTS];
+	for (unsigned i = 0; i < PARTS; i++)
+		parts[i] = of->part[i];
+	return (struct quote_key){.where = hash_texts(where, 2),
+				  .scene = hash_texts(parts, PARTS),
 				  .look = hash_look(render, technique),
 				  .view = hash_view(render, true)};
 }
@@ -92,11 +97,22 @@ uint64_t quote_warmth_of(const candil_Render *render, const struct quote_key *ke
 	return XXH64(&of, sizeof of, key->look ^ hash_view(render, false));
 }
 
-uint64_t quote_facts_of(const candil_SceneInfo *scene, bool environment)
+uint64_t quote_facts_of(const struct subject *subject)
 {
+	const candil_SceneInfo *scene = &subject->part[PART_SCENE]->info;
 	XXH64_state_t state;
-	XXH64_reset(&state, environment);
+	uint64_t parts = 0;
+	for (unsigned i = 0; i < PARTS; i++)
+		parts |= (uint64_t)(subject->part[i] != NULL) << i;
+	XXH64_reset(&state, parts);
 	for (pb_size_t i = 0; i < scene->facts_count; i++)
 		add_text(&state, scene->facts[i]);
 	return XXH64_digest(&state);
+}
+
+uint64_t quote_made_of(const struct subject *subject)
+{
+	uint64_t ids[PARTS];
+	subject_ids(subject, ids);
+	return XXH64(ids, sizeof ids, 0);
 }

@@ -13,8 +13,8 @@
 struct quote_key quote_known_key(const struct quote_known *known, const struct rendered *f, candil_Technique technique)
 {
 	const struct quote_model *m = known->model;
-	struct quote_key key = quote_key_of(f->render, technique, f->scene->info.hash,
-					    f->environment ? f->environment->info.hash : NULL, known->worker->ready.device);
+	const struct subject_hashes of = subject_hashes_of(f->subject);
+	struct quote_key key = quote_key_of(f->render, technique, &of, known->worker->ready.device);
 	// Until a worker has said what it runs on, that is taken for what the newest record is of.
 	if (!known->worker->ready.device[0] && m->count > 0)
 		key.where = m->records[(m->oldest + m->count - 1) % LIMIT_QUOTE_RECORDS].key.where;
@@ -36,9 +36,8 @@ struct warmth {
 
 static struct warmth warmth_of(const struct rendered *f, const struct quote_key *key)
 {
-	return (struct warmth){.setup = quote_warmth_of(f->render, key, f->scene->id),
-			       .programs =
-				   quote_warmth_of(f->render, key, quote_facts_of(&f->scene->info, f->environment != NULL))};
+	return (struct warmth){.setup = quote_warmth_of(f->render, key, quote_made_of(f->subject)),
+			       .programs = quote_warmth_of(f->render, key, quote_facts_of(f->subject))};
 }
 
 bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
@@ -68,7 +67,7 @@ static bool tells_cold(const struct quote_known *known, const struct quote_query
 
 bool quote_known_lost(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
 {
-	const uint64_t what = quote_warmth_of(f->render, key, f->scene->id);
+	const uint64_t what = warmth_of(f, key).setup;
 	for (uint32_t i = 0; i < QUOTE_LOST && i < known->lost_count; i++)
 		if (known->lost[i] == what)
 			return true;
@@ -79,7 +78,7 @@ void quote_known_bar(struct quote_known *known, const struct rendered *f, candil
 {
 	const struct quote_key key = quote_known_key(known, f, technique);
 	if (!quote_known_lost(known, f, &key))
-		known->lost[known->lost_count++ % QUOTE_LOST] = quote_warmth_of(f->render, &key, f->scene->id);
+		known->lost[known->lost_count++ % QUOTE_LOST] = warmth_of(f, &key).setup;
 }
 
 struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
@@ -226,6 +225,7 @@ static void keep_bias(struct quote_known *known, const struct quote_record *time
 void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
 		       const struct pilot_result *p)
 {
+	const char *name = f->subject->part[PART_SCENE]->info.name;
 	const bool seen = p->pixels > 0 && p->samples > 0;
 	const struct quote_query q = quote_known_query(known, f, technique, seen ? p->samples : 1);
 	struct quote_record r = {.key = q.key,
@@ -235,7 +235,7 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 				 .pixels = seen ? p->pixels : 1,
 				 .samples = seen ? p->samples : 1};
 	if (!seen) {
-		log_line(LOG_DEBUG, "pilot of %s: %s cannot", f->scene->info.name, technique_name(technique));
+		log_line(LOG_DEBUG, "pilot of %s: %s cannot", name, technique_name(technique));
 		quote_keep(known->model, &r);
 		return;
 	}
@@ -252,9 +252,8 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 	log_line(LOG_DEBUG,
 		 "pilot of %s: %s, %u pixels, %u samples: %.0f us cold, %.0f setup, %.4f a pixel, %.4f a sample; "
 		 "error %.3g (%.3g … %.3g)",
-		 f->scene->info.name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us,
-		 p->pixel_us / p->pixels, p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low,
-		 p->error.high);
+		 name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us, p->pixel_us / p->pixels,
+		 p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low, p->error.high);
 	set_warm(known, f, technique, &q.key);
 	quote_learn(known->model, &r, NULL, 0);
 	for (unsigned i = 0; i < sizeof p->bias / sizeof *p->bias; i++)

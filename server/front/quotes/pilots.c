@@ -100,7 +100,7 @@ bool pilot_plan(const struct quotes *quotes, struct quote *quote)
 static struct quote *next_pilot(const struct quotes *quotes)
 {
 	for (struct quote *q = quotes->first; q; q = q->next)
-		if (q->started && !q->piloted && !q->compiling && q->session && quote_is_loaded(q) &&
+		if (q->started && !q->piloted && !q->compiling && q->session && subject_is_ready(&q->subject) &&
 		    clock_us() <= q->send_by_us && jobs_first_end_us(quotes->jobs, q->job) > clock_us() + q->limit_us)
 			return q;
 	return NULL;
@@ -111,9 +111,8 @@ static void send_pilot(struct quotes *quotes, struct quote *quote)
 	quotes->out = quote->id;
 	quotes->out_since_us = clock_us();
 	quotes->jobs->pilot_out = true;
-	worker_pilot(quotes->worker, quote->id, quote->scene->id, quote->environment ? quote->environment->id : 0,
-		     &quote->render, quote->techniques, quote->budget_us, quote->limit_us,
-		     quote->compiled || quotes->worker->options->private_fd >= 0);
+	worker_pilot(quotes->worker, quote->id, &quote->subject, &quote->render, quote->techniques, quote->budget_us,
+		     quote->limit_us, quote->compiled || quotes->worker->options->private_fd >= 0);
 }
 
 void pilot_compile_first(struct quote *quote, const struct ipc_piloted *piloted)
@@ -135,8 +134,8 @@ static void compile_for_pilots(struct quotes *quotes)
 		if (q->compiled && !jobs_compiling(quotes->jobs, q->code))
 			q->compiling = q->compiled = false;
 		else if (!q->compiled && q->session)
-			q->compiled = jobs_compile(quotes->jobs, q->session->peer->id, q->code, q->scene, q->environment,
-						   &render, q->budget_us);
+			q->compiled =
+			    jobs_compile(quotes->jobs, q->session->peer->id, q->code, &q->subject, &render, q->budget_us);
 	}
 }
 

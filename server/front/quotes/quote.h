@@ -10,8 +10,7 @@ struct quote {
 	struct session *session; // NULL: nobody waits for the answer
 	uint32_t request;
 	uint32_t job; // that is held back for it; 0: a client's question
-	struct scene *scene; // held
-	struct scene *environment; // held; NULL: none
+	struct subject subject; // held
 	candil_Render render;
 	uint32_t pilot_ms; // as asked for
 	uint32_t budget_us; // of the pilot; 0: the request is only looked over
@@ -32,12 +31,7 @@ struct quote {
 
 static inline struct rendered quote_frame(const struct quote *quote)
 {
-	return (struct rendered){.scene = quote->scene, .environment = quote->environment, .render = &quote->render};
-}
-
-static inline bool quote_is_loaded(const struct quote *quote)
-{
-	return quote->scene->state == SCENE_READY && (!quote->environment || quote->environment->state == SCENE_READY);
+	return (struct rendered){.subject = &quote->subject, .render = &quote->render};
 }
 
 // Does it choose for a job with a deadline?

@@ -105,9 +105,7 @@ static void quote_destroy(struct quotes *quotes, struct quote *quote)
 	if (quotes->out == quote->id)
 		quotes->out = 0;
 	loop_timer_stop(quotes->worker->loop, &quote->timer);
-	scene_release(quote->scene);
-	if (quote->environment)
-		scene_release(quote->environment);
+	subject_release(&quote->subject);
 	free(quote);
 }
 
@@ -211,7 +209,7 @@ void quotes_dispatch(struct quotes *quotes)
 		next = q->next;
 		if (q->job && !jobs_undecided(quotes->jobs, q->job))
 			quote_leave(quotes, q);
-		else if (q->started || !q->session || !quote_is_loaded(q))
+		else if (q->started || !q->session || !subject_is_ready(&q->subject))
 			continue;
 		else if (knows_device(quotes->worker))
 			quote_start(quotes, q);
@@ -250,7 +248,8 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 static void quote_bar(struct quotes *quotes, struct quote *quote)
 {
 	const struct rendered f = quote_frame(quote);
-	log_line(LOG_WARNING, "the worker was lost with a pilot of %s: no other is made of it", f.scene->info.name);
+	log_line(LOG_WARNING, "the worker was lost with a pilot of %s: no other is made of it",
+		 f.subject->part[PART_SCENE]->info.name);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
 		const bool own = t == (quote->render.technique ? quote->render.technique : TECHNIQUE_OF_AUTO);
 		if (quote->techniques ? quote->techniques >> t & 1u : own)
@@ -259,11 +258,11 @@ static void quote_bar(struct quotes *quotes, struct quote *quote)
 	quote->piloted = quote->barred = true;
 }
 
-bool quotes_worked_on(const struct quotes *quotes, struct suspects *suspects)
+bool quotes_worked_on(const struct quotes *quotes, struct subject_hashes *suspects)
 {
 	const struct quote *quote = quote_by_id(quotes, quotes->out);
 	if (quote)
-		*suspects = scene_suspects(quote->scene, quote->environment);
+		*suspects = subject_hashes_of(&quote->subject);
 	return quote != NULL;
 }
 
@@ -288,8 +287,8 @@ void quotes_worker_lost(struct quotes *quotes, bool hopeless)
 
 // ---- coming and going ------------------------------------------------------------------------------------------------
 
-static enum status quote_create(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
-				struct scene *environment, const candil_Render *render, struct quote **out,
+static enum status quote_create(struct quotes *quotes, struct session *session, uint32_t request,
+				const struct subject *subject, const candil_Render *render, struct quote **out,
 				struct error *err)
 {
 	unsigned own = 0;
@@ -308,14 +307,11 @@ static enum status quote_create(struct quotes *quotes, struct session *session, 
 	*quote = (struct quote){.id = quotes->last_id,
 				.session = session,
 				.request = request,
-				.scene = scene,
-				.environment = environment,
+				.subject = *subject,
 				.render = *render,
 				.asked_us = clock_us(),
 				.owner = quotes};
-	scene_hold(scene);
-	if (environment)
-		scene_hold(environment);
+	subject_hold(subject);
 	while (*end)
 		end = &(*end)->next;
 	*end = quote;
@@ -332,8 +328,8 @@ static bool some_can(const candil_Render *render)
 	return false;
 }
 
-enum status quotes_add(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
-		       struct scene *environment, const candil_Quote *question, struct error *err)
+enum status quotes_add(struct quotes *quotes, struct session *session, uint32_t request, const struct subject *subject,
+		       const candil_Quote *question, struct error *err)
 {
 	struct quote *quote;
 	char known[64];
@@ -342,8 +338,7 @@ enum status quotes_add(struct quotes *quotes, struct session *session, uint32_t 
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "no technique takes all of these options: name one with them, of %s", known);
 	}
-	const enum status status =
-	    quote_create(quotes, session, request, scene, environment, &question->render, &quote, err);
+	const enum status status = quote_create(quotes, session, request, subject, &question->render, &quote, err);
 	if (status != STATUS_OK)
 		return status;
 	quote->pilot_ms = question->pilot_ms;
@@ -351,13 +346,12 @@ enum status quotes_add(struct quotes *quotes, struct session *session, uint32_t 
 	return STATUS_OK;
 }
 
-void quotes_choose(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
-		   struct scene *environment, const candil_Render *render)
+void quotes_choose(struct quotes *quotes, struct session *session, uint32_t request, const struct subject *subject,
+		   const candil_Render *render)
 {
 	struct quote *quote;
 	struct error err;
-	if (!some_can(render) ||
-	    quote_create(quotes, session, request, scene, environment, render, &quote, &err) != STATUS_OK)
+	if (!some_can(render) || quote_create(quotes, session, request, subject, render, &quote, &err) != STATUS_OK)
 		return;
 	quote->job = jobs_hold(quotes->jobs, session, request);
 	if (!quote->job)
@@ -395,7 +389,7 @@ void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const s
 {
 	for (struct quote *q = quotes->first, *next; q; q = next) {
 		next = q->next;
-		if (q->session && (q->scene == scene || q->environment == scene))
+		if (q->session && subject_has(&q->subject, scene))
 			quote_fail(quotes, q, err);
 	}
 }
@@ -403,7 +397,7 @@ void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const s
 void quotes_fail_quarantined(struct quotes *quotes, const struct quarantine *quarantine)
 {
 	for (struct quote *q = quotes->first, *next; q; q = next) {
-		const struct suspects suspects = scene_suspects(q->scene, q->environment);
+		const struct subject_hashes suspects = subject_hashes_of(&q->subject);
 		struct error err;
 		next = q->next;
 		if (q->session && quarantine_check(quarantine, &suspects, &err) != STATUS_OK)

@@ -32,16 +32,16 @@ enum status quotes_init(struct quotes *quotes, struct jobs *jobs, struct worker 
 // Write the file, if there is anything new, and free all. Nobody is told. A zeroed one is fine.
 void quotes_finish(struct quotes *quotes);
 
-// Answer a checked Quote, now or later. `scene` and `environment` (NULL: none) are ready or loading, and are held meanwhile.
+// Answer a checked Quote, now or later. The scenes of `subject` are ready or loading, and are held meanwhile.
 // `quote` is copied. The session gets QUOTE_REPLY or ERROR under `request`. Failures, without a reply: STATUS_BAD_ARGUMENT
 // (no technique can), STATUS_TOO_MANY_JOBS, STATUS_MEMORY.
-enum status quotes_add(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
-		       struct scene *environment, const candil_Quote *quote, struct error *err);
+enum status quotes_add(struct quotes *quotes, struct session *session, uint32_t request, const struct subject *subject,
+		       const candil_Quote *quote, struct error *err);
 
 // Choose for the job that a session's request has just become, which is of TECHNIQUE_AUTO with a target error or a deadline.
 // If that cannot be, the job goes on as it is.
-void quotes_choose(struct quotes *quotes, struct session *session, uint32_t request, struct scene *scene,
-		   struct scene *environment, const candil_Render *render);
+void quotes_choose(struct quotes *quotes, struct session *session, uint32_t request, const struct subject *subject,
+		   const candil_Render *render);
 
 // Whether a session's request is a quote under way.
 bool quotes_find(const struct quotes *quotes, const struct session *session, uint32_t request);
@@ -56,7 +56,7 @@ void quotes_fail_scene(struct quotes *quotes, const struct scene *scene, const s
 void quotes_fail_all(struct quotes *quotes, const struct error *err);
 
 // What the worker looks at in a pilot. False: it has none.
-bool quotes_worked_on(const struct quotes *quotes, struct suspects *suspects);
+bool quotes_worked_on(const struct quotes *quotes, struct subject_hashes *suspects);
 
 // Fail the quotes about what is quarantined.
 void quotes_fail_quarantined(struct quotes *quotes, const struct quarantine *quarantine);
