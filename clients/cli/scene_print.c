@@ -85,6 +85,11 @@ void scene_print(const struct candil_scene_info *s)
 	if (s->environment_width > 0)
 		printf("picture     of the surroundings, %" PRIu32 " x %" PRIu32 " texels\n", s->environment_width,
 		       s->environment_height);
+	if (s->patch_elements > 0)
+		printf("patches     of a radiosity solution, %" PRIu32 " sides\n", s->patch_elements);
+	if (s->factor_rows > 0)
+		printf("factors     between the sides of patches, %" PRIu32 " rows, %" PRIu32 " entries\n", s->factor_rows,
+		       s->factor_entries);
 	printf("lights      %" PRIu32 " emissive triangle%s, %" PRIu32 " punctual light%s\n", s->emissive_triangles,
 	       cli_s(s->emissive_triangles), s->punctual_lights, cli_s(s->punctual_lights));
 	if (s->light_units[0])
@@ -170,6 +175,9 @@ json_t *scene_json(const struct candil_scene_info *s)
 	json_object_set_new(object, "animations", animations_json(s));
 	NUMBER(environment_width);
 	NUMBER(environment_height);
+	NUMBER(patch_elements);
+	NUMBER(factor_rows);
+	NUMBER(factor_entries);
 	NUMBER(load_us);
 	TEXT(light_units);
 #undef TEXT

@@ -13,6 +13,7 @@
 	"\"dropped_non_finite\", \"dropped_out_of_range\", \"missing_textures\", \"warnings\": [], \"warnings_more\",\n" \
 	"\"ignored\": [], \"facts\": [], \"node_count\", \"nodes\": [], \"material_names\": [], \"animation_count\",\n" \
 	"\"animations\": [{\"name\", \"duration_s\"}], \"environment_width\", \"environment_height\" (0: no picture),\n" \
+	"\"patch_elements\" (0: no patches), \"factor_rows\" (0: no form factors), \"factor_entries\",\n" \
 	"\"load_us\", \"light_units\"}\n"
 
 void scene_print(const struct candil_scene_info *scene);

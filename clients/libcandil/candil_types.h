@@ -94,7 +94,9 @@ struct candil_scene_info {
 	uint32_t animation_count; // in the scene
 	uint32_t animation_list_count;
 	struct candil_animation_info animations[32];
-	uint32_t environment_width, environment_height; // texels of a picture of surroundings; 0: the file is a scene
+	uint32_t environment_width, environment_height; // texels of a picture of surroundings; 0: the file is none
+	uint32_t patch_elements; // of a file of patches; 0: the file is none
+	uint32_t factor_rows, factor_entries; // of a file of form factors; 0: the file is none
 };
 
 // One line of candil_scenes.

@@ -277,6 +277,9 @@ static void read_scene_names(const candil_SceneInfo *from, struct candil_scene_i
 		TEXT(to->material_names[i], from->material_names[i]);
 	to->environment_width = from->environment_width;
 	to->environment_height = from->environment_height;
+	to->patch_elements = from->patch_elements;
+	to->factor_rows = from->factor_rows;
+	to->factor_entries = from->factor_entries;
 	to->animation_count = from->animation_count;
 	to->animation_list_count = from->animations_count;
 	for (size_t i = 0; i < from->animations_count; i++) {

@@ -154,6 +154,9 @@ static void list_sources(const struct import *im, const struct parts *p, struct 
 	out[BLOB_ENVIRONMENT_ROWS] = (struct source){im->environment_rows, texels};
 	out[BLOB_TEXTURE_RANGES] = (struct source){p->texture_ranges, im->texture_count};
 	out[BLOB_MATERIAL_USES] = (struct source){p->material_uses, im->material_count};
+	out[BLOB_PATCH_ELEMENTS] = (struct source){im->elements, im->element_count};
+	out[BLOB_FACTOR_ROWS] = (struct source){im->rows, im->row_count};
+	out[BLOB_FACTOR_ENTRIES] = (struct source){im->factors, im->factor_count};
 }
 
 static size_t aligned(size_t bytes)
@@ -260,6 +263,9 @@ static void describe(candil_SceneInfo *info, const struct blob_header *h)
 	info->bvh_depth = h->bvh_depth;
 	info->environment_width = h->environment_width;
 	info->environment_height = h->environment_height;
+	info->patch_elements = blob_count(h, BLOB_PATCH_ELEMENTS);
+	info->factor_rows = blob_count(h, BLOB_FACTOR_ROWS);
+	info->factor_entries = blob_count(h, BLOB_FACTOR_ENTRIES);
 	_Static_assert(sizeof info->facts / sizeof info->facts[0] == 32, "room for every bit of `facts`");
 	for (uint32_t bit = 0; bit < 32; bit++)
 		if (h->facts & 1u << bit)
@@ -280,7 +286,7 @@ static void warn_all(struct import *im, const struct blob_header *h)
 	if (info->dropped_out_of_range)
 		import_warn(im, "triangles left out because they name a vertex that is not there: %u",
 			    info->dropped_out_of_range);
-	if (blob_count(h, BLOB_TRIANGLES) == 0 && blob_count(h, BLOB_ENVIRONMENT) == 0)
+	if (blob_count(h, BLOB_TRIANGLES) == 0 && !(h->facts & (FACT_SURROUNDINGS | FACT_PATCHES | FACT_FACTORS)))
 		import_warn(im, "the scene has no triangle");
 	if (im->source_extent > 0 && im->source_reach / im->source_extent > 1e4)
 		import_warn(im,

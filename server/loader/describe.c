@@ -55,6 +55,9 @@ static void set_counts(json_t *root, const candil_SceneInfo *info)
 	set_number(root, "animation_count", info->animation_count);
 	set_number(root, "environment_width", info->environment_width);
 	set_number(root, "environment_height", info->environment_height);
+	set_number(root, "patch_elements", info->patch_elements);
+	set_number(root, "factor_rows", info->factor_rows);
+	set_number(root, "factor_entries", info->factor_entries);
 	set_number(root, "bvh_nodes", info->bvh_nodes);
 	set_number(root, "bvh_depth", info->bvh_depth);
 	set_number(root, "dropped_degenerate", info->dropped_degenerate);

@@ -38,6 +38,9 @@ void import_finish(struct import *im)
 	free(im->curves);
 	free(im->environment);
 	free(im->environment_rows);
+	free(im->elements);
+	free(im->rows);
+	free(im->factors);
 	key_table_finish(&im->image_keys);
 	key_table_finish(&im->texture_keys);
 	key_table_finish(&im->sought);

@@ -81,6 +81,10 @@ struct import {
 	uint32_t environment_width, environment_height;
 	float environment_power; // this and the next as in struct blob_header
 	float environment_contrast;
+	struct imported_element *elements; // of a file of patches
+	struct imported_row *rows; // of a file of form factors
+	struct imported_factor *factors;
+	size_t element_count, row_count, factor_count;
 	size_t vertex_count, vertex_room;
 	size_t extra_count, extra_room;
 	size_t triangle_count, triangle_room;

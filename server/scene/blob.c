@@ -27,6 +27,9 @@ size_t blob_stride(enum blob_section section)
 	    [BLOB_ENVIRONMENT_ROWS] = sizeof(struct environment_row),
 	    [BLOB_TEXTURE_RANGES] = sizeof(struct texture_range),
 	    [BLOB_MATERIAL_USES] = sizeof(struct material_use),
+	    [BLOB_PATCH_ELEMENTS] = sizeof(struct imported_element),
+	    [BLOB_FACTOR_ROWS] = sizeof(struct imported_row),
+	    [BLOB_FACTOR_ENTRIES] = sizeof(struct imported_factor),
 	};
 	return strides[section];
 }

@@ -29,11 +29,12 @@
 #include <stdint.h>
 
 #include "server/base/error.h"
+#include "server/scene/patch_format.h"
 #include "server/scene/transform.h"
 #include "shaders/shared/layout.h"
 
 #define BLOB_MAGIC 0x4C444E43424F4C42ull
-#define BLOB_FORMAT 11u // rises when the bytes of a blob change their meaning
+#define BLOB_FORMAT 12u // rises when the bytes of a blob change their meaning
 #define BLOB_ALIGN 256u // bytes
 #define BLOB_COLOR_MAX 1e3f // of a component of a vertex colour
 #define BLOB_LEAF_MAX 15u // triangles in a leaf: a shader keeps their number in four bits beside the first
@@ -63,6 +64,9 @@ enum blob_section {
 	BLOB_ENVIRONMENT_ROWS, // struct environment_row, one for each texel
 	BLOB_TEXTURE_RANGES, // struct texture_range, one for each texture
 	BLOB_MATERIAL_USES, // struct material_use, one for each material
+	BLOB_PATCH_ELEMENTS, // struct imported_element; there with FACT_PATCHES
+	BLOB_FACTOR_ROWS, // struct imported_row, one for each element; there with FACT_FACTORS
+	BLOB_FACTOR_ENTRIES, // struct imported_factor, those of a row side by side
 	BLOB_SECTIONS
 };
 
@@ -94,6 +98,8 @@ enum fact {
 	FACT_POLISHED = 1u << 16, // some lit surface reflects or transmits light nearly unspread: casters.h
 	FACT_DARK_NORMAL_MAPS = 1u << 17, // some lit surface without a lobe has a normal map: AOVs show it, light does not
 	FACT_VAST = 1u << 18, // some triangle is so far away, or so small beside that, that floats need care
+	FACT_PATCHES = 1u << 19, // it is a file of patches: a radiosity solution of some scene
+	FACT_FACTORS = 1u << 20, // it is a file of form factors of some scene
 };
 #define FACT_LIGHTS (FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS | FACT_DIRECTIONAL_LIGHTS)
 
@@ -194,9 +200,10 @@ size_t blob_stride(enum blob_section section);
 // Check a mapped blob of `bytes` completely: the magic and the bounds of sections; that every index is in its section; that
 // the BVH is a tree of at most LIMIT_BVH_DEPTH levels, whose leaves have at most BLOB_LEAF_MAX triangles and name each
 // triangle once; that textures are within the texels; that nodes are a forest whose transforms compose, and animations have
-// nodes; that all floats are finite; that the facts are those of its ranges and sections; and that the sections by vertex
-// exist which textures, materials and facts need. That the ranges are those of the texels and colours is not checked: a
-// wrong one costs a wrong picture, and nothing else. A blob that passes cannot lead a reader outside of it.
+// nodes; that all floats are finite; that elements and rows of form factors are as patch_format.h has them; that the facts
+// are those of its ranges and sections; and that the sections by vertex exist which textures, materials and facts need. That
+// the ranges are those of the texels and colours is not checked: a wrong one costs a wrong picture, and nothing else. A blob
+// that passes cannot lead a reader outside of it.
 // STATUS_SCENE_INVALID names the first fault; STATUS_MEMORY.
 enum status blob_check(const void *blob, size_t bytes, struct error *err);
 

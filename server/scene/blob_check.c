@@ -8,6 +8,7 @@
 #include "server/base/checked.h"
 #include "server/scene/blob.h"
 #include "server/scene/blob_check_nodes.h"
+#include "server/scene/blob_check_patches.h"
 #include "server/scene/facts.h"
 #include "server/scene/texel.h"
 
@@ -60,6 +61,9 @@ static const uint64_t section_limit[BLOB_SECTIONS] = {
     [BLOB_ENVIRONMENT_ROWS] = LIMIT_ENVIRONMENT_TEXELS,
     [BLOB_TEXTURE_RANGES] = LIMIT_TEXTURES,
     [BLOB_MATERIAL_USES] = LIMIT_MATERIALS,
+    [BLOB_PATCH_ELEMENTS] = LIMIT_PATCH_ELEMENTS,
+    [BLOB_FACTOR_ROWS] = LIMIT_PATCH_ELEMENTS,
+    [BLOB_FACTOR_ENTRIES] = LIMIT_PATCH_ENTRIES,
 };
 
 static enum status check_sections(const struct blob_header *h, size_t bytes, struct error *err)
@@ -447,7 +451,8 @@ enum status blob_check(const void *blob, size_t bytes, struct error *err)
 {
 	static enum status (*const checks[])(const struct blob_header *, struct error *) = {
 	    check_geometry, check_vertex_parts,       check_materials,   check_textures,   check_leaf_triangles, check_bvh,
-	    check_emitters, check_lights_and_cameras, check_environment, blob_check_nodes, check_uses,           check_facts,
+	    check_emitters, check_lights_and_cameras, check_environment, blob_check_nodes, blob_check_patches,   check_uses,
+	    check_facts,
 	};
 	const struct blob_header *h = blob;
 	enum status status = check_header(h, bytes, err);

@@ -248,6 +248,8 @@ static uint32_t facts_of_effects(const struct blob_view *view, uint32_t hidden, 
 		facts |= light_facts[lights[i].kind];
 	if (view->counts[BLOB_ENVIRONMENT] > 0)
 		facts |= FACT_SURROUNDINGS;
+	facts |= view->counts[BLOB_PATCH_ELEMENTS] > 0 ? FACT_PATCHES : 0;
+	facts |= view->counts[BLOB_FACTOR_ROWS] > 0 ? FACT_FACTORS : 0;
 	for (uint32_t i = 0; i < view->counts[BLOB_MATERIALS]; i++) {
 		const struct look l = look_of(&q, i);
 		if (is_used(view, i))
@@ -400,6 +402,10 @@ const char *fact_name(enum fact fact)
 		return "normal maps on black";
 	case FACT_VAST:
 		return "lengths many decades apart";
+	case FACT_PATCHES:
+		return "patches";
+	case FACT_FACTORS:
+		return "form factors";
 	}
 	return NULL;
 }

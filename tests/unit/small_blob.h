@@ -36,8 +36,8 @@ static inline void small_box(float min[3], float max[3], float x0, float x1)
 
 static inline void small_sections(struct small_blob *b)
 {
-	static const uint64_t counts[BLOB_SECTIONS] = {3,  4,  4,  12, 2, 1, 6,  2, 3, 1, 2,
-						       12, 12, 12, 2,  1, 2, 24, 2, 2, 1, 2};
+	static const uint64_t counts[BLOB_SECTIONS] = {3,  4, 4, 12, 2,  1, 6, 2, 3, 1, 2, 12, 12,
+						       12, 2, 1, 2,  24, 2, 2, 1, 2, 4, 4, 5};
 	struct blob_header *h = small_header(b);
 	uint64_t end = (sizeof *h + BLOB_ALIGN - 1) / BLOB_ALIGN * BLOB_ALIGN;
 	memset(b, 0, sizeof *b);
@@ -186,6 +186,29 @@ static inline void small_surroundings(struct small_blob *b)
 	small_header(b)->environment_height = 1;
 }
 
+static inline void small_patches(struct small_blob *b)
+{
+	struct imported_element *elements = small_section(b, BLOB_PATCH_ELEMENTS);
+	struct imported_row *rows = small_section(b, BLOB_FACTOR_ROWS);
+	struct imported_factor *entries = small_section(b, BLOB_FACTOR_ENTRIES);
+	for (uint32_t i = 0; i < 4; i++) {
+		const uint8_t corners = i % 2 ? 3 : 4;
+		elements[i] = (struct imported_element){.corner = {{0}, {1}, {1, 1}, {0, corners == 4}},
+							.patch = i % 2,
+							.area = 1,
+							.b = {3, 2, 1},
+							.h = {2, 2, 2},
+							.rho = {1, 0.5f, 0},
+							.escaped = 0.5f,
+							.corners = corners,
+							.side = i >= 2,
+							.reached = 1};
+		rows[i] = (struct imported_row){i ? i + 1 : 0, i ? 1 : 2};
+	}
+	static const struct imported_factor factors[] = {{1, 0.25f}, {3, 0.75f}, {0, 1}, {3, 0}, {2, 1e-40f}};
+	memcpy(entries, factors, sizeof factors);
+}
+
 // Find the ranges again, of whatever a test has made of the rest.
 static inline void small_ranges(struct small_blob *b)
 {
@@ -201,7 +224,8 @@ static inline void small_ranges(struct small_blob *b)
 // Four triangles side by side along x, three nodes, two materials (glossy and masked with all maps, and a lamp), a texture
 // by the second coordinates, two emitters, a light of each kind, a camera; colours and tangents for each vertex. A root node
 // has the first two triangles and the camera, its child the others and the point light; an animation turns the root in two
-// linear keys and moves the child in one cubic. Surroundings of two by one texels.
+// linear keys and moves the child in one cubic. Surroundings of two by one texels. The elements of a quad and a triangle,
+// and rows of form factors of one entry but for the first, which has two.
 static inline void small_make(struct small_blob *b)
 {
 	struct blob_header *h = small_header(b);
@@ -214,6 +238,7 @@ static inline void small_make(struct small_blob *b)
 	small_nodes(b);
 	small_animation(b);
 	small_surroundings(b);
+	small_patches(b);
 	h->bounds_max[0] = 3.5f;
 	h->bounds_max[1] = 1;
 	small_ranges(b);

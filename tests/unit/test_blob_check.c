@@ -331,6 +331,70 @@ static void surroundings(void **state)
 	REFUSED(h->facts &= ~(uint32_t)FACT_SURROUNDINGS);
 }
 
+static void elements(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	struct imported_element *e = SECTION(imported_element, BLOB_PATCH_ELEMENTS);
+	(void)state;
+	REFUSED(h->sections[BLOB_PATCH_ELEMENTS].count = 3);
+	REFUSED(h->sections[BLOB_PATCH_ELEMENTS].count = 2);
+	REFUSED(h->sections[BLOB_PATCH_ELEMENTS].count = 0);
+	REFUSED(h->sections[BLOB_PATCH_ELEMENTS].count = LIMIT_PATCH_ELEMENTS + 1);
+	REFUSED(h->facts &= ~(uint32_t)FACT_PATCHES);
+	REFUSED(e[1].patch = 2);
+	REFUSED(e[2].patch = 1);
+	REFUSED(e[2].side = 0);
+	REFUSED(e[0].side = 2);
+	REFUSED(e[0].corners = 2);
+	REFUSED(e[0].corners = 5);
+	REFUSED(e[1].corner[3][0] = 1);
+	REFUSED(e[1].corner[3][2] = (double)NAN);
+	REFUSED(e[0].corner[3][1] = (double)INFINITY);
+	REFUSED(e[0].corner[2][1] = -1.1e12);
+	REFUSED(e[0].material = LIMIT_MATERIALS);
+	REFUSED(e[0].area = -1);
+	REFUSED(e[0].area = INFINITY);
+	REFUSED(e[3].b[2] = -1);
+	REFUSED(e[3].m[0] = NAN);
+	REFUSED(e[3].d[1] = 2e30f);
+	REFUSED(e[3].h[1] = INFINITY);
+	REFUSED(e[3].rho[1] = 1.5f);
+	REFUSED(e[3].escaped = NAN);
+	REFUSED(e[3].cut = 1.5f);
+	REFUSED(e[3].reached = 0);
+	REFUSED(e[3].reached = 2);
+	REFUSED(e[0].straight = 2);
+	REFUSED(e[1].straight = 1);
+	REFUSED(e[1].reserved = 1);
+}
+
+static void rows(void **state)
+{
+	struct blob_header *h = small_header(&blob);
+	struct imported_row *row = SECTION(imported_row, BLOB_FACTOR_ROWS);
+	struct imported_factor *entry = SECTION(imported_factor, BLOB_FACTOR_ENTRIES);
+	(void)state;
+	REFUSED(h->sections[BLOB_FACTOR_ROWS].count = 0);
+	REFUSED(h->sections[BLOB_FACTOR_ROWS].count = LIMIT_PATCH_ELEMENTS + 1);
+	REFUSED(h->sections[BLOB_FACTOR_ENTRIES].count = 4);
+	REFUSED(h->sections[BLOB_FACTOR_ENTRIES].count = LIMIT_PATCH_ENTRIES + 1ull);
+	REFUSED(h->facts &= ~(uint32_t)FACT_FACTORS);
+	REFUSED(row[1].first = 1);
+	REFUSED(row[0].count = 3);
+	REFUSED(row[3].count = 0);
+	REFUSED(row[3].count = UINT32_MAX);
+	REFUSED(entry[0].column = 3);
+	REFUSED(entry[0].column = 4);
+	REFUSED(entry[1].column = 1);
+	REFUSED(entry[2].value = -1e-40f);
+	REFUSED(entry[2].value = NAN);
+	REFUSED(entry[2].value = INFINITY);
+	REFUSED(entry[2].value = 1.001f * (1 + LIMIT_RADIOSITY_BOUNCES));
+	small_make(&blob);
+	entry[2].value = 1 + LIMIT_RADIOSITY_BOUNCES; // mirrors can do that
+	assert_int_equal(check(), STATUS_OK);
+}
+
 static void nodes(void **state)
 {
 	(void)state;
@@ -406,6 +470,8 @@ int main(void)
 	    cmocka_unit_test_setup(ranges_are_of_the_contents, fresh),
 	    cmocka_unit_test_setup(lights_and_cameras, fresh),
 	    cmocka_unit_test_setup(surroundings, fresh),
+	    cmocka_unit_test_setup(elements, fresh),
+	    cmocka_unit_test_setup(rows, fresh),
 	    cmocka_unit_test_setup(nodes, fresh),
 	    cmocka_unit_test_setup(animations, fresh),
 	    cmocka_unit_test_setup(a_missing_child_is_fine_in_a_tiny_scene, fresh),

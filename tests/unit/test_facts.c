@@ -41,7 +41,8 @@ static void everything(void **state)
 	(void)state;
 	assert_int_equal(facts(), FACT_TEXTURES | FACT_EMITTERS | FACT_POINT_LIGHTS | FACT_SPOT_LIGHTS |
 				      FACT_DIRECTIONAL_LIGHTS | FACT_REFLECTS | FACT_GLOSSY | FACT_NORMAL_MAPS |
-				      FACT_ALPHA_MASK | FACT_VERTEX_COLORS | FACT_GLASS | FACT_SURROUNDINGS | FACT_POLISHED);
+				      FACT_ALPHA_MASK | FACT_VERTEX_COLORS | FACT_GLASS | FACT_SURROUNDINGS | FACT_POLISHED |
+				      FACT_PATCHES | FACT_FACTORS);
 }
 
 static void lights_by_kind(void **state)
@@ -446,9 +447,9 @@ static void white_vertices_have_no_colour(void **state)
 static void every_fact_has_a_name(void **state)
 {
 	(void)state;
-	for (uint32_t bit = 1; bit <= FACT_VAST; bit <<= 1)
+	for (uint32_t bit = 1; bit <= FACT_FACTORS; bit <<= 1)
 		assert_non_null(fact_name((enum fact)bit));
-	assert_null(fact_name((enum fact)(FACT_VAST << 1)));
+	assert_null(fact_name((enum fact)(FACT_FACTORS << 1)));
 	assert_null(fact_name((enum fact)(FACT_TEXTURES | FACT_EMITTERS)));
 }
 
