@@ -1,0 +1,85 @@
+// What a solution is made with.
+#include <stdlib.h>
+
+#include "server/base/clock.h"
+#include "server/scene/lights.h"
+#include "server/worker/code_list.h"
+#include "server/worker/technique/radiosity/light.h"
+#include "server/worker/technique/radiosity/radiosity_options.h"
+#include "server/worker/technique/radiosity/row_maker.h"
+#include "server/worker/technique/radiosity/solution_parts.h"
+#include "server/worker/technique/radiosity/solver.h"
+#include "server/worker/technique/radiosity/surfaces.h"
+
+#define LAMP_AREA_MOST 0.0625 // share of all surfaces up to which lamps are small beside the scene
+
+static enum status make_passes(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)
+{
+	const struct factor_options *f = &v->options.factors;
+	const struct patch_scene of = {plan, v->scene, &v->factors->elements, &v->buffers};
+	const struct light_options light = {
+	    .points = v->options.points, .sky_points = v->options.sky_points, .lamps = v->lamps, .bounces = f->rows.bounces};
+	const struct code_list *code = v->device->code;
+	const uint32_t added = code ? code->added : 0;
+	const uint64_t start = clock_us();
+	enum status s = surfaces_create(&of, v->device, &v->surfaces, err);
+	if (s == STATUS_OK)
+		s = surfaces_compile(v->surfaces, err);
+	if (s == STATUS_OK && light_wanted(plan, v->scene, v->lamps))
+		s = light_create(&of, &light, v->device, &v->light, err);
+	if (s == STATUS_OK && v->light)
+		s = light_compile(v->light, err);
+	if (s == STATUS_OK)
+		s = row_maker_create(&of, &f->rows, v->made_of, v->device, gl, &v->rows_by, err);
+	if (s == STATUS_OK)
+		s = row_maker_compile(v->rows_by, err);
+	if (s == STATUS_OK)
+		s = solver_compile(v->device, (enum solver_way)v->options.solver, err);
+	// What the driver has compiled before is made at once, and no time that is spent once.
+	v->compile_us = !code || code->added != added ? clock_us() - start : 0;
+	return s;
+}
+
+// Whether light of emissive surfaces is looked for by points on them: where they are small beside the scene. What mirrors
+// show of them only chance finds that way, and form factors have more rays for it.
+static bool lamps_by_points(const struct solution *v, const struct resident_scene *scene)
+{
+	const struct emitter *emitters = scene_section(scene, BLOB_EMITTERS);
+	const struct triangle *triangles = scene_section(scene, BLOB_TRIANGLES);
+	const struct vertex *vertices = scene_section(scene, BLOB_VERTICES);
+	double lamps = 0, all = 0;
+	if (v->options.emitters != RADIOSITY_EMITTERS_AUTO)
+		return v->options.emitters == RADIOSITY_EMITTERS_POINTS;
+	if (v->options.factors.rows.mirrors || !(v->options.effects >> candil_Effect_EFFECT_EMITTERS & 1u))
+		return false;
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_EMITTERS); i++)
+		lamps += lights_area(vertices, &triangles[emitters[i].triangle]);
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_TRIANGLES); i++)
+		all += lights_area(vertices, &triangles[i]);
+	return lamps <= LAMP_AREA_MOST * all;
+}
+
+static enum status make_arrays(struct solution *v, struct error *err)
+{
+	const size_t count = v->factors->elements.count;
+	v->made_of = calloc(count + 1, sizeof *v->made_of);
+	v->direct = calloc(3 * count + 1, sizeof *v->direct);
+	v->irradiance = calloc(3 * count + 1, sizeof *v->irradiance);
+	v->corners = calloc(12 * count + 1, sizeof *v->corners);
+	return v->made_of && v->direct && v->irradiance && v->corners ? STATUS_OK
+								      : error_set(err, STATUS_MEMORY, "out of memory");
+}
+
+enum status solution_make_ready(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)
+{
+	const uint32_t count = v->factors->elements.count;
+	v->lamps = lamps_by_points(v, v->scene);
+	v->buffers = v->factors->buffers;
+	v->stage = count > 0 ? SOLUTION_SURFACES : SOLUTION_DONE;
+	enum status s = make_arrays(v, err);
+	if (s == STATUS_OK && count > 0)
+		s = buffer_init(&v->buffers.surfaces, v->device, count * sizeof *v->made_of, BUFFER_DEVICE, err);
+	if (s == STATUS_OK && count > 0)
+		s = make_passes(v, gl, plan, err);
+	return s;
+}
