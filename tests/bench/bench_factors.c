@@ -11,15 +11,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/worker/devices.h"
 #include "server/worker/vk/command.h"
 #include "shaders/factor_dump_comp.h"
 #include "shaders/shared/factor_rays.h"
 #include "tests/bench/embree_rays.h"
-#include "tests/bench/factor_subject.h"
+#include "tests/bench/radiosity_rows.h"
 #include "tests/support/cast.h"
 
-#define ROWS FACTOR_ROWS
+#define ROWS 256u
 #define ROUNDS 9
 
 static const struct shader dump_shader = {.name = "factor_dump",
@@ -33,14 +32,14 @@ static struct error err;
 
 static void must(enum status s)
 {
-	factor_must(s, &err);
+	row_need(s, &err);
 }
 
 // The rays of all rows, as the device makes them.
-static struct cast_ray *dump(const struct factor_subject *s)
+static struct cast_ray *dump(const struct row_subject *s)
 {
-	struct device *d = s->device;
-	const uint32_t count = ROWS * s->per_row;
+	struct device *d = s->devices->vk;
+	const uint32_t count = s->rows * s->per_row;
 	const struct factor_push push = {.patches = s->elements.patches.count, .rays = s->per_row};
 	const struct buffer *buffers[BIND_MOST] = {NULL};
 	struct cast_ray *rays = malloc(count * sizeof *rays);
@@ -54,7 +53,7 @@ static struct cast_ray *dump(const struct factor_subject *s)
 	constants_set_effects(&none, 0);
 	must(pipeline_get(d, &dump_shader, &none, &pipeline, &err));
 	rays_fill(s->rays, buffers);
-	must(buffer_init_with(&list, d, s->list, sizeof s->list, &err));
+	must(buffer_init_with(&list, d, s->list, s->rows * sizeof *s->list, &err));
 	buffers[BIND_FACTOR_ROWS] = &list;
 	buffers[BIND_FACTOR_DENSE] = &out;
 	must(binding_set_init(&set, d, pipeline, buffers, &out, &err));
@@ -62,7 +61,7 @@ static struct cast_ray *dump(const struct factor_subject *s)
 	vkCmdBindPipeline(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
 	vkCmdBindDescriptorSets(d->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->layout, 0, 1, &set.set, 0, NULL);
 	vkCmdPushConstants(d->commands, pipeline->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, &push);
-	vkCmdDispatch(d->commands, (s->per_row + FACTOR_LANES - 1) / FACTOR_LANES, ROWS, 1);
+	vkCmdDispatch(d->commands, (s->per_row + FACTOR_LANES - 1) / FACTOR_LANES, s->rows, 1);
 	command_barrier(d);
 	must(command_finish(d, &err));
 	must(buffer_read(&out, d, 0, count * sizeof *rays, rays, &err));
@@ -72,42 +71,42 @@ static struct cast_ray *dump(const struct factor_subject *s)
 	return rays;
 }
 
-static double run_rows(struct factor_subject *s, bool put)
+static double run_rows(struct row_subject *s, bool put)
 {
 	struct factors factors;
-	const double start = bench_us(s->device->info.software);
+	const double start = bench_us(s->devices->vk->info.software);
 	double cleared = 0;
 	if (put)
-		must(factors_init(&factors, s->device, s->elements.count, &err));
-	for (uint32_t done = 0, n; done < ROWS; done += n) {
+		must(factors_init(&factors, s->devices->vk, s->elements.count, &err));
+	for (uint32_t done = 0, n; done < s->rows; done += n) {
 		n = rays_batch(s->rays, 1e9);
-		n = n < ROWS - done ? n : ROWS - done;
+		n = n < s->rows - done ? n : s->rows - done;
 		if (put) {
 			must(rays_rows(s->rays, s->list + done, n, &factors, &err));
 			continue;
 		}
 		must(rays_trace(s->rays, s->list + done, n, &err));
-		const double traced = bench_us(s->device->info.software);
+		const double traced = bench_us(s->devices->vk->info.software);
 		must(rays_clear(s->rays, &err));
-		cleared += bench_us(s->device->info.software) - traced;
+		cleared += bench_us(s->devices->vk->info.software) - traced;
 	}
-	const double us = bench_us(s->device->info.software) - start - cleared;
+	const double us = bench_us(s->devices->vk->info.software) - start - cleared;
 	if (put)
 		factors_finish(&factors);
-	return ROWS * (double)s->per_row / us;
+	return s->rows * (double)s->per_row / us;
 }
 
 // Seconds of the rows of all fronts, from rays_create on: in processors' time over their number, where the host's part,
 // which runs on one of them alone, counts whole.
-static double build_all(struct factor_subject *s, const struct rays_options *options)
+static double build_all(struct row_subject *s, const struct rays_options *options)
 {
-	const bool software = s->device->info.software;
+	const bool software = s->devices->vk->info.software;
 	struct factors factors;
 	uint32_t list[4096];
 	double put = 0;
 	const double start = bench_us(software);
-	factor_subject_change(s, options);
-	must(factors_init(&factors, s->device, s->elements.count, &err));
+	row_subject_cast(s, options);
+	must(factors_init(&factors, s->devices->vk, s->elements.count, &err));
 	for (uint32_t done = 0, n; done < s->elements.patches.count; done += n) {
 		n = rays_batch(s->rays, 100e3);
 		n = n < s->elements.patches.count - done ? n : s->elements.patches.count - done;
@@ -123,20 +122,20 @@ static double build_all(struct factor_subject *s, const struct rays_options *opt
 	return (us + (software ? put * (bench_processors() - 1) : 0)) / 1e6;
 }
 
-static double run_walk(struct factor_subject *s, struct cast *cast)
+static double run_walk(struct row_subject *s, struct cast *cast)
 {
-	const double start = bench_us(s->device->info.software);
+	const double start = bench_us(s->devices->vk->info.software);
 	must(cast_run(cast, false, &err));
-	return ROWS * (double)s->per_row / (bench_us(s->device->info.software) - start);
+	return s->rows * (double)s->per_row / (bench_us(s->devices->vk->info.software) - start);
 }
 
-static double run_embree(const struct factor_subject *s, RTCScene judge, const struct cast_ray *rays, uint32_t width)
+static double run_embree(const struct row_subject *s, RTCScene judge, const struct cast_ray *rays, uint32_t width)
 {
 	uint32_t hits;
-	const uint32_t count = ROWS * s->per_row;
-	const double start = bench_us(s->device->info.software);
+	const uint32_t count = s->rows * s->per_row;
+	const double start = bench_us(s->devices->vk->info.software);
 	embree_rays(judge, rays, count, width, false, &hits);
-	return count / (bench_us(s->device->info.software) - start);
+	return count / (bench_us(s->devices->vk->info.software) - start);
 }
 
 // Distances along a ray, equal but for rounding.
@@ -166,14 +165,14 @@ static double most(double a, double b)
 	return a > b ? a : b;
 }
 
-static void bench_scene(struct factor_subject *s, RTCDevice embree, const char *name)
+static void bench_scene(struct row_subject *s, RTCDevice embree, const char *name)
 {
 	RTCScene judge = cast_judge(embree, s->loaded.blob);
 	struct cast cast;
 	double best[5] = {0};
 	run_rows(s, false); // learns how many turns a lane may do
 	struct cast_ray *rays = dump(s);
-	must(cast_init(&cast, s->device, &s->scene, rays, ROWS * s->per_row, s->device->info.packets, &err));
+	must(cast_init(&cast, s->devices->vk, &s->scene, rays, s->rows * s->per_row, s->devices->vk->info.packets, &err));
 	run_walk(s, &cast);
 	for (int i = 0; i < ROUNDS; i++) {
 		best[0] = most(best[0], run_embree(s, judge, rays, 8));
@@ -185,7 +184,7 @@ static void bench_scene(struct factor_subject *s, RTCDevice embree, const char *
 	const double e = most(best[0], best[1]);
 	printf("| %s | %u | %u | %.2f | %.2f | %.2f | %.2f | %.2f | %.0f %% | %.0f %% | %.0f %% | %.1e | %.2f |\n", name,
 	       s->elements.patches.count, s->per_row, best[0], best[1], best[2], best[3], best[4], 100 * best[2] / e,
-	       100 * best[3] / e, 100 * best[4] / e, differ(rays, ROWS * s->per_row, &cast, judge),
+	       100 * best[3] / e, 100 * best[4] / e, differ(rays, s->rows * s->per_row, &cast, judge),
 	       build_all(s, &(struct rays_options){.rays = s->per_row}));
 	fflush(stdout);
 	cast_finish(&cast);
@@ -195,30 +194,29 @@ static void bench_scene(struct factor_subject *s, RTCDevice embree, const char *
 
 int main(int argc, char **argv)
 {
-	struct device *device;
-	const struct device_options options = {0};
+	struct devices devices = {0};
 	if (argc < 5) {
 		fprintf(stderr, "usage: bench_factors LOADER EDGE RAYS SCENE...\n");
 		return 2;
 	}
-	if (device_create(&options, &device, &err) != STATUS_OK) {
+	if (device_create(&(struct device_options){0}, &devices.vk, &err) != STATUS_OK) {
 		printf("skipped: %s\n", err.text);
 		return 77;
 	}
 	RTCDevice embree = rtcNewDevice(NULL);
-	printf("device: %s; millions of rays a second\n\n", device->info.name);
+	printf("device: %s; millions of rays a second\n\n", devices.vk->info.name);
 	printf("| scene | patches | rays | Embree 8 | Embree 16 | walk | rows | rows + put | walk / Embree | rows / Embree "
 	       "| rows + put "
 	       "/ Embree | differ | all rows, s |\n"
 	       "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
 	for (int i = 4; i < argc; i++) {
-		static struct factor_subject s;
-		const struct rays_options o = {.rays = (uint32_t)strtoul(argv[3], NULL, 10)};
-		factor_subject_init(&s, device, argv[1], argv[i], strtod(argv[2], NULL), &o);
+		struct row_subject s;
+		row_subject_init(&s, &devices, argv[1], argv[i], strtod(argv[2], NULL), ROWS);
+		row_subject_cast(&s, &(struct rays_options){.rays = (uint32_t)strtoul(argv[3], NULL, 10)});
 		bench_scene(&s, embree, strrchr(argv[i], '/') ? strrchr(argv[i], '/') + 1 : argv[i]);
-		factor_subject_finish(&s);
+		row_subject_finish(&s);
 	}
 	rtcReleaseDevice(embree);
-	devices_finish(&(struct devices){.vk = device});
+	devices_finish(&devices);
 	return 0;
 }

@@ -59,7 +59,6 @@ void row_subject_init(struct row_subject *s, struct devices *devices, const char
 {
 	memset(s, 0, sizeof *s);
 	s->devices = devices;
-	need(devices_gl(devices, &s->gl, &err));
 	need(load_scene(loader, file, &s->loaded, &err));
 	s->scene = (struct resident_scene){.blob = s->loaded.blob, .bytes = s->loaded.bytes, .fd = s->loaded.fd};
 	blob_view_init(&s->scene.view, s->loaded.blob);
@@ -73,8 +72,17 @@ void row_subject_init(struct row_subject *s, struct devices *devices, const char
 		s->list[i] = (uint32_t)((i + 0.5) * patches / s->rows);
 }
 
+void row_subject_cast(struct row_subject *s, const struct rays_options *options)
+{
+	const struct plan plan = {0};
+	rays_destroy(s->rays);
+	s->per_row = options->rays;
+	need(rays_create(s->devices->vk, &s->scene, &plan, &s->elements, &s->buffers, options, &s->rays, &err));
+}
+
 void row_subject_finish(struct row_subject *s)
 {
+	rays_destroy(s->rays);
 	free(s->list);
 	free(s->surfaces);
 	element_buffers_finish(&s->buffers, s->devices->vk);
@@ -110,13 +118,15 @@ static void maker_init(struct maker *maker, struct row_subject *s, const struct 
 					  .bounces = m->bounces};
 	const struct hemicube_options hemicube = {
 	    .pixels = m->size, .origins = m->origins, .middles = m->middles, .mirrors = m->mirrors, .bounces = m->bounces};
+	struct gl_device *gl;
 	memset(maker, 0, sizeof *maker);
 	if (m->kind == ROW_RAYS) {
 		need(rays_create(s->devices->vk, &s->scene, &matters, &s->elements, &s->buffers, &rays, &maker->rays, &err));
 		need(rays_compile(maker->rays, &err));
 		return;
 	}
-	need(hemicube_create(s->gl, &s->scene, &matters, &s->elements, &hemicube, &maker->hemicube, &err));
+	need(devices_gl(s->devices, &gl, &err));
+	need(hemicube_create(gl, &s->scene, &matters, &s->elements, &hemicube, &maker->hemicube, &err));
 	if (m->mirrors != HEMICUBE_MIRRORS_OFF)
 		need(hemicube_reflect(maker->hemicube, s->surfaces, &err));
 	need(hemicube_compile(maker->hemicube, &err));

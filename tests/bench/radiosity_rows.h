@@ -11,7 +11,6 @@
 // A scene, cut, with the elements whose rows are made: some of the fronts, or all.
 struct row_subject {
 	struct devices *devices;
-	struct gl_device *gl;
 	struct resident_scene scene;
 	struct loaded_scene loaded;
 	struct elements elements;
@@ -19,6 +18,8 @@ struct row_subject {
 	struct radiosity_surface *surfaces; // by element
 	uint32_t *list; // ascending, evenly over all fronts, and so over the scene's nodes
 	uint32_t rows;
+	struct rays *rays; // of row_subject_cast; NULL: none
+	uint32_t per_row; // of its rays
 };
 
 enum row_kind { ROW_RAYS, ROW_HEMICUBE };
@@ -44,6 +45,9 @@ struct row_cost {
 void row_subject_init(struct row_subject *subject, struct devices *devices, const char *loader, const char *file,
 		      double edge, uint32_t rows);
 void row_subject_finish(struct row_subject *subject);
+
+// Make `rays` anew, by other options, for code without any effect.
+void row_subject_cast(struct row_subject *subject, const struct rays_options *options);
 
 // Samples that a method takes of an element: rays, or pixels of the same number, three squares of a face.
 double row_samples(const struct row_method *method);
