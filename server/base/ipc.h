@@ -120,6 +120,7 @@ struct ipc_image {
 	struct error error;
 	candil_ImageFrame frame;
 	candil_Done done; // for a final READ, the worker's part: samples, stages, estimates, counts, device
+	struct work work; // likewise, what the job made once for the scene
 };
 
 struct ipc_pilot {
@@ -128,6 +129,8 @@ struct ipc_pilot {
 	uint32_t budget_us; // of work of each technique, beside compiling
 	uint32_t limit_us; // of all of it: no picture is begun or gone on with past it
 	uint32_t techniques; // bits 1 << candil_Technique
+	uint32_t told; // the same: those whose work is told, whether or not there are pictures by them
+	uint32_t try_us; // for which some of that work is tried out; 0: it is counted
 	uint32_t compile; // as of struct ipc_begin
 	candil_Render render; // already checked by the front; its technique does not count
 };

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "server/base/estimate.h"
+#include "server/base/work.h"
 
 struct pilot_result {
 	uint32_t pixels; // 0: this technique was not looked at, or could not render it
@@ -13,7 +14,7 @@ struct pilot_result {
 	uint32_t refused; // not 0: it could not render it, for another reason than want of time or memory
 	uint32_t slowed; // not 0: what compiled had these times, too, so they are no rate
 	double cold_us; // compiling
-	double setup_us; // what is made once for a scene: uploads, trees, voxels
+	double setup_us; // what is made once for a scene: uploads, trees, voxels; without what `work` has
 	double pixel_us; // of all pixels together, whatever the samples, with what no stage has
 	double sample_us; // of all samples of all pixels together
 	struct estimate error; // of a technique with noise, the relMSE at so many samples
@@ -25,6 +26,7 @@ struct pilot_result {
 		double edges;
 		struct estimate error;
 	} bias[2];
+	struct work work; // what is left to be made once for the scene, and what some of it took
 };
 
 #endif

@@ -78,6 +78,7 @@ static void fill_image(const struct encoder *e, const struct encoder_task *task,
 	done->non_finite_samples = f->non_finite_samples;
 	done->rays = f->rays;
 	memcpy(done->device, e->device, sizeof done->device);
+	image->work = f->work;
 }
 
 // Judge a final frame, for the reply and for the last of its notes.

@@ -10,6 +10,7 @@
 #include "protocol/limits.h"
 #include "server/base/error.h"
 #include "server/base/estimate.h"
+#include "server/base/work.h"
 
 #define FRAME_METADATA_MAX 80u // entries of each list at most
 #define FRAME_STAGES_MAX (LIMIT_STAGES - 4u) // the front adds what it knows
@@ -58,6 +59,7 @@ struct frame {
 	struct frame_stage stages[FRAME_STAGES_MAX];
 	uint32_t stage_count;
 	uint64_t cold_us; // of the stages: what a device spends once
+	struct work work; // of the stages: what was made once for the scene
 	struct frame_figure figures[FRAME_FIGURES_MAX];
 	uint32_t figure_count;
 	char notes[FRAME_NOTES_MAX][192]; // sentences on what may surprise

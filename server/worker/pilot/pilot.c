@@ -35,6 +35,7 @@
 struct drawing {
 	struct frame *frame; // owned
 	double cold_us, setup_us, pixel_us, sample_us;
+	struct work work; // that it made; its time is not in setup_us
 };
 
 static void add_up(struct drawing *d, double wall_us)
@@ -57,6 +58,8 @@ static void add_up(struct drawing *d, double wall_us)
 			d->sample_us += us;
 		}
 	}
+	d->work = d->frame->work;
+	d->setup_us = fmax(d->setup_us - work_us(&d->work), 0);
 	// Of a frame it is `host`.
 	d->pixel_us += fmax(wall_us - all, 0);
 }
@@ -399,12 +402,74 @@ static enum status look(const struct pilot *pilot, const struct technique *t, st
 	}
 	result->cold_us = first.cold_us + more;
 	result->setup_us = first.setup_us;
+	result->work = first.work;
+	return s;
+}
+
+// ---- work ------------------------------------------------------------------------------------------------------------
+
+// What a technique's work will take about, by what was tried out of it.
+static double foreseen_us(const struct work *w)
+{
+	double us = 0;
+	for (int part = 0; part < WORK_PARTS; part++)
+		us += w->made[part] > 0 ? w->left[part] * w->us[part] / w->made[part] : 0;
+	return us;
+}
+
+static enum status foresee(const struct pilot *pilot, const struct technique *t, uint32_t try_us, struct work *work,
+			   struct error *err)
+{
+	struct plan plan;
+	candil_Render render = *pilot->render;
+	enum status s = STATUS_OK;
+	*work = (struct work){0};
+	if (!t->foresee)
+		return STATUS_OK;
+	render.technique = t->number;
+	render.target_error = 0;
+	render.deadline_ms = 0;
+	s = plan_of(pilot, &render, &plan, err);
+	// What is tried out takes some of what a picture does.
+	if (s == STATUS_OK && try_us > 0 && t->bytes(pilot->devices, pilot->scene, &plan) > pilot->memory)
+		try_us = 0;
+	if (s != STATUS_OK)
+		return s;
+	do {
+		pilot->devices->vk->wanted = 0;
+		s = t->foresee(pilot->devices, pilot->scene, &plan, try_us, work, err);
+	} while (s == STATUS_MEMORY && pilot->make_room(pilot->user));
+	return s;
+}
+
+// Tell the work that is left, and look as far as is wanted. Pictures whose work would not be done in time are not begun.
+static enum status look_and_tell(const struct pilot *pilot, const struct technique *t, bool pictures,
+				 struct drawing reference[2], struct pilot_result *result, struct error *err)
+{
+	struct work before, after;
+	enum status s = foresee(pilot, t, pilot->try_us, &before, err);
+	if (s == STATUS_OK && pictures && foreseen_us(&before) <= PILOT_PATIENCE_US)
+		s = look(pilot, t, reference, result, err);
+	else if (s == STATUS_OK)
+		result->error = result->bias[0].error = result->bias[1].error = ESTIMATE_UNKNOWN;
+	if (!before.told || s != STATUS_OK)
+		return s;
+	// A picture has made more of it than was tried out.
+	const struct work made = result->work.told ? result->work : before;
+	s = foresee(pilot, t, 0, &after, err);
+	result->work = result->pixels > 0 ? after : before;
+	for (int part = 0; part < WORK_PARTS; part++) {
+		const struct work *most = made.made[part] > 0 ? &made : &before;
+		result->work.made[part] = most->made[part];
+		result->work.us[part] = most->us[part];
+	}
 	return s;
 }
 
 static bool wanted(const struct pilot *pilot, const struct technique *t, bool noisy)
 {
-	return pilot->techniques >> t->number & 1u && ((technique_traits(t->number) & TECHNIQUE_NOISE) != 0) == noisy;
+	return (pilot->techniques | pilot->told) >> t->number & 1u &&
+	       ((technique_traits(t->number) & TECHNIQUE_NOISE) != 0) == noisy;
 }
 
 static bool takes_all(int technique, const candil_Render *r)
@@ -440,7 +505,7 @@ enum status pilot_run(const struct pilot *pilot, struct pilot_result results[TEC
 		const struct technique *t = technique_at(i % technique_count());
 		if (!wanted(pilot, t, i < technique_count()))
 			continue;
-		s = look(pilot, t, reference, &results[t->number], err);
+		s = look_and_tell(pilot, t, pilot->techniques >> t->number & 1u, reference, &results[t->number], err);
 		if (s != STATUS_OK && pilot->devices->code.refused) {
 			*cold = t->number;
 			break;

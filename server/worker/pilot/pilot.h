@@ -22,7 +22,9 @@ struct pilot {
 	struct resident_scene *environment; // NULL: none
 	const candil_Render *render; // a checked one; its technique, samples and end do not count
 	uint32_t techniques; // bits 1 << candil_Technique
+	uint32_t told; // the same: those whose work is told, whether or not there are pictures by them
 	uint32_t budget_us; // of work of each technique, beside compiling and what is made once for a scene
+	uint32_t try_us; // for which some of that is tried out; 0: it is counted
 	uint64_t end_us; // clock_us() from which on no picture is begun or gone on with
 	uint64_t memory; // bytes of the device that it may take
 	bool (*make_room)(void *user); // after STATUS_MEMORY: whether there is more than before, and another try is worth it

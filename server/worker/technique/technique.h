@@ -52,6 +52,7 @@ struct devices; // worker/devices.h
 struct resident_scene; // worker/scenes/resident.h
 struct plan; // worker/plan/plan.h
 struct frame; // worker/image/frame.h
+struct work; // base/work.h
 struct technique_job; // the technique's own, opaque to the loop
 
 // Bytes of `advise`'s sentence, its end included.
@@ -128,6 +129,12 @@ struct technique {
 	// TECHNIQUE_ADVICE_BYTES. `advice` holds "render smaller" before the call, which may stay. NULL: it stays.
 	void (*advise)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
 		       uint64_t budget, char *advice);
+
+	// Tell in *work what is still to be made once for the scene before a picture of this plan, and what its pictures'
+	// times depend on. With a budget some of it is tried out for about so long, beside compiling: what that took is
+	// told, and nothing of it is kept. Asked without a job. NULL: there is no such work, or nothing is known of it.
+	enum status (*foresee)(struct devices *devices, struct resident_scene *scene, const struct plan *plan,
+			       uint32_t budget_us, struct work *work, struct error *err);
 
 	// Make everything that the plan asks for, and nothing else. *job is the caller's, who frees it with `end`. The first
 	// use of a set of effects compiles shaders, which may take seconds. On failure nothing is left. After STATUS_MEMORY

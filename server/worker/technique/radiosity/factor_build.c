@@ -205,16 +205,27 @@ static void begin_moves(struct factor_build *b, const struct resident_scene *sce
 	b->queued = from->queued;
 }
 
+static struct factor_build *find(const struct shelf *shelf, const struct resident_scene *scene,
+				 const struct factor_options *options)
+{
+	struct shelved *at = shelf ? shelf->first : NULL;
+	while (at && !serves((struct factor_build *)at, scene, options))
+		at = at->next;
+	return (struct factor_build *)at;
+}
+
+const struct factor_build *factor_build_find(struct resident_scene *scene, const struct factor_options *options)
+{
+	return find(shelf_of(scene, &kind), scene, options);
+}
+
 enum status factor_build_acquire(struct resident_scene *scene, struct device *device, const struct factor_options *options,
 				 struct factor_build **build, struct error *err)
 {
 	struct shelf *shelf = shelf_of(scene, &kind);
-	struct factor_build *b = NULL;
+	struct factor_build *b = find(shelf, scene, options);
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	for (struct shelved *at = shelf->first; at && !b; at = at->next)
-		if (serves((struct factor_build *)at, scene, options))
-			b = (struct factor_build *)at;
 	if (!b) {
 		enum status s;
 		while (shelf_drop_idle(shelf, kind.kept - 1))

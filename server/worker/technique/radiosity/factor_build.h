@@ -58,6 +58,9 @@ enum status factor_build_acquire(struct resident_scene *scene, struct device *de
 				 struct factor_build **build, struct error *err);
 void factor_build_release(struct factor_build *build); // NULL is allowed
 
+// Those that are there, which acquiring would hold; NULL: none. Good until the next call that may acquire or release some.
+const struct factor_build *factor_build_find(struct resident_scene *scene, const struct factor_options *options);
+
 // Want the rows of an element's group.
 void factor_build_want(struct factor_build *build, uint32_t element);
 

@@ -238,6 +238,14 @@ float light_progress(const struct light *l)
 	return light_finished(l) ? 1.0f : (float)((double)l->done / (double)whole(l));
 }
 
+double light_rays_wanted(const struct plan *plan, const struct resident_scene *scene, const struct light_options *options,
+			 uint32_t patches)
+{
+	const double lights = has_lights(plan, scene) ? scene_count(scene, BLOB_LIGHTS) : 0;
+	const double sides = (plan_has_sky(plan) ? 2 : 0) + (options->lamps && has_lamps(plan, scene) ? 2 : 0);
+	return patches * (lights * options->points + sides * options->sky_points * (2.0 + options->bounces));
+}
+
 uint64_t light_rays(const struct light *l)
 {
 	const uint64_t of_lights = (uint64_t)l->pass.patches * l->lights * l->options.points;

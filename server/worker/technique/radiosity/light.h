@@ -56,6 +56,10 @@ bool light_finished(const struct light *light);
 float light_progress(const struct light *light); // 0…1
 uint64_t light_rays(const struct light *light); // that were asked for so far, at most
 
+// How many that will be in all, for so many patches. No device is touched.
+double light_rays_wanted(const struct plan *plan, const struct resident_scene *scene, const struct light_options *options,
+			 uint32_t patches);
+
 // Copy D to host memory, 3 floats for each element.
 enum status light_read(const struct light *light, float *irradiance, struct error *err);
 

@@ -10,6 +10,7 @@
 #include "server/worker/technique/deferred/deferred.h"
 #include "server/worker/technique/radiosity/display_views.h"
 #include "server/worker/technique/radiosity/patch_file.h"
+#include "server/worker/technique/radiosity/prospect.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/radiosity_plan.h"
 #include "server/worker/technique/radiosity/survey.h"
@@ -169,6 +170,12 @@ static enum status step_survey(struct technique_job *j, uint32_t budget_us, stru
 	return s;
 }
 
+// Of all the job's work, by the share of the picture that is done. A solution that was there is none of it.
+static double fraction_of(const struct technique_job *j, double shown)
+{
+	return j->made ? SOLVE_SHARE + (1 - SOLVE_SHARE) * shown : shown;
+}
+
 static enum status step_file(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	const uint64_t start = clock_us();
@@ -180,7 +187,7 @@ static enum status step_file(struct technique_job *j, uint32_t budget_us, struct
 	j->file_us += clock_us() - start;
 	if (s != STATUS_OK)
 		return s;
-	result->fraction = SOLVE_SHARE + (1 - SOLVE_SHARE) * patch_file_fraction(j->file);
+	result->fraction = fraction_of(j, patch_file_fraction(j->file));
 	result->finished = patch_file_finished(j->file);
 	result->samples_done = result->finished ? j->plan.samples : 0;
 	return STATUS_OK;
@@ -197,7 +204,7 @@ static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, s
 		result->fraction = SOLVE_SHARE * j->fraction;
 		return s;
 	}
-	result->fraction = SOLVE_SHARE;
+	result->fraction = fraction_of(j, 0);
 	if (j->survey && !survey_finished(j->survey))
 		return step_survey(j, budget_us, err);
 	if (makes_file(&j->plan))
@@ -207,7 +214,7 @@ static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, s
 	if (!display_ready(&j->display))
 		return display_step(&j->display, deferred_timer(j->deferred), budget_us, err);
 	s = deferred_step(j->deferred, budget_us, result, err);
-	result->fraction = SOLVE_SHARE + (1 - SOLVE_SHARE) * result->fraction;
+	result->fraction = fraction_of(j, result->fraction);
 	return s;
 }
 
@@ -239,6 +246,8 @@ static enum status radiosity_read(struct technique_job *j, struct frame **frame,
 	(*frame)->diagram = !file && j->display.options.plain;
 	if (solution_finished(j->solution))
 		solution_account(j->solution, j->made, *frame);
+	if (solution_finished(j->solution))
+		radiosity_work(j->solution, j->scene, &j->plan, j->made, &(*frame)->work);
 	if (j->survey_us > 0)
 		frame_add_stage(*frame, "check", j->survey_us);
 	if (file || j->display.options.plain)
@@ -265,6 +274,7 @@ const struct technique technique_radiosity = {.number = candil_Technique_TECHNIQ
 					      .notes = radiosity_notes,
 					      .bytes = radiosity_bytes,
 					      .advise = radiosity_advise,
+					      .foresee = radiosity_foresee,
 					      .begin = radiosity_begin,
 					      .step = radiosity_step,
 					      .read = radiosity_read,

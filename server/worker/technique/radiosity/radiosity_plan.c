@@ -97,8 +97,8 @@ static double side_of(const struct vertex *a, const struct vertex *b)
 	return sqrt(sum);
 }
 
-// How many patches there will be, about: triangles as halves of quads.
-static double patches_guess(const struct plan *plan, const struct resident_scene *scene)
+// Triangles count as halves of quads.
+double radiosity_patches_guess(const struct plan *plan, const struct resident_scene *scene)
 {
 	const struct radiosity_settings *s = radiosity_settings(plan);
 	const struct triangle *triangles = scene_section(scene, BLOB_TRIANGLES);
@@ -133,7 +133,7 @@ uint64_t radiosity_bytes(const struct devices *devices, const struct resident_sc
 {
 	const struct display_options display = radiosity_display_options(plan, scene);
 	const uint32_t triangles = scene_count(scene, BLOB_TRIANGLES);
-	const double n = patches_guess(plan, scene);
+	const double n = radiosity_patches_guess(plan, scene);
 	const uint32_t patches = (uint32_t)n;
 	const struct row_scene of = {triangles, scene_count(scene, BLOB_VERTICES), triangles, patches};
 	struct row_options rows = {0};
@@ -156,7 +156,7 @@ void radiosity_advise(const struct devices *devices, const struct resident_scene
 	struct plan smaller = *plan;
 	struct radiosity_settings *s = radiosity_settings_of(&smaller);
 	const double least = 0.5 * scene_count(scene, BLOB_TRIANGLES);
-	s->patches = (uint32_t)patches_guess(plan, scene);
+	s->patches = (uint32_t)radiosity_patches_guess(plan, scene);
 	s->edge = 0;
 	while (s->patches > 1 && s->patches > least && radiosity_bytes(devices, scene, &smaller) > budget)
 		s->patches -= s->patches / 8 + 1;

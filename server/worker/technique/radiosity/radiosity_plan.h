@@ -12,6 +12,9 @@ void radiosity_solution_options(const struct plan *plan, const struct resident_s
 				struct solution_options *options);
 struct display_options radiosity_display_options(const struct plan *plan, const struct resident_scene *scene);
 
+// How many patches there will be, about.
+double radiosity_patches_guess(const struct plan *plan, const struct resident_scene *scene);
+
 // struct technique's functions of the same names.
 uint64_t radiosity_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
 void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,

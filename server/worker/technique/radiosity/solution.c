@@ -83,6 +83,13 @@ static struct solution *solution_find(const struct shelf *s, const struct reside
 	return NULL;
 }
 
+bool solution_is_made(struct resident_scene *scene, const struct solution_options *options)
+{
+	const struct shelf *shelf = shelf_of(scene, &kind);
+	const struct solution *v = shelf ? solution_find(shelf, scene, options) : NULL;
+	return v && solution_finished(v);
+}
+
 enum status solution_acquire(struct resident_scene *scene, struct device *device, struct gl_device *gl,
 			     const struct plan *plan, const struct solution_options *options, struct solution **solution,
 			     struct error *err)

@@ -66,6 +66,12 @@ struct solution {
 	uint64_t compile_us;
 };
 
+// Whether light of emissive surfaces is looked for by points on them.
+bool solution_finds_lamps(const struct solution_options *options, const struct resident_scene *scene);
+
+// Whether there is a solution by these options whose making is over.
+bool solution_is_made(struct resident_scene *scene, const struct solution_options *options);
+
 // Hold the solution of a scene by these options, beginning a new one if there is none for the same places, materials and
 // lights. A new one compiles its code. Pair with solution_release. STATUS_MEMORY, STATUS_DEVICE, and as patches_init.
 enum status solution_acquire(struct resident_scene *scene, struct device *device, struct gl_device *gl,

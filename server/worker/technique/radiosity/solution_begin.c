@@ -40,17 +40,17 @@ static enum status make_passes(struct solution *v, struct gl_device *gl, const s
 	return s;
 }
 
-// Whether light of emissive surfaces is looked for by points on them: where they are small beside the scene. What mirrors
-// show of them only chance finds that way, and form factors have more rays for it.
-static bool lamps_by_points(const struct solution *v, const struct resident_scene *scene)
+// By points on them where they are small beside the scene. What mirrors show of them only chance finds that way, and form
+// factors have more rays for it.
+bool solution_finds_lamps(const struct solution_options *o, const struct resident_scene *scene)
 {
 	const struct emitter *emitters = scene_section(scene, BLOB_EMITTERS);
 	const struct triangle *triangles = scene_section(scene, BLOB_TRIANGLES);
 	const struct vertex *vertices = scene_section(scene, BLOB_VERTICES);
 	double lamps = 0, all = 0;
-	if (v->options.emitters != RADIOSITY_EMITTERS_AUTO)
-		return v->options.emitters == RADIOSITY_EMITTERS_POINTS;
-	if (v->options.factors.rows.mirrors || !(v->options.effects >> candil_Effect_EFFECT_EMITTERS & 1u))
+	if (o->emitters != RADIOSITY_EMITTERS_AUTO)
+		return o->emitters == RADIOSITY_EMITTERS_POINTS;
+	if (o->factors.rows.mirrors || !(o->effects >> candil_Effect_EFFECT_EMITTERS & 1u))
 		return false;
 	for (uint32_t i = 0; i < scene_count(scene, BLOB_EMITTERS); i++)
 		lamps += lights_area(vertices, &triangles[emitters[i].triangle]);
@@ -73,7 +73,7 @@ static enum status make_arrays(struct solution *v, struct error *err)
 enum status solution_make_ready(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)
 {
 	const uint32_t count = v->factors->elements.count;
-	v->lamps = lamps_by_points(v, v->scene);
+	v->lamps = solution_finds_lamps(&v->options, v->scene);
 	v->buffers = v->factors->buffers;
 	v->stage = count > 0 ? SOLUTION_SURFACES : SOLUTION_DONE;
 	enum status s = make_arrays(v, err);
