@@ -89,13 +89,22 @@ static bool bias_holds(const struct pilot_bias *b)
 	       b->edges <= 1;
 }
 
+static bool work_holds(const struct work *w)
+{
+	for (int part = 0; part < WORK_PARTS; part++)
+		if (!is_known(w->left[part]) || !is_known(w->made[part]) || !is_known(w->us[part]) ||
+		    !is_known(w->doubt[part]))
+			return false;
+	return is_known(w->picture) && (w->told == 0 || w->picture > 0);
+}
+
 static bool result_holds(const struct pilot_result *r)
 {
 	for (unsigned b = 0; b < sizeof r->bias / sizeof *r->bias; b++)
 		if (!bias_holds(&r->bias[b]))
 			return false;
-	return estimate_holds(&r->error) && is_known(r->cold_us) && is_known(r->setup_us) && is_known(r->pixel_us) &&
-	       is_known(r->sample_us) && r->pixels <= LIMIT_PIXELS && r->samples <= LIMIT_SAMPLES;
+	return work_holds(&r->work) && estimate_holds(&r->error) && is_known(r->cold_us) && is_known(r->setup_us) &&
+	       is_known(r->pixel_us) && is_known(r->sample_us) && r->pixels <= LIMIT_PIXELS && r->samples <= LIMIT_SAMPLES;
 }
 
 bool answer_piloted_holds(struct ipc_piloted *piloted)
@@ -111,5 +120,5 @@ bool answer_image_holds(struct ipc_image *image)
 {
 	truth_clean(&image->frame.final);
 	text_clean(image->error.text, sizeof image->error.text);
-	return done_holds(&image->done);
+	return done_holds(&image->done) && work_holds(&image->work);
 }

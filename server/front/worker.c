@@ -159,19 +159,13 @@ void worker_end(struct worker *worker, uint32_t job)
 	worker_give(worker, &message, sizeof message, -1);
 }
 
-void worker_pilot(struct worker *worker, uint32_t pilot, const struct subject *subject, const candil_Render *render,
-		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us, bool compile)
+void worker_pilot(struct worker *worker, const struct ipc_pilot *pilot)
 {
-	struct ipc_pilot message = {.head = {.op = IPC_PILOT, .job = pilot},
-				    .budget_us = budget_us,
-				    .limit_us = limit_us,
-				    .techniques = techniques,
-				    .compile = compile,
-				    .render = *render};
-	subject_ids(subject, message.parts);
+	struct ipc_pilot message = *pilot;
+	message.head.op = IPC_PILOT;
 	worker_give(worker, &message, sizeof message, -1);
 	expect_answer(worker);
-	worker->pilot = pilot;
+	worker->pilot = message.head.job;
 	worker->holding = !worker->waiting.first;
 }
 

@@ -122,11 +122,9 @@ void worker_begin(struct worker *worker, uint32_t job, const struct subject *sub
 // Work on a job for about budget_us of device time; `stepped` answers.
 void worker_step(struct worker *worker, uint32_t job, uint32_t budget_us);
 
-// Look at a scene by the techniques of some bits, 1 << candil_Technique, with so much work for each, and all together
-// within a limit, and compile what that needs, as of struct ipc_pilot; `piloted` answers. No STEP, no BEGIN and no PILOT may
-// be outstanding.
-void worker_pilot(struct worker *worker, uint32_t pilot, const struct subject *subject, const candil_Render *render,
-		  uint32_t techniques, uint32_t budget_us, uint32_t limit_us, bool compile);
+// Look at a scene as `pilot` says; `piloted` answers under its number, head.job. No STEP, no BEGIN and no PILOT may be
+// outstanding.
+void worker_pilot(struct worker *worker, const struct ipc_pilot *pilot);
 
 // End the pilot that is out before its time; `piloted` answers with what it has seen, unless it has answered already. What
 // cannot be cut short, such as compiling, is waited for. False: it cannot be told now, and the pilot takes its time.

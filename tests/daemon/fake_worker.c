@@ -18,7 +18,9 @@
 //   FAKE_NO_DEVICE     there is no device          FAKE_EXIT   end at once
 //   FAKE_FAIL_STEP     every step fails            FAKE_FAIL_IMAGE   every image fails
 //   FAKE_PILOT         "die": be killed on PILOT; "refuse" it; "nonsense", "kind", "code", "other": answer with no number,
-//                      no kind of error, no status, for another pilot; "whole": do not look for its end
+//                      no kind of error, no status, for another pilot; "work": less than none; "whole": do not look for its
+//                      end
+//   FAKE_SOLVED        no work is left to be made for a scene
 //   FAKE_PILOT_US=N    a pilot takes so long (default 0) unless it is ended
 //   FAKE_READY_US=N    it is ready after so long (default 0)
 //   FAKE_OTHER_BUILD   be of another build
@@ -348,6 +350,18 @@ static void on_read(const struct ipc_read *message)
 		close(fd);
 }
 
+// A unit of rows takes 1 µs, and there are as many as radiosity.patches says, in thousands, unless FAKE_SOLVED.
+static void tell_work(const struct ipc_pilot *message, struct work *work)
+{
+	unsigned long thousands = 4;
+	for (pb_size_t i = 0; i < message->render.options_count; i++)
+		if (!strcmp(message->render.options[i].name, "radiosity.patches"))
+			thousands = strtoul(message->render.options[i].value, NULL, 10);
+	*work = (struct work){.told = 1, .way_of_rows = 1, .way_of_pictures = 1, .picture = 1};
+	work->left[WORK_ROWS] = getenv("FAKE_SOLVED") ? 0 : 1000.0 * (double)thousands;
+	work->made[WORK_ROWS] = work->us[WORK_ROWS] = message->try_us > 0 ? 1000 : 0;
+}
+
 // A path costs 1 µs, and its error is one over its samples; every other technique takes as long for a pixel, and is off by
 // 0.25. As much of it is wrong as FAKE_PILOT says.
 static void on_pilot(const struct ipc_pilot *message)
@@ -375,6 +389,10 @@ static void on_pilot(const struct ipc_pilot *message)
 	}
 	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
 		const bool noisy = technique_traits(t) & TECHNIQUE_NOISE;
+		if (message->told >> t & 1u)
+			tell_work(message, &piloted.results[t].work);
+		if (!strcmp(wrong, "work"))
+			piloted.results[t].work.left[WORK_ROWS] = -1;
 		if (!(message->techniques >> t & 1u))
 			continue;
 		piloted.results[t] = (struct pilot_result){.pixels = 100, .samples = 10, .pixel_us = 10, .sample_us = 1000};

@@ -100,6 +100,61 @@ class Answers(QuoteCase):
         self.assertEqual(connection.receive_for(load).kind, wire.SCENE_INFO)
 
 
+class Work(QuoteCase):
+    """What radiosity makes once for a scene, by what the worker says is left of it."""
+    RADIOSITY = dict(technique=pb.TECHNIQUE_RADIOSITY, samples=1)
+
+    def patches(self, count):
+        return dict(self.RADIOSITY, options=[pb.Option(name="radiosity.patches", value=str(count))])
+
+    def test_more_patches_take_longer(self):
+        """Rows take a microsecond: so many thousands of them so many milliseconds."""
+        connection = self.with_box()
+        few, many = (self.answer(connection, quote(**self.patches(n))).choice for n in (500, 5000))
+        self.assertTrue(400 < few.time_ms < 1000, few)
+        self.assertTrue(4000 < many.time_ms < 8000, many)
+        self.assertTrue(few.time_ms_low < 500 < few.time_ms_high and many.time_ms_low < 5000 < many.time_ms_high)
+
+    def test_its_error_is_not_known_until_it_was_looked_at(self):
+        connection = self.with_box()
+        self.assertEqual(self.answer(connection, quote(**self.RADIOSITY)).choice.relmse, -1)
+        looked = self.answer(connection, quote(pilot_ms=10, **self.RADIOSITY))
+        self.assertTrue(0.15 < looked.choice.relmse < 0.4, looked)
+        # Other patches are others, and so are other lights.
+        for other in (quote(**self.patches(77)), quote(edits=pb.Edits(replace_lights=True), **self.RADIOSITY)):
+            self.assertEqual(self.answer(connection, other).choice.relmse, -1, other)
+        self.assertGreater(self.answer(connection, quote(**self.RADIOSITY)).choice.relmse, 0)
+
+    def test_auto_does_not_choose_what_it_does_not_know(self):
+        """Nor what takes longer than there is time for."""
+        connection = self.with_box()
+        self.assertNotEqual(self.answer(connection, quote(deadline_ms=300)).choice.technique, pb.TECHNIQUE_RADIOSITY)
+        late = self.answer(connection, quote(deadline_ms=300, **self.patches(5000)))
+        self.assertFalse(late.met)
+        self.assertIn("take", late.why)
+
+    def test_a_job_in_a_hurry_asks_what_is_left(self):
+        connection = self.with_box()
+        connection.follow(connection.send(wire.RENDER, render(**OPEN | dict(samples=1, technique=pb.TECHNIQUE_RADIOSITY))))
+        self.answer(connection, quote(pilot_ms=10))
+        chosen = self.quote_of(connection, endless(technique=pb.TECHNIQUE_AUTO, width=100, height=100, deadline_ms=2000))
+        self.assertNotEqual(chosen.choice.technique, pb.TECHNIQUE_RADIOSITY)
+
+
+class Solved(Work):
+    environment = {"FAKE_SOLVED": "1"}
+
+    def test_more_patches_take_longer(self):
+        """But not where all of it is there."""
+        connection = self.with_box()
+        few, many = (self.answer(connection, quote(**self.patches(n))).choice for n in (500, 5000))
+        self.assertTrue(many.time_ms < 300 and few.time_ms < 300, (few, many))
+
+    def test_auto_does_not_choose_what_it_does_not_know(self):
+        connection = self.with_box()
+        self.assertTrue(self.answer(connection, quote(deadline_ms=900, **self.patches(5000))).met)
+
+
 class Busy(QuoteCase):
     environment = {"FAKE_STEP_US": "20000", "FAKE_PILOT_US": "1000"}
 
@@ -377,6 +432,10 @@ class NoStatus(Nonsense):
 
 class OfAnother(Nonsense):
     environment = {"FAKE_PILOT": "other"}
+
+
+class LessThanNoWork(Nonsense):
+    environment = {"FAKE_PILOT": "work"}
 
 
 class RefusedByTheWorker(QuoteCase):

@@ -30,6 +30,7 @@ static int set_up(void **state)
 {
 	struct error err;
 	(void)state;
+	worker.ready.software = false;
 	snprintf(worker.ready.device, sizeof worker.ready.device, "a device");
 	request = (candil_Render){.technique = PT, .width = 64, .height = 64, .samples = 4};
 	room = (struct scene){.id = 1, .info = {.hash = "room", .facts_count = 1, .facts = {"emitters"}}};
@@ -83,7 +84,7 @@ static void render(struct scene *scene, uint64_t compile_us, uint64_t send_us)
 static struct quote_query ask(struct scene *scene, candil_Technique technique)
 {
 	const struct rendered f = of(scene);
-	return quote_known_query(&known, &f, technique, 4);
+	return quote_known_query(&known, &f, technique, 4, NULL);
 }
 
 static void look(struct scene *scene, candil_Technique technique, uint32_t pixels, struct estimate error)
@@ -305,6 +306,105 @@ static void a_black_picture_has_no_error_and_says_nothing_of_others(void **state
 	assert_true(quote_predict(known.model, &q).error.relmse > 0.01);
 }
 
+// ---- work that is made once for a scene
+// ------------------------------------------------------------------------------------
+
+#define RADIOSITY candil_Technique_TECHNIQUE_RADIOSITY
+
+// So many rows are left, and so many took 2 µs each.
+static struct work rows(double left, double made)
+{
+	return (struct work){.told = 1,
+			     .way_of_rows = 5,
+			     .way_of_pictures = 6,
+			     .picture = 2,
+			     .left = {[WORK_ROWS] = left},
+			     .doubt = {[WORK_ROWS] = 0.1},
+			     .made = {[WORK_ROWS] = made},
+			     .us = {[WORK_ROWS] = 2 * made}};
+}
+
+static void render_radiosity(struct scene *scene, candil_Format format, double made)
+{
+	candil_Done done = {.samples = 4};
+	const struct work work = rows(0, made);
+	struct rendered f = of(scene);
+	request.technique = RADIOSITY;
+	request.format = format;
+	add_stage(&done, "upload", 5000);
+	add_stage(&done, "factors", (uint64_t)(2 * made));
+	add_stage(&done, "lookup", 40000);
+	add_stage(&done, "encode", 3000);
+	f.done = &done;
+	f.work = &work;
+	jobs.rendered(jobs.owner, &f);
+	request.format = candil_Format_FORMAT_EXR_HALF;
+}
+
+static double predicted_us(struct scene *scene, const struct work *work)
+{
+	const struct rendered f = of(scene);
+	const struct quote_query q = quote_known_query(&known, &f, RADIOSITY, 4, work);
+	return quote_predict(known.model, &q).us;
+}
+
+static void what_is_left_of_the_work_is_told_by_the_worker(void **state)
+{
+	(void)state;
+	worker.ready.software = true;
+	const struct work all = rows(500000, 0), none = rows(0, 0);
+	render_radiosity(&room, candil_Format_FORMAT_EXR_HALF, 500000);
+	const double picture = predicted_us(&room, &none), whole = predicted_us(&room, &all);
+	assert_true(picture < 100000);
+	assert_true(fabs(log((whole - picture) / 1e6)) < 0.25);
+	// Rows are no part of what else is made once: of a scene that is new that is little.
+	assert_true(predicted_us(&hall, &none) < 300000);
+	assert_true(predicted_us(&hall, &all) > 600000);
+	// Until it tells anew, what it told last holds, or else it may be anything.
+	assert_true(fabs(log(predicted_us(&room, NULL) / picture)) < 0.01);
+	const struct rendered in_hall = of(&hall);
+	const struct quote_query q = quote_known_query(&known, &in_hall, RADIOSITY, 4, NULL);
+	const struct quote_prediction p = quote_predict(known.model, &q);
+	assert_true(p.us_high > 10 * p.us && p.us > 5 * picture);
+	known.warm_count = 0; // the worker is another
+	assert_true(predicted_us(&room, NULL) > 5 * picture);
+}
+
+static void files_and_pilots_tell_of_rows(void **state)
+{
+	const struct rendered f = of(&room);
+	const struct work all = rows(500000, 0);
+	struct pilot_result tried = {.work = rows(500000, 1000), .error = ESTIMATE_UNKNOWN};
+	(void)state;
+	quote_known_pilot(&known, &f, RADIOSITY, &tried);
+	assert_int_equal(quote_known_refused(&known, &f), 0);
+	assert_true(fabs(log(predicted_us(&room, &all) / 1e6)) < 0.5);
+	// What was counted alone is no record, and no refusal either.
+	const uint32_t records = known.model->count;
+	tried.work = rows(500000, 0);
+	quote_known_pilot(&known, &f, RADIOSITY, &tried);
+	assert_int_equal(known.model->count, records);
+	assert_int_equal(quote_known_refused(&known, &f), 0);
+	render_radiosity(&hall, candil_Format_FORMAT_PLY, 500000);
+	assert_int_equal(known.model->count, records + 1);
+	assert_true(fabs(log(predicted_us(&hall, &all) / 1e6)) < 0.5);
+	// A file makes nothing warm that a picture needs.
+	assert_true(ask(&hall, RADIOSITY).setup && ask(&hall, RADIOSITY).cold);
+}
+
+static void samples_of_pictures_count_as_many_rays(void **state)
+{
+	const struct rendered f = of(&room);
+	struct work gathered = rows(0, 0);
+	(void)state;
+	render_radiosity(&room, candil_Format_FORMAT_EXR_HALF, 0);
+	struct quote_query q = quote_known_query(&known, &f, RADIOSITY, 4, &gathered);
+	const double two = quote_predict(known.model, &q).us;
+	gathered.picture = 16;
+	q = quote_known_query(&known, &f, RADIOSITY, 4, &gathered);
+	assert_true(quote_predict(known.model, &q).us > two + 0.75 * 7 * 40000);
+}
+
 static void a_technique_that_could_not_is_remembered_until_it_can(void **state)
 {
 	const struct rendered in_room = of(&room), in_hall = of(&hall);
@@ -350,6 +450,9 @@ int main(void)
 	    TEST(an_error_that_may_be_far_higher_is_expected_to_be_higher),
 	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),
 	    TEST(a_job_that_waits_for_a_pilot_is_not_alone),
+	    TEST(what_is_left_of_the_work_is_told_by_the_worker),
+	    TEST(files_and_pilots_tell_of_rows),
+	    TEST(samples_of_pictures_count_as_many_rays),
 	    TEST(a_technique_that_could_not_is_remembered_until_it_can),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

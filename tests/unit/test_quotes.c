@@ -276,6 +276,106 @@ static void a_setup_and_compiling_are_told_apart(void **state)
 	NEAR(cold.cold_us, 3e6, 1.5);
 }
 
+// ---- work that is made once for a scene
+// ------------------------------------------------------------------------------------
+
+#define RADIOSITY candil_Technique_TECHNIQUE_RADIOSITY
+
+// A request by radiosity of a scene whose rows are made one way, with so many units of them to be made.
+static struct quote_query work_query(uint64_t scene, uint64_t way, double rows)
+{
+	struct quote_query q = query(scene, 1, RADIOSITY, 4096, 4);
+	q.key.light = 1;
+	q.key.rows = way;
+	q.key.picture = 1;
+	q.picture = 1;
+	q.work[WORK_ROWS] = rows;
+	return q;
+}
+
+// A frame that has made its rows, of which a unit takes `us`, and whose error is 0.01.
+static struct quote_record work_frame(const struct quote_query *q, double us)
+{
+	struct quote_record r = frame(q, 1);
+	quote_set_part(&r, QUOTE_ROWS, us);
+	quote_set_part(&r, QUOTE_ERROR, 0.01);
+	return r;
+}
+
+static void rows_cost_what_rows_of_their_way_did(void **state)
+{
+	struct quote_model *m = *state;
+	const struct quote_query slow = work_query(1, 7, 1e6), quick = work_query(1, 8, 1e6);
+	const struct quote_record a = work_frame(&slow, 4), b = work_frame(&quick, 0.25);
+	quote_learn(m, &a, &slow, 0);
+	quote_learn(m, &b, &quick, 0);
+	struct quote_query none = slow, twice = work_query(1, 8, 2e6);
+	none.work[WORK_ROWS] = 0;
+	const double picture = quote_predict(m, &none).us;
+	NEAR(quote_predict(m, &slow).us - picture, 4e6, 1.25);
+	NEAR(quote_predict(m, &quick).us - picture, 0.25e6, 1.25);
+	NEAR(quote_predict(m, &twice).us - picture, 0.5e6, 1.25);
+	// Of a way that nobody has seen nothing is known but a guess, which is wide.
+	const struct quote_query other = work_query(1, 9, 1e6);
+	const struct quote_prediction guess = quote_predict(m, &other), known = quote_predict(m, &slow);
+	assert_true(width(&guess) > 3 * width(&known));
+}
+
+static void work_knows_no_view(void **state)
+{
+	struct quote_model *m = *state;
+	struct quote_query q = work_query(1, 7, 1e6);
+	const struct quote_record r = work_frame(&q, 4);
+	quote_learn(m, &r, &q, 0);
+	const struct quote_prediction same = quote_predict(m, &q);
+	q.key.view = 2;
+	const struct quote_prediction view = quote_predict(m, &q);
+	assert_true(width(&view) < 1.25 * width(&same));
+	q.key.light = 2;
+	const struct quote_prediction light = quote_predict(m, &q);
+	assert_true(width(&light) > 1.25 * width(&view));
+}
+
+static void what_may_be_more_work_is_wider(void **state)
+{
+	struct quote_model *m = *state;
+	struct quote_query q = work_query(1, 7, 1e6);
+	const struct quote_record r = work_frame(&q, 4);
+	quote_learn(m, &r, &q, 0);
+	const struct quote_prediction sure = quote_predict(m, &q);
+	q.doubt[WORK_ROWS] = 1;
+	const struct quote_prediction unsure = quote_predict(m, &q);
+	assert_true(unsure.us >= sure.us && unsure.us <= sure.us);
+	NEAR(log(unsure.us_high / unsure.us), hypot(log(sure.us_high / sure.us), 1.645), 1.1);
+}
+
+static void an_error_is_that_of_its_settings_and_light_or_unknown(void **state)
+{
+	struct quote_model *m = *state;
+	struct quote_query q = work_query(1, 7, 0);
+	assert_true(quote_predict(m, &q).error.relmse < 0);
+	const struct quote_record r = work_frame(&q, 4);
+	quote_keep(m, &r);
+	NEAR(quote_predict(m, &q).error.relmse, 0.01, 1.2);
+	assert_int_equal(quote_count_light(m, &q.key, QUOTE_ERROR), 1);
+	// From elsewhere it is much the same, but not with other lights, with other patches or in another scene.
+	q.key.view = 2;
+	NEAR(quote_predict(m, &q).error.relmse, 0.01, 2);
+	struct quote_query lights = q, patches = q, scene = q;
+	lights.key.light = 2;
+	patches.key.look = 77;
+	scene.key.scene = 2;
+	const struct quote_query *const others[] = {&lights, &patches, &scene};
+	for (int i = 0; i < 3; i++) {
+		const struct estimate e = quote_predict(m, others[i]).error;
+		assert_true(e.relmse < 0 && e.kind == candil_ErrorKind_ERROR_KIND_UNKNOWN);
+		assert_int_equal(quote_count_light(m, &others[i]->key, QUOTE_ERROR), 0);
+	}
+	// Techniques without such work are guessed, as ever.
+	const struct quote_query vct = query(1, 1, candil_Technique_TECHNIQUE_VCT, 64, 1);
+	assert_true(quote_predict(m, &vct).error.relmse > 0);
+}
+
 static void the_oldest_records_go(void **state)
 {
 	struct quote_model *m = *state;
@@ -604,6 +704,40 @@ static void scenes_that_are_easy_do_not_vouch_for_one_that_is_not(void **state)
 	assert_true(log(hard.error.high / hard.error.relmse) > 1.645 * 0.5 * 0.9);
 }
 
+// As predict, but that nobody knows how wrong radiosity is.
+static void predict_without(void *user, struct quote_way *way)
+{
+	predict(user, way);
+	if (way->technique != RADIOSITY)
+		return;
+	way->said.error = ESTIMATE_UNKNOWN;
+	way->said.us = way->said.us_high = 1;
+}
+
+static void an_error_that_is_not_known_is_not_chosen(void **state)
+{
+	candil_Render r = {.width = 64, .height = 64, .samples = QUOTE_OPEN_SAMPLES, .deadline_ms = 50};
+	const struct quote_ask ask = {.render = &r, .predict = predict_without};
+	candil_QuoteReply a = {0};
+	(void)state;
+	quote_choose(&ask, &a);
+	assert_true(a.met && a.choice.technique != RADIOSITY && a.choice.relmse > 0);
+	assert_true(!a.has_cheaper || a.cheaper.relmse > 0);
+	r.deadline_ms = 0;
+	r.target_error = 0.2;
+	quote_choose(&ask, &a);
+	assert_true(a.met && a.choice.technique != RADIOSITY);
+	// What is named is, and says so.
+	r.technique = RADIOSITY;
+	r.samples = 1;
+	quote_choose(&ask, &a);
+	assert_true(!a.met && a.choice.technique == RADIOSITY && a.choice.relmse < 0 &&
+		    strstr(a.why, "its error is not known"));
+	r.target_error = 0;
+	quote_choose(&ask, &a);
+	assert_true(a.met && a.choice.relmse < 0 && !a.has_better && !a.has_cheaper);
+}
+
 static void options_and_lenses_leave_what_takes_them(void **state)
 {
 	candil_Render r = {.width = 1, .height = 1, .options_count = 1};
@@ -639,12 +773,13 @@ static void keys_know_what_shows(void **state)
 	b.has_camera = true;
 	b.camera.vfov_degrees = 30;
 	y = quote_key_of(&b, PT, &scene, "d");
-	assert_true(x.view != y.view && x.look == y.look && x.scene == y.scene);
-	assert_true(quote_warmth_of(&a, &x, 1) == quote_warmth_of(&b, &y, 1));
-	assert_true(quote_warmth_of(&a, &x, 1) != quote_warmth_of(&a, &x, 2));
+	assert_true(x.view != y.view && x.look == y.look && x.scene == y.scene && x.light == y.light);
+	assert_true(quote_warmth_of(&x, 1) == quote_warmth_of(&y, 1));
+	assert_true(quote_warmth_of(&x, 1) != quote_warmth_of(&x, 2));
 	b.has_edits = true;
 	b.edits.replace_lights = true;
-	assert_true(quote_warmth_of(&a, &x, 1) != quote_warmth_of(&b, &y, 1));
+	y = quote_key_of(&b, PT, &scene, "d");
+	assert_true(x.light != y.light && quote_warmth_of(&x, 1) != quote_warmth_of(&y, 1));
 	// The order of options is no difference, and what they say is one.
 	a.options_count = b.options_count = 2;
 	strcpy(a.options[0].name, "pt.depth");
@@ -686,6 +821,11 @@ int main(void)
 	    WITH_MODEL(a_small_pilot_says_less_than_a_large_one),
 	    WITH_MODEL(a_device_takes_a_free_place_or_the_oldest),
 	    WITH_MODEL(a_setup_and_compiling_are_told_apart),
+	    WITH_MODEL(rows_cost_what_rows_of_their_way_did),
+	    WITH_MODEL(work_knows_no_view),
+	    WITH_MODEL(what_may_be_more_work_is_wider),
+	    WITH_MODEL(an_error_is_that_of_its_settings_and_light_or_unknown),
+	    cmocka_unit_test(an_error_that_is_not_known_is_not_chosen),
 	    WITH_MODEL(the_oldest_records_go),
 	    WITH_MODEL(a_model_comes_back_from_its_file),
 	    WITH_MODEL(a_damaged_file_is_refused_and_leaves_nothing),

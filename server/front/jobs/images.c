@@ -103,6 +103,7 @@ void jobs_image(struct jobs *jobs, uint32_t id, const struct ipc_image *image, i
 	frame.index = job->index;
 	if (final) {
 		job->done = image->done;
+		job->work = image->work;
 		job->scaled = image_is_scaled(&frame);
 		job->encoded_us = clock_us();
 		job->state = JOB_SENDING;

@@ -26,6 +26,7 @@ struct rendered {
 	const struct subject *subject;
 	const candil_Render *render; // as it is rendered
 	const candil_Done *done; // NULL: not yet
+	const struct work *work; // that it has made once for its scene; NULL: not known
 	bool alone; // no other job had the device meanwhile
 	bool slowed; // something was compiled meanwhile, by the processors that the device is made of
 	uint32_t worker; // starts of the worker up to the one that rendered it

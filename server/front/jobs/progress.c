@@ -208,6 +208,7 @@ static void tell_owner(const struct jobs *jobs, const struct job *job)
 	const struct rendered frame = {.subject = &job->subject,
 				       .render = &job->render,
 				       .done = &job->done,
+				       .work = &job->work,
 				       .alone = !job->crowded && jobs->count == 1,
 				       .slowed = jobs->worker->ready.software && jobs_compiled_since(jobs, job->again_us),
 				       .worker = job->worker};

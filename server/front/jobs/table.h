@@ -72,6 +72,7 @@ struct job {
 	struct image preview, final;
 	struct image last; // the latest preview that is all sent, where a deadline may make it the final one
 	candil_Done done; // the worker's part
+	struct work work; // that the job has made once for its scene
 };
 
 // The job with a number. NULL: it has ended.

@@ -46,6 +46,12 @@ bool quote_can(const candil_Render *r, candil_Technique technique)
 	return true;
 }
 
+// What is not known may be anything.
+static double error_of(const struct quote_way *way)
+{
+	return way->said.error.relmse < 0 ? INFINITY : way->said.error.relmse;
+}
+
 // ---- the ways --------------------------------------------------------------------------------------------------------
 
 // When a picture is there whose work takes so long.
@@ -131,7 +137,7 @@ static int by_time(const void *a, const void *b)
 	const struct quote_way *x = a, *y = b;
 	if (x->said.us < y->said.us || x->said.us > y->said.us)
 		return x->said.us < y->said.us ? -1 : 1;
-	return x->said.error.relmse < y->said.error.relmse ? -1 : x->said.error.relmse > y->said.error.relmse;
+	return error_of(x) < error_of(y) ? -1 : error_of(x) > error_of(y);
 }
 
 static void keep_front(struct ways *ways)
@@ -139,7 +145,7 @@ static void keep_front(struct ways *ways)
 	unsigned kept = 0;
 	qsort(ways->way, ways->count, sizeof *ways->way, by_time);
 	for (unsigned i = 0; i < ways->count; i++)
-		if (kept == 0 || ways->way[i].said.error.relmse < ways->way[kept - 1].said.error.relmse)
+		if (kept == 0 || error_of(&ways->way[i]) < error_of(&ways->way[kept - 1]))
 			ways->way[kept++] = ways->way[i];
 	ways->count = kept;
 }
@@ -154,7 +160,7 @@ static bool fits(const struct quote_ask *ask, const struct quote_way *way)
 	// What can be measured goes on until the measure's upper end is low enough. Of what cannot the upper end counts:
 	// nothing would mend it.
 	const double error = has_noise(way->technique) ? way->said.measured_high : way->said.error.high;
-	return !(r->target_error > 0) || error <= r->target_error;
+	return !(r->target_error > 0) || (isfinite(error_of(way)) && error <= r->target_error);
 }
 
 // Is `a` nearer to what is asked than `b`?
@@ -171,7 +177,7 @@ static bool is_better(const struct quote_ask *ask, const struct quote_way *a, co
 	// In time: the least time within an error, else the least error.
 	if (a_fits && ask->render->target_error > 0)
 		return time_of(ask, a) < time_of(ask, b);
-	return a->said.error.relmse < b->said.error.relmse;
+	return error_of(a) < error_of(b);
 }
 
 // Of a way that the deadline ends: the samples that are likely to be there by then.
@@ -227,7 +233,9 @@ static void say_unmet(const struct quote_ask *ask, const struct quote_way *w, ca
 			 r->width, r->height, surely ? takes : "may take",
 			 (surely ? time_of(ask, w) : sure_time_of(ask, w)) / 1000,
 			 ask->count_cold && w->said.cold_us > 0 ? ", with programs to be compiled first" : "");
-	} else if (r->deadline_ms > 0)
+	} else if (!isfinite(error_of(w)))
+		snprintf(because, sizeof because, "its error is not known");
+	else if (r->deadline_ms > 0)
 		snprintf(because, sizeof because, "in that time the error is about %.3g", w->said.error.relmse);
 	else if (has_noise(w->technique))
 		snprintf(because, sizeof because, "%u samples, the most of a request, leave an error of %.3g", w->samples,
@@ -259,15 +267,15 @@ static void say_why(const struct quote_ask *ask, const struct quote_way *w, cand
 // The neighbours of the choice on the front.
 static void tell_neighbours(const struct ways *ways, const struct quote_way *chosen, candil_QuoteReply *reply)
 {
-	const double us = chosen->said.us, error = chosen->said.error.relmse;
+	const double us = chosen->said.us, error = error_of(chosen);
 	reply->has_cheaper = reply->has_better = false;
 	for (unsigned i = 0; i < ways->count; i++) {
 		const struct quote_way *w = &ways->way[i];
-		if (w->said.us * STEP <= us && w->said.error.relmse > error) {
+		if (w->said.us * STEP <= us && error_of(w) > error && isfinite(error_of(w))) {
 			reply->has_cheaper = true;
 			tell(w, &reply->cheaper);
 		}
-		if (!reply->has_better && w->said.error.relmse * STEP <= error && w->said.us > us) {
+		if (!reply->has_better && error_of(w) * STEP <= error && isfinite(error_of(w)) && w->said.us > us) {
 			reply->has_better = true;
 			tell(w, &reply->better);
 		}

@@ -89,12 +89,13 @@ struct quote_key quote_key_of(const candil_Render *render, candil_Technique tech
 	return (struct quote_key){.where = hash_texts(where, 2),
 				  .scene = hash_texts(parts, PARTS),
 				  .look = hash_look(render, technique),
-				  .view = hash_view(render, true)};
+				  .view = hash_view(render, true),
+				  .light = hash_view(render, false)};
 }
 
-uint64_t quote_warmth_of(const candil_Render *render, const struct quote_key *key, uint64_t of)
+uint64_t quote_warmth_of(const struct quote_key *key, uint64_t of)
 {
-	return XXH64(&of, sizeof of, key->look ^ hash_view(render, false));
+	return XXH64(&of, sizeof of, key->look ^ key->light);
 }
 
 uint64_t quote_facts_of(const struct subject *subject)

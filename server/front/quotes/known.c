@@ -36,8 +36,8 @@ struct warmth {
 
 static struct warmth warmth_of(const struct rendered *f, const struct quote_key *key)
 {
-	return (struct warmth){.setup = quote_warmth_of(f->render, key, quote_made_of(f->subject)),
-			       .programs = quote_warmth_of(f->render, key, quote_facts_of(f->subject))};
+	return (struct warmth){.setup = quote_warmth_of(key, quote_made_of(f->subject)),
+			       .programs = quote_warmth_of(key, quote_facts_of(f->subject))};
 }
 
 bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key)
@@ -81,19 +81,59 @@ void quote_known_bar(struct quote_known *known, const struct rendered *f, candil
 		known->lost[known->lost_count++ % QUOTE_LOST] = warmth_of(f, &key).setup;
 }
 
+// What is taken for the work of a technique that has some, as long as no worker has told: anything.
+static const struct work anything = {
+    .picture = 1,
+    .left = {[WORK_CUT] = 8e3, [WORK_LIGHT] = 1e5, [WORK_ROWS] = 4e6, [WORK_SOLVE] = 2e6},
+    .doubt = {[WORK_CUT] = 2, [WORK_LIGHT] = 2, [WORK_ROWS] = 2, [WORK_SOLVE] = 2},
+};
+
+// What was told last of such a request's work.
+static const struct work *known_work(const struct quote_known *known, uint64_t what)
+{
+	for (uint32_t i = 0; known->warm_count > 0 && i < QUOTE_WORKS && i < known->work_count; i++)
+		if (known->works[i].what == what)
+			return &known->works[i].work;
+	return &anything;
+}
+
+static void keep_work(struct quote_known *known, uint64_t what, const struct work *work)
+{
+	uint32_t at = 0;
+	if (!work->told)
+		return;
+	known->work_count = known->warm_count > 0 ? known->work_count : 0;
+	while (at < QUOTE_WORKS && at < known->work_count && known->works[at].what != what)
+		at++;
+	if (at == QUOTE_WORKS || at == known->work_count)
+		at = known->work_count++ % QUOTE_WORKS;
+	known->works[at] = (struct quote_work){what, *work};
+}
+
 struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
-				     uint32_t samples)
+				     uint32_t samples, const struct work *work)
 {
 	const struct quote_key key = quote_known_key(known, f, technique);
 	const struct warmth w = warmth_of(f, &key);
-	return (struct quote_query){.key = key,
-				    .technique = technique,
-				    .software = known->worker->ready.software,
-				    .pixels = (double)f->render->width * f->render->height,
-				    .samples = samples,
-				    .bytes = (double)jobs_image_bytes(f->render),
-				    .setup = !has_warm(known, w.setup),
-				    .cold = !has_warm(known, w.programs)};
+	struct quote_query q = {.key = key,
+				.technique = technique,
+				.software = known->worker->ready.software,
+				.pixels = (double)f->render->width * f->render->height,
+				.samples = samples,
+				.picture = 1,
+				.bytes = (double)jobs_image_bytes(f->render),
+				.setup = !has_warm(known, w.setup),
+				.cold = !has_warm(known, w.programs)};
+	if (!(technique_traits(technique) & TECHNIQUE_PATCHES))
+		return q;
+	if (!work || !work->told)
+		work = known_work(known, w.setup);
+	q.key.rows = work->way_of_rows;
+	q.key.picture = work->way_of_pictures;
+	q.picture = work->picture;
+	memcpy(q.work, work->left, sizeof q.work);
+	memcpy(q.doubt, work->doubt, sizeof q.doubt);
+	return q;
 }
 
 static uint64_t wall_us(void)
@@ -152,17 +192,50 @@ static struct account add_up(const candil_Done *done)
 	return a;
 }
 
+// The parts of work that was made.
+static void set_work(struct quote_record *r, const struct work *work)
+{
+	for (int part = 0; part < WORK_PARTS; part++)
+		if (work->made[part] > 0 && work->us[part] > 0)
+			quote_set_part(r, (enum quote_part)(QUOTE_CUT + part), work->us[part] / work->made[part]);
+}
+
+// A file that is no picture tells of the work before it alone.
+static void learn_file(struct quote_known *known, const struct quote_query *q, const struct rendered *f)
+{
+	struct quote_record r = {
+	    .key = q->key, .stamp = next_stamp(known), .technique = q->technique, .pixels = 1, .samples = 1};
+	if (f->work && !f->slowed)
+		set_work(&r, f->work);
+	if (r.known == 0)
+		return;
+	quote_learn(known->model, &r, q, 0);
+	quote_store_mark(&known->store);
+}
+
+// What the frame's job has made was left before it.
+static struct work work_before(const struct work *work)
+{
+	struct work before = work ? *work : (struct work){0};
+	memcpy(before.left, before.made, sizeof before.left);
+	memset(before.doubt, 0, sizeof before.doubt);
+	return before;
+}
+
 static void learn_frame(void *owner, const struct rendered *f)
 {
 	struct quote_known *known = owner;
 	const candil_Technique technique = f->render->technique ? f->render->technique : TECHNIQUE_OF_AUTO;
 	const candil_Done *done = f->done;
-	if (!format_is_picture(f->render->format))
-		return;
 	// A worker that is gone by now took along what was warm, and another's warmth is none of this frame's.
 	if (done->samples == 0 || done->retries > 0 || f->worker != known->worker->starts)
 		return;
-	const struct quote_query q = quote_known_query(known, f, technique, done->samples);
+	const struct work work = work_before(f->work);
+	const struct quote_query q = quote_known_query(known, f, technique, done->samples, &work);
+	if (!format_is_picture(f->render->format)) {
+		learn_file(known, &q, f);
+		return;
+	}
 	const struct account a = add_up(done);
 	struct quote_record r = {.key = q.key,
 				 .stamp = next_stamp(known),
@@ -173,12 +246,14 @@ static void learn_frame(void *owner, const struct rendered *f)
 	const double fixed = a.us[STAGE_FIXED] + fmax((double)done->elapsed_us - a.all, 0);
 	// Times of a frame that had to share its processors with a compiler are nobody else's.
 	if (q.setup && !f->slowed)
-		quote_set_part(&r, QUOTE_SETUP, a.us[STAGE_SETUP]);
+		quote_set_part(&r, QUOTE_SETUP, fmax(a.us[STAGE_SETUP] - work_us(&work), 0));
+	if (!f->slowed)
+		set_work(&r, &work);
 	if (tells_cold(known, &q, a.us[STAGE_COLD]) && !f->slowed)
 		quote_set_part(&r, QUOTE_COLD, a.us[STAGE_COLD]);
 	if (!cold && !f->slowed) {
 		quote_set_part(&r, QUOTE_PIXEL, a.us[STAGE_PIXEL] / q.pixels);
-		quote_set_part(&r, QUOTE_SAMPLE, a.us[STAGE_SAMPLE] / (q.pixels * done->samples));
+		quote_set_part(&r, QUOTE_SAMPLE, a.us[STAGE_SAMPLE] / (q.pixels * done->samples * q.picture));
 		if (f->alone)
 			quote_set_part(&r, QUOTE_FIXED, fixed);
 	}
@@ -189,6 +264,8 @@ static void learn_frame(void *owner, const struct rendered *f)
 	if (e.kind == candil_ErrorKind_ERROR_KIND_MEASURED && technique_traits(technique) & TECHNIQUE_NOISE)
 		set_error(&r, &e, done->samples);
 	set_warm(known, f, technique, &q.key);
+	if (f->work)
+		keep_work(known, warmth_of(f, &q.key).setup, f->work);
 	quote_learn(known->model, &r, &q, cold || f->slowed || !f->alone ? 0 : (double)done->elapsed_us - a.us[STAGE_QUEUE]);
 	quote_store_mark(&known->store);
 }
@@ -197,7 +274,7 @@ static void learn_frame(void *owner, const struct rendered *f)
 static struct estimate predict_error(void *owner, const struct rendered *f)
 {
 	const struct quote_known *known = owner;
-	const struct quote_query q = quote_known_query(known, f, f->render->technique, f->render->samples);
+	const struct quote_query q = quote_known_query(known, f, f->render->technique, f->render->samples, NULL);
 	if (quote_count_look(known->model, &q.key, QUOTE_ERROR) == 0)
 		return ESTIMATE_UNKNOWN;
 	return quote_predict(known->model, &q).error;
@@ -222,19 +299,40 @@ static void keep_bias(struct quote_known *known, const struct quote_record *time
 		quote_learn(known->model, &r, NULL, 0);
 }
 
+static void log_work(const char *name, const struct work *w)
+{
+	log_line(LOG_DEBUG,
+		 "work of %s: %.0f elements, %.3g rays, %.3g of rows, %.3g entries left; %.3f, %.3f, %.4f, %.4f us of each",
+		 name, w->left[WORK_CUT], w->left[WORK_LIGHT], w->left[WORK_ROWS], w->left[WORK_SOLVE],
+		 w->us[WORK_CUT] / fmax(w->made[WORK_CUT], 1), w->us[WORK_LIGHT] / fmax(w->made[WORK_LIGHT], 1),
+		 w->us[WORK_ROWS] / fmax(w->made[WORK_ROWS], 1), w->us[WORK_SOLVE] / fmax(w->made[WORK_SOLVE], 1));
+}
+
 void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
 		       const struct pilot_result *p)
 {
 	const char *name = f->subject->part[PART_SCENE]->info.name;
 	const bool seen = p->pixels > 0 && p->samples > 0;
-	const struct quote_query q = quote_known_query(known, f, technique, seen ? p->samples : 1);
+	const struct quote_query q = quote_known_query(known, f, technique, seen ? p->samples : 1, &p->work);
 	struct quote_record r = {.key = q.key,
 				 .stamp = next_stamp(known),
 				 .technique = technique,
 				 .pilot = 1,
 				 .pixels = seen ? p->pixels : 1,
 				 .samples = seen ? p->samples : 1};
+	if (p->work.told)
+		log_work(name, &p->work);
+	if (!p->slowed)
+		set_work(&r, &p->work);
+	if (!seen && p->work.told && !p->refused) {
+		// Without a part it would be a refusal.
+		if (r.known != 0)
+			quote_learn(known->model, &r, NULL, 0);
+		quote_store_mark(&known->store);
+		return;
+	}
 	if (!seen) {
+		r.known = 0;
 		log_line(LOG_DEBUG, "pilot of %s: %s cannot", name, technique_name(technique));
 		quote_keep(known->model, &r);
 		return;
@@ -245,7 +343,7 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 		quote_set_part(&r, QUOTE_COLD, p->cold_us);
 	if (!p->slowed) {
 		quote_set_part(&r, QUOTE_PIXEL, p->pixel_us / p->pixels);
-		quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples));
+		quote_set_part(&r, QUOTE_SAMPLE, p->sample_us / ((double)p->pixels * p->samples * q.picture));
 	}
 	const bool noisy = technique_traits(technique) & TECHNIQUE_NOISE;
 	set_error(&r, &p->error, noisy ? p->samples : 1);
@@ -255,6 +353,7 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 		 name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us, p->pixel_us / p->pixels,
 		 p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low, p->error.high);
 	set_warm(known, f, technique, &q.key);
+	keep_work(known, warmth_of(f, &q.key).setup, &p->work);
 	quote_learn(known->model, &r, NULL, 0);
 	for (unsigned i = 0; i < sizeof p->bias / sizeof *p->bias; i++)
 		keep_bias(known, &r, &p->bias[i]);

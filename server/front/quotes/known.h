@@ -10,6 +10,7 @@
 #include "server/front/quotes/store.h"
 
 #define QUOTE_LOST 64u // that a worker was lost with, likewise
+#define QUOTE_WORKS 64u // what was told of work, likewise
 #define QUOTE_WARM 512u // kinds of programs, and of what is made of a scene, that are remembered to be there, the latest
 
 // Others may read it, and set warm_count to 0 when the worker is lost.
@@ -21,6 +22,11 @@ struct quote_known {
 	uint64_t warm[QUOTE_WARM];
 	uint32_t warm_count; // ever
 	uint32_t begun; // techniques that made something warm, bits 1 << candil_Technique; nothing if warm_count is 0
+	struct quote_work {
+		uint64_t what; // it is about
+		struct work work;
+	} works[QUOTE_WORKS];
+	uint32_t work_count; // ever; nothing if warm_count is 0
 	uint64_t lost[QUOTE_LOST];
 	uint32_t lost_count; // ever
 };
@@ -34,11 +40,13 @@ enum status quote_known_init(struct quote_known *known, struct jobs *jobs, const
 void quote_known_finish(struct quote_known *known);
 
 // The key of a request by a technique, whether what it needs is compiled and built, and what to ask the model. Programs
-// depend on what scenes have, so those of another scene with the same facts are compiled, too.
+// depend on what scenes have, so those of another scene with the same facts are compiled, too. Of a technique that has work
+// to be made once for a scene, `work` is what a worker told of it; NULL, or untold: what was told before, else it may be
+// anything.
 struct quote_key quote_known_key(const struct quote_known *known, const struct rendered *f, candil_Technique technique);
 bool quote_known_warm(const struct quote_known *known, const struct rendered *f, const struct quote_key *key);
 struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
-				     uint32_t samples);
+				     uint32_t samples, const struct work *work);
 
 // Whether the worker was lost with a pilot of such a request by that technique. And remember that it was.
 bool quote_known_lost(const struct quote_known *known, const struct rendered *f, const struct quote_key *key);
@@ -47,7 +55,8 @@ void quote_known_bar(struct quote_known *known, const struct rendered *f, candil
 // The techniques, bits 1 << candil_Technique, that could not render the scene of a request when it was looked at last.
 uint32_t quote_known_refused(const struct quote_known *known, const struct rendered *f);
 
-// Learn what a pilot of that request says of a technique. One with no pixels says that it could not render it.
+// Learn what a pilot of that request says of a technique: one that is refused, that it could not render it, and one without
+// pixels what its work takes alone.
 void quote_known_pilot(struct quote_known *known, const struct rendered *f, candil_Technique technique,
 		       const struct pilot_result *result);
 

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+_Static_assert(QUOTE_SOLVE - QUOTE_CUT == (int)WORK_PARTS - 1, "each part of a work is one of a record");
+
 #define NORMAL_90 1.645
 #define STRETCH_RATE 0.2
 #define STRETCH_LEAST 0.5
@@ -36,6 +38,10 @@ static const struct assumed {
     [QUOTE_SAMPLE] = {3, 0.01, 1.5, {0.05, 0.12, 0.3, 0.7}, 0, 0},
     [QUOTE_ENCODE] = {0.02, 0.02, 0.7, {0.08, 0.3, 0.15, 0.3}, -0.05, 0},
     [QUOTE_SETUP] = {2e4, 1e4, 1.5, {0.3, 0.3, 0.5, 1.2}, 0, 0},
+    [QUOTE_CUT] = {4, 2, 1.2, {0.3, 0.3, 0.4, 0.6}, 0, 0},
+    [QUOTE_LIGHT] = {0.5, 0.01, 1.2, {0.15, 0.2, 0.3, 0.6}, 0, 0},
+    [QUOTE_ROWS] = {0.5, 0.01, 1.2, {0.12, 0.15, 0.25, 0.6}, 0, 0},
+    [QUOTE_SOLVE] = {0.05, 0.005, 1.2, {0.2, 0.3, 0.35, 0.6}, 0, 0},
     [QUOTE_COLD] = {2e6, 5e5, 1.0, {0.3, 0.3, 0.4, 0.5}, 0, 0},
     [QUOTE_ERROR] = {0.3, 0.3, 1.3, {0.05, 0.25, 0.5, 1.1}, -0.02, -0.05},
 };
@@ -140,9 +146,37 @@ static bool same_view(const struct quote_key *a, const struct quote_key *b)
 	return a->scene == b->scene && a->look == b->look && a->view == b->view;
 }
 
-static enum quote_group group_in(const struct quote_record *r, const struct quote_key *key)
+static bool same_light(const struct quote_key *a, const struct quote_key *b)
 {
-	if (same_view(&r->key, key))
+	return a->scene == b->scene && a->look == b->look && a->light == b->light;
+}
+
+// Is it made once for a scene, whatever the view?
+static bool is_work(enum quote_part part)
+{
+	return part >= QUOTE_CUT && part <= QUOTE_SOLVE;
+}
+
+static bool has_work(uint32_t technique)
+{
+	return technique_traits(technique) & TECHNIQUE_PATCHES;
+}
+
+// Does a record that knows a part know it of what was made the same way?
+static bool tells(const struct quote_record *r, const struct quote_key *key, enum quote_part part)
+{
+	if (!knows(r, part))
+		return false;
+	if (part == QUOTE_ROWS)
+		return r->key.rows == key->rows;
+	if (part == QUOTE_PIXEL || part == QUOTE_SAMPLE)
+		return r->key.picture == key->picture;
+	return part != QUOTE_ERROR || !has_work(r->technique) || same_light(&r->key, key);
+}
+
+static enum quote_group group_in(const struct quote_record *r, const struct quote_key *key, enum quote_part part)
+{
+	if (is_work(part) ? same_light(&r->key, key) : same_view(&r->key, key))
 		return r->pilot ? QUOTE_PILOTS : QUOTE_FRAMES;
 	return r->key.scene == key->scene ? QUOTE_SCENE : QUOTE_OTHERS;
 }
@@ -228,14 +262,14 @@ struct hearing {
 static void hear(struct hearing *h, const struct quote_record *r)
 {
 	const struct quote_query *q = h->query;
-	const enum quote_group g = group_in(r, &q->key);
-	struct cluster *cluster = g >= QUOTE_SCENE ? cluster_of(&h->clusters, r, g) : NULL;
-	if (g >= QUOTE_SCENE && !cluster)
-		return;
 	const double pixels = log2(q->pixels / r->pixels), samples = log2(q->samples / r->samples);
 	for (int p = 0; p < QUOTE_PARTS; p++) {
 		const enum quote_part part = (enum quote_part)p;
-		if (!(h->parts >> p & 1u) || !knows(r, part))
+		if (!(h->parts >> p & 1u) || !tells(r, &q->key, part))
+			continue;
+		const enum quote_group g = group_in(r, &q->key, part);
+		struct cluster *cluster = g >= QUOTE_SCENE ? cluster_of(&h->clusters, r, g) : NULL;
+		if (g >= QUOTE_SCENE && !cluster)
 			continue;
 		const bool error = part == QUOTE_ERROR;
 		// A view that is black tells nothing of one that is not.
@@ -367,15 +401,17 @@ static double width_of(const struct quote_habits *h, uint32_t technique, int whi
 struct quote_prediction quote_predict(const struct quote_model *m, const struct quote_query *q)
 {
 	const struct quote_habits *habits = find_habits(m, q->key.where);
-	const double times[QUOTE_COLD] = {[QUOTE_FIXED] = 1,
-					  [QUOTE_PIXEL] = q->pixels,
-					  [QUOTE_SAMPLE] = q->pixels * q->samples,
-					  [QUOTE_ENCODE] = q->bytes,
-					  [QUOTE_SETUP] = q->setup ? 1 : 0};
+	double times[QUOTE_COLD] = {[QUOTE_FIXED] = 1,
+				    [QUOTE_PIXEL] = q->pixels,
+				    [QUOTE_SAMPLE] = q->pixels * q->samples * (q->picture > 0 ? q->picture : 1),
+				    [QUOTE_ENCODE] = q->bytes,
+				    [QUOTE_SETUP] = q->setup ? 1 : 0};
 	struct quote_prediction out = {.records = quote_count_scene(m, &q->key)};
 	struct said said[QUOTE_PARTS];
 	unsigned parts = 1u << QUOTE_ERROR | (q->cold ? 1u << QUOTE_COLD : 0);
 	double variance = 0;
+	for (int part = 0; part < WORK_PARTS; part++)
+		times[QUOTE_CUT + part] = q->work[part];
 	for (int part = 0; part < QUOTE_COLD; part++)
 		parts |= times[part] > 0 ? 1u << part : 0;
 	ask(m, habits, q, parts, said);
@@ -384,8 +420,9 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 			continue;
 		const struct guess g = guess_part(&said[part], habits, q, (enum quote_part)part);
 		const double us = exp(g.mean) * times[part];
+		const double doubt = is_work((enum quote_part)part) ? q->doubt[part - QUOTE_CUT] : 0;
 		out.us += us;
-		variance += us * us * g.variance;
+		variance += us * us * (g.variance + doubt * doubt);
 		if (part == QUOTE_SAMPLE)
 			out.nearest[0] = g.nearest;
 	}
@@ -398,6 +435,10 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 	// One picture by noise is better or worse than the next, as far as its pixels are few.
 	const double luck = has_noise(q->technique) ? fmin(e.spread, 1) : 0;
 	out.nearest[1] = e.nearest;
+	out.measured_high = -1;
+	out.error = ESTIMATE_UNKNOWN;
+	if (has_work(q->technique) && e.nearest == QUOTE_GROUPS)
+		return out;
 	const double width = width_of(habits, q->technique, 1, e.nearest, fmax(e.variance - e.own, 0), e.own + luck * luck);
 	out.error.kind = candil_ErrorKind_ERROR_KIND_PREDICTED;
 	out.error.relmse = exp(e.mean) / (has_noise(q->technique) ? q->samples : 1);
@@ -450,9 +491,10 @@ static enum quote_group nearest_frame(const struct quote_model *m, const struct 
 	enum quote_group nearest = QUOTE_OTHERS;
 	for (uint32_t i = 0; i < m->count && nearest != QUOTE_FRAMES; i++) {
 		const struct quote_record *old = newest(m, i);
-		if (old->pilot || old->key.where != r->key.where || old->technique != r->technique || !knows(old, part))
+		if (old->pilot || old->key.where != r->key.where || old->technique != r->technique ||
+		    !tells(old, &r->key, part))
 			continue;
-		const enum quote_group g = group_in(old, &r->key);
+		const enum quote_group g = group_in(old, &r->key, part);
 		nearest = g < nearest ? g : nearest;
 	}
 	return nearest;
@@ -539,6 +581,15 @@ uint32_t quote_count_look(const struct quote_model *m, const struct quote_key *k
 		count +=
 		    k->where == key->where && k->scene == key->scene && k->look == key->look && knows(&m->records[i], part);
 	}
+	return count;
+}
+
+uint32_t quote_count_light(const struct quote_model *m, const struct quote_key *key, enum quote_part part)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < m->count; i++)
+		count += m->records[i].key.where == key->where && same_light(&m->records[i].key, key) &&
+			 knows(&m->records[i], part);
 	return count;
 }
 

@@ -3,7 +3,10 @@
 //
 // A record holds parts, each of them a logarithm: of a time divided by what it grows with, or of an error. A part of a
 // request is predicted from five groups of records, the nearest first: frames of the same view and settings, pilots of
-// them, anything else of the same scene and technique, other scenes, and a guess that needs none. A group's members are
+// them, anything else of the same scene and technique, other scenes, and a guess that needs none. Work that is made once for
+// a scene knows no view, and what its rows and its pixels cost is heard of records alone that made them the same way. Errors
+// of a technique with such work are those of its settings and of the scene's light: others tell nothing, and the error is
+// unknown. A group's members are
 // first carried to the size and samples of the request by the drift, which is learned: what a part changes by with each
 // doubling. Of other scenes each speaks once, however many records it has, and so does each view of the same scene. A
 // group's mean counts by the inverse of its variance, which is that of its members and that of the group: how far frames
@@ -28,6 +31,7 @@
 #include "protocol/limits.h"
 #include "protocol/names.h"
 #include "server/base/estimate.h"
+#include "server/base/work.h"
 
 // The parts of a record. Each is the logarithm of:
 enum quote_part {
@@ -35,7 +39,11 @@ enum quote_part {
 	QUOTE_PIXEL, // µs for a pixel, whatever the samples
 	QUOTE_SAMPLE, // µs for a sample of a pixel
 	QUOTE_ENCODE, // µs for a byte of the file, by image_estimate
-	QUOTE_SETUP, // µs of what is made once for a scene
+	QUOTE_SETUP, // µs of what is made once for a scene, without the parts of its work, of which each has µs for a unit:
+	QUOTE_CUT,
+	QUOTE_LIGHT,
+	QUOTE_ROWS,
+	QUOTE_SOLVE,
 	QUOTE_COLD, // µs of compiling
 	QUOTE_ERROR, // relMSE × samples of a technique with noise, else relMSE
 	QUOTE_PARTS
@@ -50,6 +58,8 @@ struct quote_key {
 	uint64_t scene; // with the picture of its surroundings
 	uint64_t look; // technique and options
 	uint64_t view; // camera and all else that shows, but the size and the samples
+	uint64_t light; // the same without the camera
+	uint64_t rows, picture; // what a row's cost, and a pixel's, depends on beside them (server/base/work.h); 0: not told
 };
 
 // One frame, or one technique's part of a pilot.
@@ -92,14 +102,16 @@ struct quote_query {
 	uint32_t technique;
 	bool software; // the device is a processor
 	double pixels, samples, bytes; // of the file
-	bool setup; // what is made once for a scene is to be made
+	double picture; // units of the key's `picture` that a sample of a pixel counts as, above 0
+	double work[WORK_PARTS], doubt[WORK_PARTS]; // units that are to be made, and the deviations of their logarithms
+	bool setup; // what else is made once for a scene is to be made
 	bool cold; // programs are to be compiled
 };
 
 struct quote_prediction {
 	double us, us_low, us_high; // on an idle device, without cold_us
 	double cold_us; // 0 unless query->cold
-	struct estimate error; // never unknown
+	struct estimate error; // unknown where errors of other settings and lights tell nothing of it
 	double measured_high; // upper end of what a frame by noise will measure of its own error, likely
 	enum quote_group nearest[2]; // that knows something of the time and of the error; QUOTE_GROUPS: none
 	uint32_t records; // of the scene
@@ -115,10 +127,11 @@ void quote_set_part(struct quote_record *record, enum quote_part part, double va
 // the frame without what is cold; query NULL: a pilot. us 0: not known.
 void quote_learn(struct quote_model *model, const struct quote_record *record, const struct quote_query *query, double us);
 
-// How many records of the scene there are that know anything, and how many that know a part of that look, and of that view
-// and look. Of a view a pilot counts whatever it knows: another would tell no more.
+// How many records of the scene there are that know anything, and how many that know a part of that look, of that look and
+// light, and of that view and look. Of a view a pilot counts whatever it knows: another would tell no more.
 uint32_t quote_count_scene(const struct quote_model *model, const struct quote_key *key);
 uint32_t quote_count_look(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
+uint32_t quote_count_light(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
 uint32_t quote_count_view(const struct quote_model *model, const struct quote_key *key, enum quote_part part);
 
 // Whether the newest record of the look and scene is that of a pilot that knows nothing, for its technique could not.

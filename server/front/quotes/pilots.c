@@ -20,8 +20,8 @@ static uint32_t bit(candil_Technique technique)
 static void set_limit(struct quote *quote, bool warm)
 {
 	const uint64_t count = (uint64_t)__builtin_popcount(quote->techniques);
-	const uint64_t us =
-	    PILOT_EXTRA_US + (warm || count == 0 ? 0 : PILOT_COLD_US) + count * PILOT_ROOM * quote->budget_us;
+	const uint64_t work_us = count * quote->budget_us + quote->try_us;
+	const uint64_t us = PILOT_EXTRA_US + (warm || work_us == 0 ? 0 : PILOT_COLD_US) + PILOT_ROOM * work_us;
 	const uint64_t most = LIMIT_PROBE_SECONDS * 1000000ull;
 	quote->limit_us = (uint32_t)(us < most ? us : most);
 }
@@ -34,11 +34,11 @@ static void keep_deadline(struct quote *quote)
 	const uint64_t end_us = quote->asked_us + quote->render.deadline_ms * 1000ull;
 	const uint64_t share_us = end_us > now ? (end_us - now) / PILOT_DEADLINE_SHARE : 0;
 	if (share_us < PILOT_LEAST_US)
-		quote->budget_us = 0;
-	if (count == 0 || quote->budget_us == 0)
-		return;
+		quote->budget_us = quote->told = 0;
 	if (share_us < quote->limit_us)
 		quote->limit_us = (uint32_t)share_us;
+	if (count == 0 || quote->budget_us == 0)
+		return;
 	if (quote->limit_us / (2 * count) < quote->budget_us)
 		quote->budget_us = (uint32_t)(quote->limit_us / (2 * count));
 }
@@ -49,6 +49,26 @@ static bool is_doubtful(const struct quotes *quotes, const struct quote *quote, 
 	const struct rendered f = quote_frame(quote);
 	const struct quote_key key = quote_known_key(&quotes->known, &f, technique);
 	return !quote->job && !quote->barred && quote_count_view(quotes->known.model, &key, QUOTE_SAMPLE) == 0;
+}
+
+// Of which techniques is the work that is left to be told, and is some of it to be tried out? Of one that the client left
+// open it matters only where its error is known: else it is not chosen. In a hurry it is counted alone.
+static void plan_work(const struct quotes *quotes, struct quote *quote, bool hurried)
+{
+	const struct rendered f = quote_frame(quote);
+	quote->told = quote->try_us = 0;
+	for (unsigned t = 0; t < TECHNIQUE_COUNT; t++) {
+		const struct quote_key key = quote_known_key(&quotes->known, &f, (candil_Technique)t);
+		if (!(technique_traits(t) & TECHNIQUE_PATCHES) || !quote_can(&quote->render, (candil_Technique)t) ||
+		    quote_known_lost(&quotes->known, &f, &key))
+			continue;
+		const bool asked = t == quote->render.technique || quote->techniques >> t & 1u;
+		if (!asked && quote_count_light(quotes->known.model, &key, QUOTE_ERROR) == 0)
+			continue;
+		quote->told |= 1u << t;
+		if (!hurried && (quote->pilot_ms > 0 || quote_count_light(quotes->known.model, &key, QUOTE_ROWS) == 0))
+			quote->try_us = quote->pilot_ms > 0 ? quote->pilot_ms * 1000 : PILOT_US;
+	}
 }
 
 bool pilot_plan(const struct quotes *quotes, struct quote *quote)
@@ -89,12 +109,13 @@ bool pilot_plan(const struct quotes *quotes, struct quote *quote)
 		clear_unknown = false;
 	quote->techniques = clear_unknown || quote->pilot_ms > 0 ? noisy | clear : noisy_unknown ? noisy : 0;
 	quote->budget_us = quote->techniques == 0 ? 0 : quote->pilot_ms > 0 ? quote->pilot_ms * 1000 : PILOT_US;
+	plan_work(quotes, quote, hurried);
 	set_limit(quote, all_warm);
 	if (hurried)
 		keep_deadline(quote);
 	if (quote->budget_us == 0)
 		quote->techniques = 0;
-	return quote->techniques != 0 || is_doubtful(quotes, quote, own);
+	return quote->techniques != 0 || quote->told != 0 || is_doubtful(quotes, quote, own);
 }
 
 static struct quote *next_pilot(const struct quotes *quotes)
@@ -111,8 +132,16 @@ static void send_pilot(struct quotes *quotes, struct quote *quote)
 	quotes->out = quote->id;
 	quotes->out_since_us = clock_us();
 	quotes->jobs->pilot_out = true;
-	worker_pilot(quotes->worker, quote->id, &quote->subject, &quote->render, quote->techniques, quote->budget_us,
-		     quote->limit_us, quote->compiled || quotes->worker->options->private_fd >= 0);
+	struct ipc_pilot pilot = {.head = {.job = quote->id},
+				  .techniques = quote->techniques,
+				  .told = quote->told,
+				  .budget_us = quote->budget_us,
+				  .try_us = quote->try_us,
+				  .limit_us = quote->limit_us,
+				  .compile = quote->compiled || quotes->worker->options->private_fd >= 0,
+				  .render = quote->render};
+	subject_ids(&quote->subject, pilot.parts);
+	worker_pilot(quotes->worker, &pilot);
 }
 
 void pilot_compile_first(struct quote *quote, const struct ipc_piloted *piloted)

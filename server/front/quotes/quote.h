@@ -17,6 +17,9 @@ struct quote {
 	uint32_t limit_us; // of the whole pilot
 	uint64_t send_by_us; // past it no pilot is sent
 	uint32_t techniques; // of the pilot
+	uint32_t told; // techniques whose work the pilot tells
+	uint32_t try_us; // for which some of that is tried out
+	struct work work[TECHNIQUE_COUNT]; // that was told
 	bool started; // the scene is there, and what is to be done is known
 	bool piloted; // the pilot is back, or none will be
 	uint64_t code; // that the worker refused its pilot for; 0: none

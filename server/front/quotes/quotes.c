@@ -28,7 +28,8 @@ static void predict_way(void *user, struct quote_way *way)
 {
 	const struct asking *a = user;
 	const struct rendered f = quote_frame(a->quote);
-	const struct quote_query q = quote_known_query(&a->quotes->known, &f, way->technique, way->samples);
+	const struct quote_query q =
+	    quote_known_query(&a->quotes->known, &f, way->technique, way->samples, &a->quote->work[way->technique]);
 	way->said = quote_predict(a->quotes->known.model, &q);
 }
 
@@ -49,14 +50,20 @@ static void __attribute__((format(printf, 2, 3))) add_note(candil_QuoteReply *re
 	va_end(args);
 }
 
-static void add_notes(const struct quotes *quotes, const struct quote *quote, const struct quote_prediction *said,
+static void add_notes(const struct quotes *quotes, const struct quote *quote, const struct quote_way *way,
 		      candil_QuoteReply *reply)
 {
+	const struct quote_prediction *said = &way->said;
+	const bool untold = technique_traits(way->technique) & TECHNIQUE_PATCHES && !quote->work[way->technique].told;
 	if (said->records == 0)
 		add_note(reply, "nothing is known of this scene yet: this is a guess from %s",
 			 quotes->known.model->count > 0 ? "other scenes" : "nothing but the size");
-	else if (quote->budget_us > 0 && !quote->piloted)
+	else if ((quote->budget_us > 0 || untold) && !quote->piloted)
 		add_note(reply, "the pilot is not back yet, so the interval is wide: ask again in a while");
+	if (said->error.relmse < 0)
+		add_note(reply,
+			 "how wrong it is with these options and this light is not known: --pilot looks, if what it has to "
+			 "make first does not take long");
 	if (quote->barred)
 		add_note(reply, "the worker was lost with a pilot of this, so none is made");
 	if (reply->cold_ms > 0)
@@ -89,9 +96,10 @@ static void make_reply(struct quotes *quotes, const struct quote *quote, candil_
 	reply->queue_ms = jobs_queue_us(quotes->jobs, quote->session, quote->job, way.said.us, &reply->jobs) / 1000;
 	reply->cold_ms = way.said.cold_us / 1000;
 	reply->records = way.said.records;
+	const bool tried = quote->told >> way.technique & 1u && quote->try_us > 0 && way.said.error.relmse < 0;
 	snprintf(reply->from, sizeof reply->from, "%s",
-		 quote->piloted && way.said.nearest[1] == QUOTE_PILOTS ? "pilot" : "model");
-	add_notes(quotes, quote, &way.said, reply);
+		 quote->piloted && (way.said.nearest[1] == QUOTE_PILOTS || tried) ? "pilot" : "model");
+	add_notes(quotes, quote, &way, reply);
 }
 
 static void quote_destroy(struct quotes *quotes, struct quote *quote)
@@ -232,10 +240,12 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 	}
 	quote->piloted = !cut;
 	const struct rendered f = quote_frame(quote);
-	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++)
-		if ((piloted->results[t].pixels > 0 || piloted->results[t].refused) &&
-		    technique_traits(t) & TECHNIQUE_RENDERS)
-			quote_known_pilot(&quotes->known, &f, (candil_Technique)t, &piloted->results[t]);
+	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++) {
+		const struct pilot_result *r = &piloted->results[t];
+		quote->work[t] = r->work;
+		if ((r->pixels > 0 || r->refused || r->work.told) && technique_traits(t) & TECHNIQUE_RENDERS)
+			quote_known_pilot(&quotes->known, &f, (candil_Technique)t, r);
+	}
 	if (!quote->session)
 		quote_destroy(quotes, quote);
 	else if (piloted->error.code != STATUS_OK && !quote->job)
