@@ -219,48 +219,91 @@ static void averaging_makes_it_reciprocal(void **state)
 	system_free(&was);
 }
 
-// In slices, of some rows alone, and with rows that come meanwhile: what counts is the matrix at the end.
-static void slices_begin_anew_where_rows_come(void **state)
-{
-	(void)state;
-	model_seed(14);
-	struct factors f;
-	struct factors_check check;
-	struct factors_report all, some;
-	struct system s = noisy(201);
-	const uint32_t columns[2] = {3, 9};
-	const float values[2] = {0.25f, 1e-9f};
-	uint8_t *which = calloc(s.count, 1);
-	system_put(&s, device, 4000, &f);
-	for (uint32_t i = 0; i < 100; i++)
-		which[i] = 1;
-	assert_int_equal(factors_check_init(&check, &f, s.area, which, &err), STATUS_OK);
-	assert_int_equal(factors_check_step(&check, 0, &err), STATUS_OK);
-	assert_false(factors_check_finished(&check));
-	assert_int_equal(factors_put_row(&f, &(struct factors_put){.element = 5}, columns, values, 2, &err), STATUS_OK);
-	assert_int_equal(factors_compact(&f, &err), STATUS_OK);
-	uint32_t steps = 1;
-	for (; !factors_check_finished(&check); steps++)
-		assert_int_equal(factors_check_step(&check, 0, &err), STATUS_OK);
-	assert_true(steps >= 1 + 201 / 16);
-	some = check.report;
-	factors_check_finish(&check);
-	assert_true(some.rows == 100 && some.decades[0] >= 1 && some.decades[FACTORS_DECADES - 1] >= 1);
-	// The same as of a matrix that has no other rows.
-	for (uint32_t i = 100; i < s.count; i++)
-		factors_remove_row(&f, i);
-	assert_int_equal(factors_check(&f, s.area, &all, &err), STATUS_OK);
-	assert_memory_equal(&all, &some, sizeof all);
-	factors_finish(&f);
-	system_free(&s);
-	free(which);
-}
-
 // As on a device whose memory the host does not see.
 static void hide(struct factors *f)
 {
 	for (uint32_t b = 0; b < f->block_count; b++)
 		f->blocks[b].columns.map = f->blocks[b].values.map = NULL;
+}
+
+// A report on the first 100 rows, in slices between which another row comes and all rows move.
+static struct factors_report report_on_some(struct factors *f, const struct system *s, const uint8_t *which, uint32_t *steps)
+{
+	struct factors_check check;
+	const uint32_t columns[2] = {3, 9};
+	const float values[2] = {0.25f, 1e-9f};
+	assert_int_equal(factors_check_init(&check, f, s->area, which, &err), STATUS_OK);
+	assert_int_equal(factors_check_step(&check, 0, &err), STATUS_OK);
+	assert_false(factors_check_finished(&check));
+	assert_int_equal(factors_put_row(f, &(struct factors_put){.element = 150}, columns, values, 2, &err), STATUS_OK);
+	assert_int_equal(factors_compact(f, &err), STATUS_OK);
+	for (*steps = 1; !factors_check_finished(&check); ++*steps)
+		assert_int_equal(factors_check_step(&check, 0, &err), STATUS_OK);
+	factors_check_finish(&check);
+	return check.report;
+}
+
+// It is that of a matrix which has no other rows. What the host does not see is copied, in slices too.
+static void slices_of_some_rows_while_others_come(void **state)
+{
+	(void)state;
+	for (uint32_t hidden = 0; hidden < 2; hidden++) {
+		model_seed(14);
+		struct factors f;
+		struct factors_report all;
+		struct system s = noisy(201);
+		uint32_t steps;
+		uint8_t *which = calloc(s.count, 1);
+		system_put(&s, device, 4000, &f);
+		for (uint32_t i = 0; i < 100; i++)
+			which[i] = 1;
+		if (hidden)
+			hide(&f);
+		const struct factors_report some = report_on_some(&f, &s, which, &steps);
+		assert_true(steps >= (1 + hidden) * (201 / 16));
+		assert_int_equal(some.rows, 99); // one of them was never put
+		for (uint32_t i = 100; i < s.count; i++)
+			factors_remove_row(&f, i);
+		assert_int_equal(factors_check(&f, s.area, &all, &err), STATUS_OK);
+		assert_memory_equal(&all, &some, sizeof all);
+		factors_finish(&f);
+		system_free(&s);
+		free(which);
+	}
+}
+
+// Forwards, backwards and to and fro.
+static void windows_have_the_rows_of_the_matrix(void **state)
+{
+	(void)state;
+	model_seed(15);
+	struct factors f;
+	struct factors_window both = {0}, bare = {.columns_only = true};
+	struct system s = noisy(150);
+	system_put(&s, device, 4000, &f);
+	hide(&f);
+	for (uint32_t k = 0; k < 450; k++) {
+		const uint32_t i = k < 150 ? k : k < 300 ? 299 - k : k * 77 % 150;
+		struct row_view row, columns_of;
+		uint32_t *columns;
+		float *values;
+		assert_int_equal(factors_read_row(&f, i, &columns, &values, &err), STATUS_OK);
+		assert_int_equal(factors_window_row(&both, &f, i, &row, &err), STATUS_OK);
+		assert_int_equal(factors_window_row(&bare, &f, i, &columns_of, &err), STATUS_OK);
+		assert_true(row.there == (f.rows[i].block != NONE) && row.count == (row.there ? f.rows[i].count : 0));
+		assert_true(columns_of.count == row.count && !columns_of.values);
+		if (row.count > 0) {
+			assert_memory_equal(row.columns, columns, row.count * sizeof *columns);
+			assert_memory_equal(row.values, values, row.count * sizeof *values);
+			assert_memory_equal(columns_of.columns, columns, row.count * sizeof *columns);
+		}
+		free(columns);
+		free(values);
+	}
+	factors_window_finish(&both);
+	factors_window_finish(&bare);
+	factors_finish(&f);
+	system_free(&s);
 }
 
 static void memory_that_the_host_does_not_see_is_copied(void **state)
@@ -307,7 +350,8 @@ int main(void)
 					   cmocka_unit_test(a_matrix_without_rows_has_a_report),
 					   cmocka_unit_test(closing_makes_sums_one),
 					   cmocka_unit_test(averaging_makes_it_reciprocal),
-					   cmocka_unit_test(slices_begin_anew_where_rows_come),
+					   cmocka_unit_test(slices_of_some_rows_while_others_come),
+					   cmocka_unit_test(windows_have_the_rows_of_the_matrix),
 					   cmocka_unit_test(memory_that_the_host_does_not_see_is_copied)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	devices_finish(&(struct devices){.vk = device});

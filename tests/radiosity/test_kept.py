@@ -28,6 +28,19 @@ def room():
     return g.save(daemon.folder, "room.gltf")
 
 
+def beside_a_box():
+    """A lit floor goes on smoothly into one that a box covers, but for a gap that no ray finds: what is inside is dark."""
+    g = Gltf()
+    white = g.material("white", (.6,) * 3)
+    g.place(*quad((-1, 0, .5), (0, 0, .5), (0, 0, -.5), (-1, 0, -.5)), white)
+    g.place(*quad((0, 0, .5), (1, 0, .5), (1, 0, -.5), (0, 0, -.5)), white)
+    points, triangles = box((1e-5, 0, -.5), (1, .5, .5))
+    g.place(points, [t for t in triangles if any(points[i][1] > 0 for i in t)], white)
+    g.place(*quad((-.9, 1, -.4), (-.3, 1, -.4), (-.3, 1, .4), (-.9, 1, .4)), g.material("lamp", (.3,) * 3, (15, 12, 9)))
+    g.camera((-1.5, 1, 1.5), (-.2, 0, 0), 50)
+    return g.save(daemon.folder, "beside_a_box.gltf")
+
+
 def setUpModule():
     unittest.enterModuleContext(daemon)
 
@@ -102,6 +115,26 @@ class Kept(unittest.TestCase):
             self.tearDown()
             self.setUp()
             numpy.testing.assert_array_equal(self.render(*arguments).radiance, picture, str(arguments))
+
+    def test_rows_that_others_wanted_change_nothing(self):
+        """The light of another request reaches more. What is asked for afterwards is what it would have been before."""
+        def asked(**options):
+            return daemon.radiosity("beside", arguments=(), size=(64, 48), **{**MANY, **options})
+        every = [dict(display="vertex"), dict(display="gather"), dict(solver="jacobi"), dict(solver="gauss-seidel"), dict(show="b"),
+                 *(dict(show="row", row=row) for row in range(0, 600, 40))]
+        for options in every:
+            seen = []
+            for before in ((), ["--light", "point:at=.5,.25,0,intensity=3"], ["--background", "1,1,1"]):
+                daemon.candil("load", beside_a_box(), "--name", "beside")
+                rows = 0
+                if before:
+                    rows = figures(daemon.radiosity("beside", arguments=before, **MANY))["rows"]
+                seen.append(asked(**options))
+                daemon.candil("unload", "beside")
+                self.assertGreaterEqual(rows, figures(seen[0])["rows"] if before else 0)
+            self.assertGreater(rows, figures(seen[0])["rows"], "the others wanted no more: this proves nothing")
+            for picture in seen[1:]:
+                self.assertEqual(picture.radiance.tobytes(), seen[0].radiance.tobytes(), options)
 
     def test_factors_outlive_the_edit_that_they_were_made_for(self):
         """More edits than a worker keeps: the moved scene goes, and its factors, which other lights use meanwhile, stay."""

@@ -1,6 +1,5 @@
 #include "server/worker/technique/radiosity/factor_build.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,12 +26,9 @@ static void build_destroy(struct shelved *shelved, bool scene_goes)
 	factors_finish(&b->factors);
 	element_buffers_finish(&b->buffers, b->device);
 	elements_finish(&b->elements);
-	free(b->group_first);
-	free(b->wanted);
-	free(b->queue);
+	element_groups_finish(&b->groups);
 	free(b->vertices);
 	free(b->triangles);
-	free(b->followed);
 	free(b->batch);
 	free(b);
 }
@@ -40,7 +36,8 @@ static void build_destroy(struct shelved *shelved, bool scene_goes)
 // Other jobs may want more of them at any time, but what is there is good.
 static bool build_is_finished(const struct shelved *shelved)
 {
-	return factor_build_finished((const struct factor_build *)shelved);
+	const struct factor_build *b = (const struct factor_build *)shelved;
+	return !b->partial && b->batch_count == 0 && !b->moves;
 }
 
 static uint64_t build_bytes(const struct shelved *shelved)
@@ -51,78 +48,6 @@ static uint64_t build_bytes(const struct shelved *shelved)
 
 static const struct shelf_kind kind = {
     .kept = 2, .finished = build_is_finished, .bytes = build_bytes, .destroy = build_destroy};
-
-// ---- groups -------------------------------------------------------------------------------------------------------------
-
-// The triangles of a node are consecutive, and so are the faces that begin at them, and these faces' patches.
-static enum status make_groups(struct factor_build *b, const struct resident_scene *scene, struct error *err)
-{
-	const struct scene_node *nodes = scene_section(scene, BLOB_SCENE_NODES);
-	const struct patches *p = &b->elements.patches;
-	b->node_count = scene_count(scene, BLOB_SCENE_NODES);
-	b->group_first = calloc(b->node_count + 1, sizeof *b->group_first);
-	b->wanted = calloc(2 * (size_t)b->node_count + 1, sizeof *b->wanted);
-	b->queue = calloc(2 * (size_t)b->node_count + 1, sizeof *b->queue);
-	b->followed = calloc(b->elements.count + 1, sizeof *b->followed);
-	if (!b->group_first || !b->wanted || !b->queue || !b->followed)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	uint32_t face = 0, triangle = 0;
-	for (uint32_t i = 0; i < b->node_count; i++) {
-		// A node without triangles may have any first one.
-		if (nodes[i].triangle_count > 0)
-			triangle = nodes[i].first_triangle + nodes[i].triangle_count;
-		b->group_first[i] = face < p->faces.count ? p->cuts[face].first : p->count;
-		while (face < p->faces.count && p->faces.list[face].triangle[0] < triangle)
-			face++;
-	}
-	b->group_first[b->node_count] = p->count;
-	return STATUS_OK;
-}
-
-static uint32_t node_of(const struct factor_build *b, uint32_t patch)
-{
-	uint32_t low = 0, high = b->node_count; // the node is low, or between
-	while (high - low > 1) {
-		const uint32_t mid = low + (high - low) / 2;
-		if (b->group_first[mid] <= patch)
-			low = mid;
-		else
-			high = mid;
-	}
-	return low;
-}
-
-uint32_t factor_build_group(const struct factor_build *b, uint32_t element)
-{
-	const uint32_t patches = b->elements.patches.count;
-	const bool back = element >= patches;
-	return 2 * node_of(b, back ? element - patches : element) + back;
-}
-
-static uint32_t group_size(const struct factor_build *b, uint32_t group)
-{
-	return b->group_first[group / 2 + 1] - b->group_first[group / 2];
-}
-
-uint32_t factor_build_group_elements(const struct factor_build *b, uint32_t group, uint32_t *first)
-{
-	*first = b->group_first[group / 2] + (group % 2 ? b->elements.patches.count : 0);
-	return group_size(b, group);
-}
-
-void factor_build_want(struct factor_build *b, uint32_t element)
-{
-	const uint32_t group = factor_build_group(b, element);
-	if (b->wanted[group])
-		return;
-	b->wanted[group] = 1;
-	b->queue[b->queued++] = group;
-}
-
-bool factor_build_has(const struct factor_build *b, uint32_t element)
-{
-	return b->factors.rows[element].block != NONE;
-}
 
 // ---- the shelf ----------------------------------------------------------------------------------------------------------
 
@@ -162,7 +87,7 @@ static enum status build_create(struct resident_scene *scene, struct device *dev
 	if (s == STATUS_OK)
 		s = own_mesh(b, scene, err);
 	if (s == STATUS_OK)
-		s = make_groups(b, scene, err);
+		s = element_groups_init(&b->groups, &scene->view, &b->elements, err);
 	if (s == STATUS_OK)
 		s = element_buffers_init(&b->buffers, &b->elements, device, err);
 	if (s == STATUS_OK)
@@ -199,10 +124,6 @@ static void begin_moves(struct factor_build *b, const struct resident_scene *sce
 		return;
 	}
 	shelf_hold(&from->shelved);
-	// What was seen there may be seen here.
-	memcpy(b->wanted, from->wanted, 2 * (size_t)b->node_count);
-	memcpy(b->queue, from->queue, from->queued * sizeof *b->queue);
-	b->queued = from->queued;
 }
 
 static struct factor_build *find(const struct shelf *shelf, const struct resident_scene *scene,
@@ -251,151 +172,76 @@ void factor_build_release(struct factor_build *b)
 
 // ---- rows ---------------------------------------------------------------------------------------------------------------
 
-// Want the groups of all columns of `count` rows that follow each other in a block, of which a gap of padding is between
-// two.
-static enum status want_columns(struct factor_build *b, const uint32_t *elements, uint32_t count, struct error *err)
-{
-	const struct factors_row *rows = b->factors.rows;
-	const struct factors_row *begin = &rows[elements[0]], *last = &rows[elements[count - 1]];
-	const uint64_t entries = last->first + last->count - begin->first, bytes = entries * sizeof(uint32_t);
-	uint32_t *columns = malloc(bytes + 1);
-	if (!columns)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = STATUS_OK;
-	if (entries > 0)
-		s = buffer_read(&b->factors.blocks[begin->block].columns, b->device, begin->first * sizeof(uint32_t), bytes,
-				columns, err);
-	for (uint32_t i = 0; s == STATUS_OK && i < count; i++) {
-		for (uint32_t k = 0; k < rows[elements[i]].count; k++)
-			factor_build_want(b, columns[rows[elements[i]].first - begin->first + k]);
-		b->followed[elements[i]] = 1;
-	}
-	free(columns);
-	return s;
-}
-
-static enum status want_seen(struct factor_build *b, const uint32_t *elements, uint32_t count, struct error *err)
-{
-	const struct factors_row *rows = b->factors.rows;
-	enum status s = STATUS_OK;
-	for (uint32_t i = 0, n; s == STATUS_OK && i < count; i += n) {
-		for (n = 1; i + n < count; n++) {
-			const struct factors_row *next = &rows[elements[i + n]], *row = &rows[elements[i + n - 1]];
-			const uint32_t end = row->first + row->count;
-			if (next->block != row->block || next->first < end || next->first - end >= FACTORS_ALIGN)
-				break;
-		}
-		s = want_columns(b, &elements[i], n, err);
-	}
-	return s;
-}
-
-// The next elements without a row, as many as fit `most`. Rows that are there, but that nobody has followed, are followed.
-static enum status next_elements(struct factor_build *b, uint32_t *elements, uint32_t most, uint32_t *found,
-				 struct error *err)
-{
-	uint32_t count = 0;
-	enum status s = STATUS_OK;
-	while (s == STATUS_OK && b->done < b->queued && count < most) {
-		uint32_t first;
-		const uint32_t size = factor_build_group_elements(b, b->queue[b->done], &first);
-		for (; s == STATUS_OK && b->next < size && count < most; b->next += s == STATUS_OK) {
-			const uint32_t element = first + b->next;
-			if (!factor_build_has(b, element))
-				elements[count++] = element;
-			else if (!b->followed[element])
-				s = want_seen(b, &element, 1, err);
-		}
-		if (b->next < size)
-			break;
-		b->done++;
-		b->next = 0;
-	}
-	*found = s == STATUS_OK ? count : 0;
-	return s;
-}
-
 // Begin a batch of rows, if none is begun.
-static enum status begin_batch(struct factor_build *b, struct row_maker *maker, uint32_t budget_us, struct error *err)
+static enum status begin_batch(struct factor_build *b, const struct reach *reach, struct row_maker *maker,
+			       uint32_t budget_us, struct error *err)
 {
 	const uint32_t most = row_maker_batch(maker, budget_us);
 	if (b->batch_count > 0)
 		return STATUS_OK;
-	b->batch_by = maker;
 	free(b->batch);
 	b->batch = malloc(most * sizeof *b->batch);
 	if (!b->batch)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	b->batch_done = b->done;
-	b->batch_next = b->next;
-	const enum status s = next_elements(b, b->batch, most, &b->batch_count, err);
-	if (s != STATUS_OK) {
-		b->done = b->batch_done;
-		b->next = b->batch_next;
-		return s;
-	}
+	b->batch_count = reach_missing(reach, &b->factors, b->batch, most);
+	b->batch_by = maker;
+	b->partial = true;
 	row_maker_begin(maker, b->batch, b->batch_count);
 	return STATUS_OK;
 }
 
 void factor_build_pause(struct factor_build *b, const struct row_maker *maker)
 {
-	if (b->batch_count == 0 || b->batch_by != maker)
-		return;
-	b->done = b->batch_done;
-	b->next = b->batch_next;
-	b->batch_count = 0;
+	if (b->batch_by == maker)
+		b->batch_count = 0;
 }
 
-static enum status make_rows(struct factor_build *b, struct row_maker *maker, uint32_t budget_us, struct error *err)
+// What another job has begun this one goes on with: rows are the same whoever makes them.
+static enum status make_rows(struct factor_build *b, const struct reach *reach, struct row_maker *maker, uint32_t budget_us,
+			     struct error *err)
 {
 	bool done = true;
-	enum status s = begin_batch(b, maker, budget_us, err);
-	// Another job may be in the midst of rows, which it will end.
-	if (s != STATUS_OK || b->batch_count == 0 || b->batch_by != maker)
-		return s;
-	s = row_maker_step(maker, budget_us, &b->factors, &done, err);
+	enum status s = begin_batch(b, reach, maker, budget_us, err);
+	if (s == STATUS_OK)
+		s = row_maker_step(b->batch_by, budget_us, &b->factors, &done, err);
 	if (s == STATUS_OK && !done)
 		return STATUS_OK;
-	if (s == STATUS_OK) {
+	if (s == STATUS_OK)
 		b->rows += b->batch_count;
-		s = want_seen(b, b->batch, b->batch_count, err);
-	}
-	if (s != STATUS_OK)
-		factor_build_pause(b, maker);
 	b->batch_count = 0;
 	return s;
 }
 
-enum status factor_build_step(struct factor_build *b, struct row_maker *maker, uint32_t budget_us, struct error *err)
+static enum status do_piece(struct factor_build *b, struct reach *reach, struct row_maker *maker, uint32_t budget_us,
+			    struct error *err)
+{
+	if (b->moves) {
+		bool done;
+		const enum status s = factor_moves_step(b->moves, b, budget_us, &done, err);
+		if (s == STATUS_OK && done)
+			end_moves(b, false);
+		return s;
+	}
+	return reach_waits(reach, &b->factors) ? make_rows(b, reach, maker, budget_us, err)
+					       : reach_follow(reach, &b->factors, budget_us, err);
+}
+
+enum status factor_build_step(struct factor_build *b, struct reach *reach, struct row_maker *maker, uint32_t budget_us,
+			      struct error *err)
 {
 	const uint64_t start = clock_us();
 	uint64_t spent = 0;
-	enum status s = STATUS_OK;
-	while (s == STATUS_OK && b->moves && spent < budget_us) {
-		bool done;
-		s = factor_moves_step(b->moves, b, budget_us, &done, err);
-		if (s == STATUS_OK && done)
-			end_moves(b, false);
+	enum status s;
+	do {
+		s = do_piece(b, reach, maker, budget_us > spent ? budget_us - (uint32_t)spent : 1, err);
 		spent = clock_us() - start;
-	}
-	while (s == STATUS_OK && !factor_build_finished(b) && (spent < budget_us || spent == 0)) {
-		s = make_rows(b, maker, spent < budget_us ? budget_us - (uint32_t)spent : 1, err);
-		spent = clock_us() - start;
-		spent += spent == 0;
-	}
+	} while (s == STATUS_OK && !reach_ended(reach) && spent < budget_us);
+	if (s == STATUS_OK && reach_ended(reach))
+		b->partial = false;
 	return s;
 }
 
 bool factor_build_finished(const struct factor_build *b)
 {
-	return b->done == b->queued && b->batch_count == 0 && !b->moves;
-}
-
-double factor_build_fraction(const struct factor_build *b)
-{
-	uint64_t all = 0;
-	for (uint32_t i = 0; i < b->queued; i++)
-		all += group_size(b, b->queue[i]);
-	return factor_build_finished(b) || all == 0 ? 1 : fmin(1, ((double)b->rows + b->taken) / (double)all);
+	return build_is_finished(&b->shelved) && b->rows + b->taken > 0;
 }

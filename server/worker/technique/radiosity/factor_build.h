@@ -1,9 +1,8 @@
 // Form factors of a scene, made in slices and kept with it (scenes/shelf.h): they depend on places and, where light goes by
 // mirrors or through masks, on materials, but on no light and on no camera. Device's thread only.
 //
-// Rows are made for those elements alone that some light can reach. Elements go by groups: a node of the scene has two, the
-// fronts of its patches and their backs. Whoever knows lit elements wants their groups; the entries of a group's rows tell
-// which groups it sees, and these are wanted in turn. So the inside of a closed body and the outside of a room cost nothing.
+// Rows are made for those elements alone that some light can reach: who wants them brings a walk (reach.h), which finds the
+// elements along with their rows. Jobs with other lights share rows, and each has a walk of its own.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTOR_BUILD_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTOR_BUILD_H
 
@@ -12,6 +11,7 @@
 #include "server/worker/technique/radiosity/element_buffers.h"
 #include "server/worker/technique/radiosity/elements.h"
 #include "server/worker/technique/radiosity/factors.h"
+#include "server/worker/technique/radiosity/reach.h"
 #include "server/worker/technique/radiosity/row_maker.h"
 
 struct corners;
@@ -36,17 +36,11 @@ struct factor_build {
 	    *triangles; // that the elements are of, where the scene is a variant, which may go before the factors
 	struct factors factors;
 	struct corners *corners; // of the elements, for whoever shows a solution
-	uint32_t *group_first; // by node of the scene, and one more: its first patch
-	uint32_t node_count;
-	uint8_t *wanted; // by group, 2 · node + side: 1 waits for rows, or has them
-	uint32_t *queue; // groups, in the order in which they were wanted
-	uint32_t queued, done; // groups of the queue, and of those that have all their rows
-	uint32_t next; // row within queue[done]
-	uint8_t *followed; // by element: the groups that its row sees are wanted
+	struct element_groups groups;
 	uint32_t *batch; // elements whose rows are begun
-	const struct row_maker *batch_by; // by whom
+	struct row_maker *batch_by; // by whom
 	uint32_t batch_count; // 0: none are
-	uint32_t batch_done, batch_next; // where `done` and `next` were before it
+	bool partial; // rows were made since a job had all that it wanted
 	uint32_t rows; // made
 	uint32_t taken; // over from the scene as loaded, where nodes have moved
 	struct factor_moves *moves; // NULL: nothing is taken over, or all that can be has been
@@ -61,24 +55,16 @@ void factor_build_release(struct factor_build *build); // NULL is allowed
 // Those that are there, which acquiring would hold; NULL: none. Good until the next call that may acquire or release some.
 const struct factor_build *factor_build_find(struct resident_scene *scene, const struct factor_options *options);
 
-// Want the rows of an element's group.
-void factor_build_want(struct factor_build *build, uint32_t element);
-
-// Make rows with `maker`, which must be of these elements and options, for about budget_us, at least one piece.
-enum status factor_build_step(struct factor_build *build, struct row_maker *maker, uint32_t budget_us, struct error *err);
+// Make the rows that a walk lacks, with `maker`, which must be of these elements and options, and go on with the walk, for
+// about budget_us, at least one piece. What another job's maker has begun is gone on with first. It is over when the walk
+// has ended. Fails as row_maker_step, reach_follow and factor_moves_step.
+enum status factor_build_step(struct factor_build *build, struct reach *reach, struct row_maker *maker, uint32_t budget_us,
+			      struct error *err);
 
 // Forget what this maker has begun, before it goes.
 void factor_build_pause(struct factor_build *build, const struct row_maker *maker);
 
-// Whether all that are wanted have their rows, and the share of the rows that do, 0…1.
+// Whether some job had all rows that it wanted, and none is in the midst of others.
 bool factor_build_finished(const struct factor_build *build);
-double factor_build_fraction(const struct factor_build *build);
-
-// The group of an element; and of a group, below 2 · node_count, its elements: returns how many follow *first.
-uint32_t factor_build_group(const struct factor_build *build, uint32_t element);
-uint32_t factor_build_group_elements(const struct factor_build *build, uint32_t group, uint32_t *first);
-
-// Whether an element has a row.
-bool factor_build_has(const struct factor_build *build, uint32_t element);
 
 #endif

@@ -30,7 +30,7 @@ static void enlarge(double box[2][3], const struct radiosity_patch *p)
 static void mark_node(struct factor_moves *m, const struct factor_build *b, uint32_t node)
 {
 	double(*box)[3] = m->boxes[m->box_count];
-	const uint32_t first = b->group_first[node], end = b->group_first[node + 1];
+	const uint32_t first = b->groups.first[node], end = b->groups.first[node + 1];
 	for (int c = 0; c < 3; c++) {
 		box[0][c] = INFINITY;
 		box[1][c] = -INFINITY;

@@ -2,22 +2,16 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "server/base/clock.h"
 
 #define ROWS_AT_ONCE 16u // between two looks at the clock
 
-static struct row_view row_of(const struct factors_check *c, uint32_t i)
-{
-	return c->which && !c->which[i] ? (struct row_view){.count = 0} : host_row(c->factors, c->host.blocks, i);
-}
-
 static void look_at_sums(struct factors_check *c, uint32_t i, const struct row_view *row)
 {
 	struct factors_report *r = &c->report;
 	const struct factors_row *of = &c->factors->rows[i];
-	const double sum = host_sum(row), all = sum + (double)of->escaped + (double)of->cut;
+	const double sum = row_view_sum(row), all = sum + (double)of->escaped + (double)of->cut;
 	r->sum_least = r->rows == 0 ? sum : fmin(r->sum_least, sum);
 	r->sum_most = fmax(r->sum_most, sum);
 	r->sum_mean += sum;
@@ -47,7 +41,7 @@ static void look_at_pairs(struct factors_check *c, uint32_t i, const struct row_
 	struct factors_report *r = &c->report;
 	for (uint32_t k = 0; k < row->count; k++) {
 		const uint32_t j = row->columns[k];
-		const struct row_view other = row_of(c, j);
+		const struct row_view other = factors_host_row(&c->host, j);
 		if (j == i || !other.there)
 			continue;
 		while (c->next[j] < other.count && other.columns[c->next[j]] < i)
@@ -69,20 +63,12 @@ static void look_at_pairs(struct factors_check *c, uint32_t i, const struct row_
 
 static void look_at_row(struct factors_check *c, uint32_t i)
 {
-	const struct row_view row = row_of(c, i);
+	const struct row_view row = factors_host_row(&c->host, i);
 	if (!row.there)
 		return;
 	look_at_sums(c, i, &row);
 	look_at_values(&c->report, &row);
 	look_at_pairs(c, i, &row);
-}
-
-static void begin_anew(struct factors_check *c)
-{
-	memset(c->next, 0, c->factors->side * sizeof *c->next);
-	c->report = (struct factors_report){0};
-	c->differences = c->fluxes = 0;
-	c->row = 0;
 }
 
 static void conclude(struct factors_check *c)
@@ -93,29 +79,29 @@ static void conclude(struct factors_check *c)
 		r->all_mean /= r->rows;
 	}
 	r->reciprocity_mean = c->fluxes > 0 ? c->differences / c->fluxes : 0;
-	factors_host_finish(&c->host);
+	c->concluded = true;
 }
 
 enum status factors_check_init(struct factors_check *c, const struct factors *factors, const float *area,
 			       const uint8_t *which, struct error *err)
 {
-	*c = (struct factors_check){.factors = factors, .area = area, .which = which};
+	*c = (struct factors_check){.factors = factors, .area = area};
 	c->next = calloc(factors->side ? factors->side : 1, sizeof *c->next);
-	return c->next ? STATUS_OK : error_set(err, STATUS_MEMORY, "out of memory");
+	const enum status s =
+	    c->next ? factors_host_init(&c->host, factors, which, err) : error_set(err, STATUS_MEMORY, "out of memory");
+	if (s != STATUS_OK)
+		factors_check_finish(c);
+	return s;
 }
 
 enum status factors_check_step(struct factors_check *c, uint32_t budget_us, struct error *err)
 {
 	const uint64_t start = clock_us();
 	const uint32_t side = c->factors->side;
-	if (factors_check_finished(c))
+	if (c->concluded)
 		return STATUS_OK;
-	bool anew;
-	const enum status s = factors_host_refresh(&c->host, c->factors, &anew, err);
-	if (s != STATUS_OK)
-		return s;
-	if (anew)
-		begin_anew(c);
+	if (!factors_host_finished(&c->host))
+		return factors_host_step(&c->host, budget_us, err);
 	do
 		for (uint32_t i = 0; i < ROWS_AT_ONCE && c->row < side; i++)
 			look_at_row(c, c->row++);
@@ -127,7 +113,7 @@ enum status factors_check_step(struct factors_check *c, uint32_t budget_us, stru
 
 bool factors_check_finished(const struct factors_check *c)
 {
-	return c->row == c->factors->side && !c->host.blocks;
+	return c->concluded;
 }
 
 void factors_check_finish(struct factors_check *c)

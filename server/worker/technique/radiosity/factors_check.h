@@ -30,21 +30,20 @@ struct factors_report {
 struct factors_check {
 	const struct factors *factors;
 	const float *area;
-	const uint8_t *which;
 	struct factors_host host;
 	uint32_t row; // the next
 	uint32_t *next;
 	double differences, fluxes;
+	bool concluded;
 	struct factors_report report; // once it is finished
 };
 
 // Begin. `area`: of each element, m². `which`: 1 for the elements whose rows are looked at, as far as they were put; NULL:
-// all. Both must outlive the check. STATUS_MEMORY.
+// all. Both must outlive the check, and these rows must stay as they are. STATUS_MEMORY.
 enum status factors_check_init(struct factors_check *check, const struct factors *factors, const float *area,
 			       const uint8_t *which, struct error *err);
 
-// Look at rows for about budget_us. It begins anew where rows came, went or moved since the last step. Reading the entries
-// of a device whose memory is not the host's is one piece. STATUS_MEMORY, STATUS_DEVICE.
+// Look at rows for about budget_us, once they are in host memory. STATUS_MEMORY, STATUS_DEVICE.
 enum status factors_check_step(struct factors_check *check, uint32_t budget_us, struct error *err);
 bool factors_check_finished(const struct factors_check *check);
 

@@ -1,80 +1,99 @@
 #include "server/worker/technique/radiosity/factors_host.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-void host_free(struct host_block *blocks, uint32_t count)
+#include "server/base/clock.h"
+
+#define ROWS_AT_ONCE 16u // between two looks at the clock
+
+static bool is_wanted(const struct factors_host *h, uint32_t i)
 {
-	for (uint32_t i = 0; blocks && i < count; i++)
-		if (blocks[i].owned) {
-			free(blocks[i].columns);
-			free(blocks[i].values);
-		}
-	free(blocks);
+	return h->factors->rows[i].block != NONE && (!h->which || h->which[i]);
 }
 
-static enum status host_read(const struct factors *f, const struct factors_block *b, struct host_block *h, struct error *err)
+// Whether the host sees all of the matrix.
+static bool is_seen(const struct factors *f)
 {
-	const uint64_t bytes = (uint64_t)b->entries * sizeof(uint32_t);
-	if (b->columns.map && b->values.map) {
-		*h = (struct host_block){.columns = b->columns.map, .values = b->values.map};
+	bool seen = true;
+	for (uint32_t i = 0; i < f->block_count; i++)
+		seen = seen && f->blocks[i].columns.map && f->blocks[i].values.map;
+	return seen;
+}
+
+enum status factors_host_init(struct factors_host *h, const struct factors *f, const uint8_t *which, struct error *err)
+{
+	uint64_t entries = 0;
+	*h = (struct factors_host){.factors = f, .which = which};
+	if (is_seen(f)) {
+		h->next = f->side;
 		return STATUS_OK;
 	}
-	*h = (struct host_block){.columns = malloc(bytes + 1), .values = malloc(bytes + 1), .owned = true};
-	if (!h->columns || !h->values)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	enum status s = STATUS_OK;
-	if (bytes > 0)
-		s = buffer_read(&b->columns, f->device, 0, bytes, h->columns, err);
-	if (s == STATUS_OK && bytes > 0)
-		s = buffer_read(&b->values, f->device, 0, bytes, h->values, err);
-	return s;
-}
-
-enum status host_read_all(const struct factors *f, struct host_block **blocks, struct error *err)
-{
-	*blocks = calloc(f->block_count ? f->block_count : 1, sizeof **blocks);
-	enum status s = *blocks ? STATUS_OK : error_set(err, STATUS_MEMORY, "out of memory");
-	for (uint32_t i = 0; s == STATUS_OK && i < f->block_count; i++)
-		s = host_read(f, &f->blocks[i], &(*blocks)[i], err);
-	if (s != STATUS_OK) {
-		host_free(*blocks, f->block_count);
-		*blocks = NULL;
-	}
-	return s;
-}
-
-enum status factors_host_refresh(struct factors_host *h, const struct factors *f, bool *anew, struct error *err)
-{
-	*anew = !h->blocks || h->changes != f->changes;
-	if (!*anew)
+	for (uint32_t i = 0; i < f->side; i++)
+		entries += is_wanted(h, i) ? f->rows[i].count : 0;
+	h->first = calloc((size_t)f->side + 1, sizeof *h->first);
+	h->columns = malloc(entries * sizeof *h->columns + 1);
+	h->values = malloc(entries * sizeof *h->values + 1);
+	if (h->first && h->columns && h->values)
 		return STATUS_OK;
 	factors_host_finish(h);
-	h->block_count = f->block_count;
-	h->changes = f->changes;
-	return host_read_all(f, &h->blocks, err);
+	return error_set(err, STATUS_MEMORY, "out of memory");
 }
 
 void factors_host_finish(struct factors_host *h)
 {
-	host_free(h->blocks, h->block_count);
+	factors_window_finish(&h->window);
+	free(h->first);
+	free(h->columns);
+	free(h->values);
 	*h = (struct factors_host){0};
 }
 
-struct row_view host_row(const struct factors *f, const struct host_block *blocks, uint32_t i)
+static enum status copy_row(struct factors_host *h, uint32_t i, struct error *err)
 {
-	const struct factors_row *r = &f->rows[i];
-	if (r->block == NONE)
-		return (struct row_view){.count = 0};
-	return (struct row_view){.columns = blocks[r->block].columns + r->first,
-				 .values = blocks[r->block].values + r->first,
-				 .count = r->count,
-				 .there = true};
+	struct row_view row = {0};
+	const enum status s = is_wanted(h, i) ? factors_window_row(&h->window, h->factors, i, &row, err) : STATUS_OK;
+	if (s != STATUS_OK)
+		return s;
+	h->first[i] = h->count;
+	if (row.count > 0) {
+		memcpy(h->columns + h->count, row.columns, row.count * sizeof *row.columns);
+		memcpy(h->values + h->count, row.values, row.count * sizeof *row.values);
+	}
+	h->count += row.count;
+	return STATUS_OK;
 }
 
-double host_sum(const struct row_view *row)
+enum status factors_host_step(struct factors_host *h, uint32_t budget_us, struct error *err)
 {
-	double sum = 0;
-	for (uint32_t k = 0; k < row->count; k++)
-		sum += (double)row->values[k];
-	return sum;
+	const uint64_t start = clock_us();
+	while (!factors_host_finished(h)) {
+		for (uint32_t i = 0; i < ROWS_AT_ONCE && !factors_host_finished(h); i++) {
+			const enum status s = copy_row(h, h->next, err);
+			if (s != STATUS_OK)
+				return s;
+			h->next++;
+		}
+		if (clock_us() - start >= budget_us)
+			break;
+	}
+	return STATUS_OK;
+}
+
+bool factors_host_finished(const struct factors_host *h)
+{
+	return h->next == h->factors->side;
+}
+
+struct row_view factors_host_row(const struct factors_host *h, uint32_t i)
+{
+	const struct factors_row *r = &h->factors->rows[i];
+	if (!is_wanted(h, i))
+		return (struct row_view){.count = 0};
+	const struct factors_block *b = &h->factors->blocks[r->block];
+	return (struct row_view){.columns =
+				     h->first ? h->columns + h->first[i] : (const uint32_t *)b->columns.map + r->first,
+				 .values = h->first ? h->values + h->first[i] : (const float *)b->values.map + r->first,
+				 .count = r->count,
+				 .there = true};
 }

@@ -1,50 +1,39 @@
-// The entries of a matrix of form factors in host memory. Where the device's memory is the host's they are that memory, else
-// a copy. They are good as long as no row comes, goes or moves (factors->changes). Device's thread only.
+// Rows of a matrix of form factors in host memory, to be read in any order. Where the device's memory is the host's they are
+// that memory, else a copy, made in slices. These rows must stay as they are; others may come, go and move. Device's thread
+// only.
+//
+//   factors_host_init, factors_host_step until factors_host_finished, factors_host_row …, factors_host_finish
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_HOST_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_HOST_H
 
-#include <stdbool.h>
+#include "server/worker/technique/radiosity/factors_window.h"
 
-#include "server/worker/technique/radiosity/factors.h"
-
-// A block of the matrix.
-struct host_block {
+// The rows.
+struct factors_host {
+	const struct factors *factors;
+	const uint8_t *which; // by row; NULL: all
+	uint32_t next; // row to be copied
+	// A copy.
+	uint64_t *first; // by row: its first entry; NULL: rows are read in place
 	uint32_t *columns;
 	float *values;
-	bool owned; // else they are the device's memory, which is the host's
+	uint64_t count; // entries so far
+	struct factors_window window;
 };
 
-// A row for reading.
-struct row_view {
-	const uint32_t *columns;
-	float *values;
-	uint32_t count;
-	bool there;
-};
+// Begin. `which`: 1 for the rows that are wanted, as far as they were put; NULL: all. It must outlive the rows.
+// STATUS_MEMORY: nothing is left.
+enum status factors_host_init(struct factors_host *host, const struct factors *factors, const uint8_t *which,
+			      struct error *err);
 
-// All blocks; the caller frees them with host_free. STATUS_MEMORY, STATUS_DEVICE: *blocks is NULL.
-enum status host_read_all(const struct factors *factors, struct host_block **blocks, struct error *err);
-
-// The blocks of a matrix that may change between two slices of work on it.
-struct factors_host {
-	struct host_block *blocks; // NULL: not read
-	uint32_t block_count;
-	uint64_t changes; // of the matrix when they were read
-};
-
-// Read them, unless they are good. *anew: whether that was necessary. STATUS_MEMORY, STATUS_DEVICE: there are none.
-enum status factors_host_refresh(struct factors_host *host, const struct factors *factors, bool *anew, struct error *err);
-
-// Free them. Zeroed is fine.
+// Free it. Zeroed is fine.
 void factors_host_finish(struct factors_host *host);
 
-// `count`: of the matrix's blocks when they were read. NULL is allowed.
-void host_free(struct host_block *blocks, uint32_t count);
+// Copy rows for about budget_us. STATUS_MEMORY, STATUS_DEVICE: it may be called again.
+enum status factors_host_step(struct factors_host *host, uint32_t budget_us, struct error *err);
+bool factors_host_finished(const struct factors_host *host);
 
-// The row i.
-struct row_view host_row(const struct factors *factors, const struct host_block *blocks, uint32_t i);
-
-// The sum of its entries.
-double host_sum(const struct row_view *row);
+// A row, once it is finished.
+struct row_view factors_host_row(const struct factors_host *host, uint32_t i);
 
 #endif

@@ -35,7 +35,7 @@ struct patch_file {
 	uint64_t entries, written; // of a matrix
 	float *radiosity, *exitance; // of a PLY, by element, 3 each
 	uint64_t corner; // of a PLY: the vertex that the next face begins with
-	struct factors_host host;
+	struct factors_window window; // of a matrix
 };
 
 static const struct elements *elements_of(const struct patch_file *f)
@@ -244,7 +244,10 @@ static enum status put_row(struct patch_file *f, uint32_t element, struct error 
 {
 	if (!f->solution->reached[element])
 		return STATUS_OK;
-	const struct row_view row = host_row(&f->solution->factors->factors, f->host.blocks, element);
+	struct row_view row;
+	const enum status s = factors_window_row(&f->window, &f->solution->factors->factors, element, &row, err);
+	if (s != STATUS_OK)
+		return s;
 	for (uint32_t k = 0; k < row.count; k++) {
 		char *at = room(f, ENTRY_BYTES_MOST, err);
 		if (!at)
@@ -259,10 +262,7 @@ static enum status put_row(struct patch_file *f, uint32_t element, struct error 
 
 static enum status put_matrix_item(struct patch_file *f, struct error *err)
 {
-	bool anew; // rows that are there stay what they are
-	enum status s = factors_host_refresh(&f->host, &f->solution->factors->factors, &anew, err);
-	if (s == STATUS_OK)
-		s = put_row(f, f->next, err);
+	const enum status s = put_row(f, f->next, err);
 	f->next += s == STATUS_OK;
 	return s;
 }
@@ -298,7 +298,7 @@ void patch_file_destroy(struct patch_file *f)
 		return;
 	if (f->fd >= 0)
 		close(f->fd);
-	factors_host_finish(&f->host);
+	factors_window_finish(&f->window);
 	free(f->radiosity);
 	free(f->exitance);
 	free(f->buffer);
@@ -316,7 +316,7 @@ enum status patch_file_step(struct patch_file *f, uint32_t budget_us, struct err
 	while (s == STATUS_OK && f->next < f->end && clock_us() - start < budget_us);
 	if (s != STATUS_OK || f->next < f->end || f->sealed)
 		return s;
-	factors_host_finish(&f->host);
+	factors_window_finish(&f->window);
 	s = flush(f, err);
 	if (s == STATUS_OK)
 		s = memfd_seal(f->fd, NULL, 0, err);

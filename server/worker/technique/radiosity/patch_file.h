@@ -1,7 +1,7 @@
 // Files of a finished solution: its patches as a PLY, and the form factors between their sides as a Matrix Market file. Both
 // are of the elements in their order, the fronts of all patches and then their backs, and hold every float so that it can be
 // read back bit for bit (of a corner its sum with the scene's origin, as a double). What they say of rows is of those that
-// the solution's light reaches (survey.h), so that a request gives the same bytes whatever was asked for before. Made in
+// the solution's light reaches (reach.h), so that a request gives the same bytes whatever was asked for before. Made in
 // slices. Device's thread only.
 //
 // PLY ("The PLY Polygon File Format", Turk 1994), binary, little-endian: corners as doubles, metres, world space; then face
@@ -21,8 +21,8 @@
 
 struct patch_file;
 
-// Begin a file of FORMAT_PLY or FORMAT_MTX. `solution`: with `reached`; it is held by the caller until the file's end, and
-// `scene` is the variant that it is shown of. `most`: bytes that it may have. STATUS_MEMORY; STATUS_LIMIT: it is known
+// Begin a file of FORMAT_PLY or FORMAT_MTX. `solution`: a finished one, which is held by the caller until the file's end,
+// and `scene` is the variant that it is shown of. `most`: bytes that it may have. STATUS_MEMORY; STATUS_LIMIT: it is known
 // beforehand to become larger.
 enum status patch_file_create(const struct solution *solution, const struct resident_scene *scene, candil_Format format,
 			      uint64_t most, struct patch_file **file, struct error *err);

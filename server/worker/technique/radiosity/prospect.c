@@ -92,11 +92,18 @@ static void count_all(const struct plan *plan, const struct resident_scene *scen
 	w->doubt[WORK_SOLVE] = hypot(SEEN_DOUBT, ENTRIES_DOUBT);
 }
 
+// The share of the rows that is there, about.
+static double share_there(const struct factor_build *there)
+{
+	const double wanted = SEEN * there->elements.count, rows = (double)there->rows + there->taken;
+	return factor_build_finished(there) ? 1 : wanted > 0 ? fmin(1, rows / wanted) : 0;
+}
+
 // Factors of these places are there, or some of them. What lights reach now that did not reach it before is not foreseen.
 static void count_there(const struct factor_build *there, struct work *w)
 {
 	const bool done = factor_build_finished(there);
-	w->left[WORK_ROWS] *= done ? 0 : 1 - factor_build_fraction(there);
+	w->left[WORK_ROWS] *= 1 - share_there(there);
 	w->doubt[WORK_ROWS] = there->moves ? MOVED_DOUBT : SEEN_DOUBT;
 	if (!done || there->factors.entries == 0)
 		return;
@@ -144,7 +151,7 @@ enum status radiosity_foresee(struct devices *devices, struct resident_scene *sc
 		return STATUS_OK;
 	w->made[WORK_ROWS] = found.rows * units;
 	w->us[WORK_ROWS] = found.rows_us;
-	w->left[WORK_ROWS] = found.wanted * units * (there ? 1 - factor_build_fraction(there) : 1);
+	w->left[WORK_ROWS] = found.wanted * units * (there ? 1 - share_there(there) : 1);
 	w->doubt[WORK_ROWS] = found.doubt;
 	const double entries = found.rows > 0 ? found.entries : row_entries(&options.factors.rows, found.elements);
 	w->left[WORK_SOLVE] = solve_units(found.wanted * entries);

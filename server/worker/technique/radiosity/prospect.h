@@ -2,7 +2,7 @@
 // what is kept with the scene; and, tried out by the code that makes them, what some of each take. What is tried out is
 // thrown away, so that no quote costs a scene what it keeps. Device's thread only.
 //
-// Rows wanted. Those of a group of elements are made if light can reach it (factor_build.h). A few rows from all over the
+// Rows wanted. Those of a group of elements are made if light can reach it (reach.h). A few rows from all over the
 // scene tell which groups see each other; by reciprocity that goes both ways, and with those that are lit it makes the
 // groups that light reaches. Of these some more rows are made, against the clock, and their entries are counted.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_PROSPECT_H

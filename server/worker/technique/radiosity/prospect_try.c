@@ -139,8 +139,6 @@ static enum status trial_init(struct trial *t, struct error *err)
 		return s;
 	s = element_buffers_init(&t->buffers, &t->elements, t->device, err);
 	if (s == STATUS_OK)
-		s = buffer_init(&t->buffers.surfaces, t->device, t->elements.count * sizeof *t->made_of, BUFFER_DEVICE, err);
-	if (s == STATUS_OK)
 		s = make_arrays(t, err);
 	if (s == STATUS_OK)
 		s = make_passes(t, err);

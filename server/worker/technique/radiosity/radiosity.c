@@ -25,7 +25,7 @@ struct technique_job {
 	struct solution *solution; // held
 	bool made; // some of the solution was made by this job
 	double fraction; // of the solution, told so far
-	struct survey *survey; // of what radiosity.show shows, or of what a file holds
+	struct survey *survey; // NULL: nothing of form factors is shown
 	struct patch_file *file; // NULL: a picture is made, or the file is not begun
 	uint64_t survey_us, file_us; // host time of them
 	bool placed; // `field` has the solution's values
@@ -84,8 +84,8 @@ static enum status radiosity_begin(struct devices *devices, struct resident_scen
 		s = solution_acquire(scene, devices->vk, j->gl, plan, &options, &j->solution, err);
 	if (s == STATUS_OK && !makes_file(plan))
 		s = begin_display(j, devices, err);
-	if (s == STATUS_OK && (makes_file(plan) || j->display.options.plain))
-		s = survey_create(j->solution, !makes_file(plan), &j->survey, err);
+	if (s == STATUS_OK && j->display.options.plain)
+		s = survey_create(j->solution, &j->survey, err);
 	if (s == STATUS_OK)
 		*job = j;
 	else
@@ -129,13 +129,13 @@ static enum status fill_view(const struct technique_job *j, float *values, struc
 	enum status s = STATUS_OK;
 	if (show == RADIOSITY_SHOW_ROW) {
 		s = choose_row(j, &element, err);
-		if (s == STATUS_OK)
+		if (s == STATUS_OK && v->reached[element])
 			s = factors_read_row(&v->factors->factors, element, &columns, &factors, err);
 		if (s != STATUS_OK)
 			return s;
 		source.columns = columns;
 		source.factors = factors;
-		source.entries = v->factors->factors.rows[element].count;
+		source.entries = columns ? v->factors->factors.rows[element].count : 0;
 	}
 	display_view_fill(views[show], &source, values);
 	free(columns);
@@ -250,7 +250,7 @@ static enum status radiosity_read(struct technique_job *j, struct frame **frame,
 		radiosity_work(j->solution, j->scene, &j->plan, j->made, &(*frame)->work);
 	if (j->survey_us > 0)
 		frame_add_stage(*frame, "check", j->survey_us);
-	if (file || j->display.options.plain)
+	if (j->display.options.plain)
 		survey_account(j->solution, *frame);
 	return STATUS_OK;
 }

@@ -148,7 +148,7 @@ double solution_fraction(const struct solution *v)
 	for (unsigned i = 0; i < v->stage; i++)
 		done += shares[i];
 	if (v->stage == SOLUTION_FACTORS)
-		within = factor_build_fraction(v->factors);
+		within = reach_fraction(&v->reach);
 	else if (v->stage == SOLUTION_SOLVE && v->solver)
 		within = fmin(1, log(fmin(1, solver_residual(v->solver))) / log((double)v->options.residual));
 	return solution_finished(v) ? 1 : done + shares[v->stage] * (within > 0 ? within : 0);

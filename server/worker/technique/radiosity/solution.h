@@ -49,6 +49,7 @@ struct solution {
 	struct surfaces *surfaces; // until it is done
 	struct light *light; // until it is done; NULL: the scene has none
 	struct row_maker *rows_by; // until it is done
+	struct reach reach; // until its rows are there
 	bool lamps; // light of emissive surfaces comes straight from them, and not by form factors
 	struct solver *solver;
 	// By element, in host memory.
@@ -56,7 +57,8 @@ struct solution {
 	float *direct; // irradiance straight from lights and sky, W/m², 3 each
 	float *irradiance; // all of it
 	float *corners; // irradiance at its four corners, 12 each
-	uint8_t *reached; // 1: its light reaches the element (survey.h); NULL: not known
+	uint8_t
+	    *reached; // 1: its light reaches the element (reach.h), whatever other rows are kept; once its rows are there
 	struct factors_report report; // on the rows of those elements
 	bool reported; // it is there
 	double residual;

@@ -66,8 +66,10 @@ static enum status make_arrays(struct solution *v, struct error *err)
 	v->direct = calloc(3 * count + 1, sizeof *v->direct);
 	v->irradiance = calloc(3 * count + 1, sizeof *v->irradiance);
 	v->corners = calloc(12 * count + 1, sizeof *v->corners);
-	return v->made_of && v->direct && v->irradiance && v->corners ? STATUS_OK
-								      : error_set(err, STATUS_MEMORY, "out of memory");
+	v->reached = calloc(count + 1, sizeof *v->reached);
+	return v->made_of && v->direct && v->irradiance && v->corners && v->reached
+		   ? STATUS_OK
+		   : error_set(err, STATUS_MEMORY, "out of memory");
 }
 
 enum status solution_make_ready(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)

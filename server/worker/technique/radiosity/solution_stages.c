@@ -16,6 +16,7 @@ void solution_finish_making(struct solution *v)
 	if (v->rows_by)
 		factor_build_pause(v->factors, v->rows_by);
 	row_maker_destroy(v->rows_by);
+	reach_finish(&v->reach);
 	light_destroy(v->light);
 	surfaces_destroy(v->surfaces);
 	buffer_finish(&v->buffers.surfaces, v->device);
@@ -51,11 +52,22 @@ static enum status do_surfaces(struct solution *v, uint32_t budget_us, struct er
 	return s;
 }
 
-static void want_lit(struct solution *v)
+// Light begins in the groups of which some element is lit.
+static enum status begin_reaching(struct solution *v, struct error *err)
 {
-	for (uint32_t i = 0; i < v->factors->elements.count; i++)
-		if (solution_is_lit(v, i))
-			factor_build_want(v->factors, i);
+	const struct element_groups *groups = &v->factors->groups;
+	reach_finish(&v->reach);
+	const enum status s = reach_init(&v->reach, groups, err);
+	for (uint32_t g = 0; s == STATUS_OK && g < 2 * groups->nodes; g++) {
+		uint32_t first;
+		const uint32_t size = element_groups_elements(groups, g, &first);
+		bool lit = false;
+		for (uint32_t i = first; i < first + size && !lit; i++)
+			lit = solution_is_lit(v, i);
+		if (lit)
+			reach_add(&v->reach, g);
+	}
+	return s;
 }
 
 static enum status do_light(struct solution *v, uint32_t budget_us, struct error *err)
@@ -67,9 +79,10 @@ static enum status do_light(struct solution *v, uint32_t budget_us, struct error
 			return s;
 		s = light_read(v->light, v->direct, err);
 	}
+	if (s == STATUS_OK)
+		s = begin_reaching(v, err);
 	if (s != STATUS_OK)
 		return s;
-	want_lit(v);
 	v->rows = v->factors->rows;
 	v->stage = SOLUTION_FACTORS;
 	return STATUS_OK;
@@ -99,6 +112,7 @@ static enum status begin_solving(struct solution *v, struct error *err)
 		area[i] = e->shapes[i % e->patches.count].area;
 	}
 	const struct solver_problem problem = {.factors = &v->factors->factors,
+					       .which = v->reached,
 					       .exitance = exitance,
 					       .albedo = albedo,
 					       .irradiance = v->direct,
@@ -113,9 +127,11 @@ static enum status begin_solving(struct solution *v, struct error *err)
 
 static enum status do_factors(struct solution *v, uint32_t budget_us, struct error *err)
 {
-	enum status s = factor_build_step(v->factors, v->rows_by, budget_us, err);
-	if (s != STATUS_OK || !factor_build_finished(v->factors))
+	enum status s = factor_build_step(v->factors, &v->reach, v->rows_by, budget_us, err);
+	if (s != STATUS_OK || !reach_ended(&v->reach))
 		return s;
+	reach_list(&v->reach, v->reached);
+	reach_finish(&v->reach);
 	v->rows = v->factors->rows - v->rows;
 	if (has_background(v))
 		add_background(v);
@@ -141,16 +157,9 @@ static enum status do_solve(struct solution *v, uint32_t budget_us, struct error
 static enum status do_corners(struct solution *v, uint32_t budget_us, struct error *err)
 {
 	struct corners *corners = v->factors->corners;
-	const uint32_t count = v->factors->elements.count;
 	if (!corners_finished(corners))
 		return corners_step(corners, budget_us, err);
-	uint8_t *reached = malloc(count);
-	if (!reached)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	for (uint32_t i = 0; i < count; i++)
-		reached[i] = factor_build_has(v->factors, i);
-	corners_values(corners, v->irradiance, reached, v->corners);
-	free(reached);
+	corners_values(corners, v->irradiance, v->reached, v->corners);
 	v->stage = SOLUTION_DONE;
 	solution_finish_making(v);
 	return STATUS_OK;

@@ -16,6 +16,7 @@ enum solver_way {
 // What is to be solved. The arrays are the caller's, 3 floats for each element, and are copied.
 struct solver_problem {
 	const struct factors *factors; // must outlive the solver
+	const uint8_t *which; // 1 for the elements whose rows count, which see no others; the rest stays dark. NULL: all
 	const float *exitance; // M
 	const float *albedo; // ρ
 	const float *irradiance; // D
@@ -41,7 +42,6 @@ void solver_destroy(struct solver *solver);
 // light gets away or is absorbed elsewhere, or where none is.
 enum status solver_step(struct solver *solver, uint32_t budget_us, struct error *err);
 
-// Whether it has ended, and what it has come to.
 // Device memory that a solver of so many elements takes, in bytes.
 uint64_t solver_bytes(uint32_t elements);
 

@@ -107,12 +107,12 @@ static uint32_t part_of(const struct solver *s, uint32_t element)
 }
 
 // Append the rows of elements [first, end) that are in a block.
-static void list_run(struct solver *s, uint32_t part, uint32_t block, uint32_t first, uint32_t end)
+static void list_run(struct solver *s, const uint8_t *which, uint32_t part, uint32_t block, uint32_t first, uint32_t end)
 {
 	struct solver_run run = {.part = part, .block = block, .first = s->listed};
 	for (uint32_t i = first; i < end; i++) {
 		const struct factors_row *r = &s->factors->rows[i];
-		if (r->block == block && r->count > 0)
+		if (r->block == block && r->count > 0 && (!which || which[i]))
 			s->list[s->listed++] = (struct solve_row){.element = i, .first = r->first, .count = r->count};
 	}
 	run.end = s->listed;
@@ -120,7 +120,7 @@ static void list_run(struct solver *s, uint32_t part, uint32_t block, uint32_t f
 		s->runs[s->run_count++] = run;
 }
 
-static enum status list_rows(struct solver *s, struct error *err)
+static enum status list_rows(struct solver *s, const uint8_t *which, struct error *err)
 {
 	const uint64_t runs = (uint64_t)s->parts * s->factors->block_count;
 	s->list = malloc((s->count ? s->count : 1) * sizeof *s->list);
@@ -132,7 +132,7 @@ static enum status list_rows(struct solver *s, struct error *err)
 		while (end < s->count && part_of(s, end) == part)
 			end++;
 		for (uint32_t block = 0; block < s->factors->block_count; block++)
-			list_run(s, part, block, first, end);
+			list_run(s, which, part, block, first, end);
 	}
 	return buffer_init_with(&s->rows, s->device, s->list, s->listed * sizeof *s->list, err);
 }
@@ -251,7 +251,7 @@ enum status solver_device_init(struct solver *s, const struct solver_problem *pr
 	if (2ull * s->count > s->device->limits.maxTexelBufferElements)
 		return error_set(err, STATUS_MEMORY, "%u elements are more than this device can bind: use larger patches",
 				 s->count);
-	enum status status = list_rows(s, err);
+	enum status status = list_rows(s, problem->which, err);
 	if (status == STATUS_OK)
 		status = make_buffers(s, problem, err);
 	if (status == STATUS_OK)

@@ -1,7 +1,6 @@
-// What figures and files of a finished solution need to know of its form factors: the rows that its light reaches, and a
-// report on them (factors_check.h). The matrix is kept with the scene and may have more rows, which light of other requests
-// reached, so what is told of it would depend on what was asked for before. Made in slices and kept with the solution.
-// Device's thread only.
+// A report on the form factors of a finished solution (factors_check.h): of the rows that its light reaches, for the matrix
+// is kept with the scene and may have more, which light of other requests reached. Made in slices and kept with the
+// solution. Device's thread only.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_SURVEY_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_SURVEY_H
 
@@ -9,9 +8,8 @@
 
 struct survey;
 
-// Begin. `report`: with the report. The solution, which is finished and held, gets what was found once the survey is over.
-// STATUS_MEMORY.
-enum status survey_create(struct solution *solution, bool report, struct survey **survey, struct error *err);
+// Begin. The solution, which is finished and held, gets the report once the survey is over. STATUS_MEMORY.
+enum status survey_create(struct solution *solution, struct survey **survey, struct error *err);
 void survey_destroy(struct survey *survey); // NULL is allowed
 
 // Work for about budget_us. STATUS_MEMORY, STATUS_DEVICE.
