@@ -113,6 +113,7 @@
 #define LIMIT_PATCH_FILE_BYTES (512u * 1024u * 1024u) // a file of patches or of their form factors
 #define LIMIT_PATCH_ELEMENTS (2u * 1024u * 1024u) // of such a file that is loaded: faces, or rows
 #define LIMIT_PATCH_ENTRIES (128u * 1024u * 1024u) // of a file of form factors that is loaded
+#define LIMIT_PLY_HEADER_BYTES (64u * 1024u) // of a file of patches that is loaded
 #define LIMIT_EXITANCE 1e30 // of a component of radiosity or irradiance in a file that is loaded, W/m²
 
 // ---- the worker ----

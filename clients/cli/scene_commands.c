@@ -79,7 +79,8 @@ const struct command load_command = {
     .name = "load",
     .summary = "load a scene into the daemon and keep it there",
     .help = "Usage: candil load FILE [--name NAME] [--up y|z] [--unit METRES] [--under-root] [--connect ADDR] [--json]\n\n"
-	    "Loads a glTF, GLB or OBJ file and prints what was found in it, as describe does. The file's folder is\n"
+	    "Loads a glTF, GLB or OBJ file and prints what was found in it, as describe does. A picture of surroundings\n"
+	    "is loaded likewise, and so are patches (.ply) and form factors (.mtx) of radiosity. The file's folder is\n"
 	    "opened here and handed to the daemon; files that the scene names are read beneath that folder only.\n\n"
 	    "  --name NAME    the scene's name in the daemon; default: the file's, without folder and extension\n"
 	    "  --up y|z       which axis points up in an OBJ file; default y\n"

@@ -11,33 +11,44 @@
 #include "server/loader/gltf.h"
 #include "server/loader/import.h"
 #include "server/loader/obj.h"
+#include "server/loader/patch_matrix.h"
+#include "server/loader/patch_ply.h"
 
-enum format { FORMAT_NONE, FORMAT_GLTF, FORMAT_OBJ, FORMAT_PICTURE };
+typedef enum status reader(struct import *import, const char *file, const struct file_bytes *bytes, struct error *err);
 
-static enum format format_of(const char *file)
+static enum status read_gltf(struct import *import, const char *file, const struct file_bytes *bytes, struct error *err)
 {
-	static const char *const pictures[] = {".exr", ".hdr", ".tif", ".tiff", ".png", ".jpg", ".jpeg"};
+	(void)file;
+	return gltf_import(import, bytes, err);
+}
+
+// What reads a file, by its name's ending. NULL: nothing does.
+static reader *reader_of(const char *file)
+{
+	static const struct {
+		const char *ending;
+		reader *read;
+	} readers[] = {{".gltf", read_gltf},          {".glb", read_gltf},          {".obj", obj_import},
+		       {".exr", environment_import},  {".hdr", environment_import}, {".tif", environment_import},
+		       {".tiff", environment_import}, {".png", environment_import}, {".jpg", environment_import},
+		       {".jpeg", environment_import}, {".ply", patch_ply_import},   {".mtx", patch_matrix_import}};
 	const char *dot = strrchr(file, '.');
-	if (!dot)
-		return FORMAT_NONE;
-	for (size_t i = 0; i < sizeof pictures / sizeof *pictures; i++)
-		if (strcasecmp(dot, pictures[i]) == 0)
-			return FORMAT_PICTURE;
-	if (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0)
-		return FORMAT_GLTF;
-	return strcasecmp(dot, ".obj") == 0 ? FORMAT_OBJ : FORMAT_NONE;
+	for (size_t i = 0; dot && i < sizeof readers / sizeof *readers; i++)
+		if (strcasecmp(dot, readers[i].ending) == 0)
+			return readers[i].read;
+	return NULL;
 }
 
 // The name determines the format. The first bytes must not contradict it.
-static enum status check_content(const char *file, enum format format, const struct file_bytes *bytes, struct error *err)
+static enum status check_content(const char *file, reader *read, const struct file_bytes *bytes, struct error *err)
 {
 	const char *dot = strrchr(file, '.');
 	const bool glb = bytes->size >= 4 && memcmp(bytes->data, "glTF", 4) == 0;
 	if (bytes->size == 0)
 		return error_set(err, STATUS_SCENE_INVALID, "'%.100s' is empty", file);
-	if (format == FORMAT_GLTF && strcasecmp(dot, ".glb") == 0 && !glb)
+	if (read == read_gltf && strcasecmp(dot, ".glb") == 0 && !glb)
 		return error_set(err, STATUS_SCENE_INVALID, "'%.100s' is not a GLB file; export it again", file);
-	if (format == FORMAT_OBJ && (glb || bytes->data[0] == '{'))
+	if (read == obj_import && (glb || bytes->data[0] == '{'))
 		return error_set(err, STATUS_SCENE_INVALID, "'%.100s' is not an OBJ file; give it its proper ending", file);
 	return STATUS_OK;
 }
@@ -45,19 +56,17 @@ static enum status check_content(const char *file, enum format format, const str
 static enum status import_file(struct import *import, const char *file, struct error *err)
 {
 	struct file_bytes bytes;
-	const enum format format = format_of(file);
-	if (format == FORMAT_NONE)
+	reader *read = reader_of(file);
+	if (!read)
 		return error_set(err, STATUS_SCENE_UNSUPPORTED,
-				 "'%.100s' is not .gltf, .glb or .obj, nor an .exr, .hdr, .tiff, .png or .jpeg of the "
-				 "surroundings; convert it to one of them",
+				 "'%.60s' is not .gltf, .glb or .obj, nor an .exr, .hdr, .tiff, .png or .jpeg of the "
+				 "surroundings, nor a .ply or .mtx of radiosity; convert it to one of them",
 				 file);
 	if (files_read(import->files, file, &bytes, err) != STATUS_OK)
 		return err->code;
-	enum status status = check_content(file, format, &bytes, err);
+	enum status status = check_content(file, read, &bytes, err);
 	if (status == STATUS_OK)
-		status = format == FORMAT_GLTF  ? gltf_import(import, &bytes, err)
-			 : format == FORMAT_OBJ ? obj_import(import, file, &bytes, err)
-						: environment_import(import, file, &bytes, err);
+		status = read(import, file, &bytes, err);
 	file_bytes_finish(&bytes);
 	return status;
 }

@@ -7,16 +7,10 @@ static enum status bad(struct error *err, const char *what)
 
 static enum status check_elements(const struct blob_header *h, struct error *err)
 {
-	const struct imported_element *elements = blob_section(h, BLOB_PATCH_ELEMENTS);
-	const uint32_t count = blob_count(h, BLOB_PATCH_ELEMENTS);
-	for (uint32_t i = 0; i < count; i++) {
-		const char *fault = imported_element_fault(&elements[i], i, count);
-		if (fault)
-			return bad(err, fault);
-		if (elements[i].straight != elements[0].straight)
-			return bad(err, "its elements have their light in two ways");
-	}
-	return STATUS_OK;
+	uint32_t which;
+	const char *fault =
+	    imported_elements_fault(blob_section(h, BLOB_PATCH_ELEMENTS), blob_count(h, BLOB_PATCH_ELEMENTS), &which);
+	return fault ? bad(err, fault) : STATUS_OK;
 }
 
 static enum status check_rows(const struct blob_header *h, struct error *err)

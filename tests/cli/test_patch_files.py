@@ -1,8 +1,9 @@
 """The patches and the form factors of a scene as files: read back by numpy they are what the figures say, what pictures show, and
-solve the system that radiosity is."""
+solve the system that radiosity is. And loaded by the service itself they are what numpy has read, bit for bit."""
 import json
 import os
 import re
+import subprocess
 import unittest
 
 import numpy
@@ -10,6 +11,7 @@ import numpy
 import make
 import rooms
 from images import rgb
+from loader import LOADER
 from render import Daemon, Failed
 from writers import Gltf, box, quad
 
@@ -69,6 +71,26 @@ def read_mtx(text):
     return matrix, entries
 
 
+# As server/scene/patch_format.h has an element, a row and an entry, and the numbers of their sections in a blob.
+COLOURS = ("b", "m", "d", "rho", "h")
+ELEMENT = numpy.dtype([("corner", "<f8", (4, 3)), ("patch", "<u4"), ("material", "<u4"), ("area", "<f4"), *((name, "<f4", 3) for name in COLOURS),
+                       ("escaped", "<f4"), ("cut", "<f4"), ("corners", "u1"), ("side", "u1"), ("straight", "u1"), ("reached", "u1"), ("", "<u4")])
+ROW, ENTRY = numpy.dtype([("first", "<u4"), ("count", "<u4")]), numpy.dtype([("column", "<u4"), ("value", "<f4")])
+ELEMENTS, ROWS, ENTRIES = 22, 23, 24
+
+
+def section_of(path, *wanted):
+    """Sections of the blob that the loader makes of a file: of each (number, dtype) an array."""
+    blob = os.path.join(daemon.folder, "blob")
+    subprocess.run([LOADER, "--describe", "--dir", daemon.folder, "--file", os.path.basename(path), "--blob", blob], check=True,
+                   stdout=subprocess.DEVNULL)
+    with open(blob, "rb") as file:
+        data = file.read()
+    for number, kind in wanted:
+        offset, count = numpy.frombuffer(data, "<u8", 2, 24 + 16 * number)
+        yield numpy.frombuffer(data, kind, int(count), int(offset))
+
+
 def load(path, name):
     daemon.candil("load", path, "--name", name)
     return name
@@ -106,10 +128,10 @@ class Files(unittest.TestCase):
     def setUpClass(cls):
         cls.scene = load(lit_room(daemon.folder), "lit")
         options = dict(patches=300, rays=256, residual=1e-6)
-        data, cls.ply_report = file_of(cls.scene, "ply", **options)
-        cls.ply = Ply(data)
-        data, cls.mtx_report = file_of(cls.scene, "mtx", **options)
-        cls.matrix, cls.entries = read_mtx(data.decode())
+        cls.ply_bytes, cls.ply_report = file_of(cls.scene, "ply", **options)
+        cls.ply = Ply(cls.ply_bytes)
+        cls.mtx_bytes, cls.mtx_report = file_of(cls.scene, "mtx", **options)
+        cls.matrix, cls.entries = read_mtx(cls.mtx_bytes.decode())
         cls.picture = daemon.render(cls.scene, size=(64, 64), spp=1, arguments=["--technique", "radiosity"],
                                     options={"radiosity.show": "b", **{"radiosity." + k: v for k, v in options.items()}})
         cls.found = figures(cls.picture.report)
@@ -123,6 +145,47 @@ class Files(unittest.TestCase):
             self.assertEqual(report["format"], kind)
             self.assertIsNone(report["verdict"])
             self.assertIn("write", {s["name"] for s in report["stages"]})
+
+    def saved(self, name, data):
+        path = os.path.join(daemon.folder, name)
+        with open(path, "wb") as file:
+            file.write(data)
+        return path
+
+    def test_the_loader_reads_the_patches(self):
+        path = self.saved("again.ply", self.ply_bytes)
+        info = json.loads(daemon.candil("load", path, "--name", "patches", "--json")[1])
+        self.assertEqual((info["patch_elements"], info["factor_rows"], info["facts"]), (len(self.ply.faces), 0, ["patches"]))
+        self.assertIn(f"patches     of a radiosity solution, {len(self.ply.faces)} sides", daemon.candil("describe", "patches")[1])
+        (found,) = section_of(path, (ELEMENTS, ELEMENT))
+        for name in ("patch", "side", "material", "area", "straight", "reached", "escaped", "cut"):
+            numpy.testing.assert_array_equal(found[name], self.ply.of[name], name)
+        for name in COLOURS:
+            self.assertEqual(found[name].tobytes(), numpy.ascontiguousarray(self.ply.colour(name)).tobytes(), name)
+        for element, face in zip(found, self.ply.faces):
+            self.assertEqual(element["corners"], len(face))
+            numpy.testing.assert_array_equal(element["corner"][:len(face)], self.ply.corners[face])
+        self.assertEqual({3, 4}, set(found["corners"].tolist()))
+        # B is what it is said to be of H.
+        numpy.testing.assert_array_equal(found["b"], found["m"] + found["rho"] * found["h"])
+
+    def test_the_loader_reads_the_factors(self):
+        path = self.saved("again.mtx", self.mtx_bytes)
+        info = json.loads(daemon.candil("load", path, "--name", "factors", "--json")[1])
+        self.assertEqual((info["patch_elements"], info["factor_rows"], info["factor_entries"], info["facts"], info["warnings"]),
+                         (0, len(self.matrix), self.entries, ["form factors"], []))
+        self.assertIn(f"{len(self.matrix)} rows, {self.entries} entries", daemon.candil("describe", "factors")[1])
+        rows, entries = section_of(path, (ROWS, ROW), (ENTRIES, ENTRY))
+        matrix = numpy.zeros_like(self.matrix)
+        for i, (first, count) in enumerate(rows):
+            matrix[i, entries["column"][first:first + count]] = entries["value"][first:first + count]
+        self.assertEqual(matrix.tobytes(), self.matrix.tobytes())
+        # Another program may sort them by columns.
+        head, lines = self.mtx_bytes.splitlines(True)[:5], self.mtx_bytes.splitlines(True)[5:]
+        sorted_path = self.saved("sorted.mtx", b"".join(head + sorted(lines, key=lambda line: int(line.split()[1]))))
+        again = section_of(sorted_path, (ROWS, ROW), (ENTRIES, ENTRY))
+        for was, now in zip((rows, entries), again):
+            self.assertEqual(was.tobytes(), now.tobytes())
 
     def test_row_sums_are_those_of_the_figures(self):
         reached = self.ply.of["reached"] == 1

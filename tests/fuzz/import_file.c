@@ -10,9 +10,10 @@
 #include "server/base/memfd.h"
 #include "server/loader/build_blob.h"
 
-// More triangles or texels are not built: what builds them is the same, and an input would take long.
+// More triangles, texels or rows of form factors are not built: what builds them is the same, and an input would take long.
 #define BUILT_TRIANGLES 512u
 #define BUILT_TEXELS 65536u
+#define BUILT_ROWS 65536u
 
 // Stands in for the library of images: any bytes are an image, of a few pixels, now and then of 16 bits a channel. Theirs is
 // fuzz_image.c.
@@ -128,7 +129,7 @@ void import_file(importer *read, const uint8_t *data, size_t size)
 	import.unit = 1;
 	import.decoder = &plain_decoder;
 	if (read(&import, &bytes, &err) == STATUS_OK && import.triangle_count <= BUILT_TRIANGLES &&
-	    import.texel_count <= BUILT_TEXELS)
+	    import.texel_count <= BUILT_TEXELS && import.row_count <= BUILT_ROWS)
 		build(&import);
 	import_finish(&import);
 	file_bytes_finish(&bytes);

@@ -13,6 +13,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 import bad
+import bad_patches
 import candil_pb2 as pb
 import make
 import writers
@@ -246,6 +247,14 @@ def gltf_and_obj(out, folder):
         put(out, kind, base, data)
 
 
+def patches(out, folder):
+    for name, (write, _, _) in bad_patches.CASES.items():
+        with open(write(folder), "rb") as f:
+            data = f.read()
+        if len(data) <= 16384:
+            put(out, "patches", name, data)
+
+
 def pictures(out, folder):
     """A picture in each of the formats, of few pixels."""
     rgb = np.float32([[(x / 7, y / 3, 0.5) for x in range(8)] for y in range(4)])
@@ -274,13 +283,20 @@ def put(out, target, name, data):
 
 
 def blobs(folder):
-    """Small scenes that between them have every section: textures, lights, emitters, masks, colours, second coordinates."""
+    """Small scenes that between them have every section: textures, lights, emitters, masks, colours, second coordinates; and one
+    of patches and one of form factors."""
     os.makedirs(folder, exist_ok=True)
     with tempfile.TemporaryDirectory() as scenes:
         for name in ("cornell", "textured_quad", "spot", "normal_mapped_quad", "alpha_mask", "vertex_colours", "second_uvs", "stage", "alpha_blend", "polished"):
             path = make.ggx_furnace(scenes, 0.05, subdivisions=0) if name == "polished" else make.SCENES[name](scenes)
-            subprocess.run([sys.argv[2], "--describe", "--dir", scenes, "--file", os.path.basename(path), "--images",
-                            "--blob", os.path.join(folder, name)], check=True, stdout=subprocess.DEVNULL)
+            blob_of(path, os.path.join(folder, name))
+        for name in ("ply_sound", "mtx_sound"):
+            blob_of(bad_patches.CASES[name][0](scenes), os.path.join(folder, name))
+
+
+def blob_of(path, blob):
+    subprocess.run([sys.argv[2], "--describe", "--dir", os.path.dirname(path), "--file", os.path.basename(path), "--images", "--blob", blob],
+                   check=True, stdout=subprocess.DEVNULL)
 
 
 def main():
@@ -292,6 +308,7 @@ def main():
             put(out, target, name, data)
     with tempfile.TemporaryDirectory() as folder:
         gltf_and_obj(out, folder)
+        patches(out, folder)
         pictures(out, folder)
 
 

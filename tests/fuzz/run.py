@@ -20,7 +20,7 @@ SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file_
 BUILD = os.path.join(SOURCE, "build-fuzz")
 COVERAGE = os.path.join(SOURCE, "build-coverage")
 FOUND = os.path.join(BUILD, "found")
-TARGETS = ("front", "request", "session", "children", "quotes", "client", "blob", "gltf", "obj", "image", "study")
+TARGETS = ("front", "request", "session", "children", "quotes", "client", "blob", "gltf", "obj", "patches", "image", "study")
 PARTS = ("server/front", "server/scene", "server/loader")
 
 

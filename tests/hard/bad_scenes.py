@@ -1,4 +1,4 @@
-"""Every broken scene file of tests/scenes/bad.py is refused with the right code, or loads with what is wrong counted and said.
+"""Every broken file of tests/scenes/bad.py and bad_patches.py is refused with the right code, or loads with what is wrong counted and said.
 The loader itself must neither crash nor hang on any of them."""
 import json
 import os
@@ -6,6 +6,7 @@ import tempfile
 import unittest
 
 import bad
+import bad_patches
 from loader import describe
 
 # What is not simply invalid.
@@ -90,15 +91,40 @@ EXPECTED = {
 
 
 class BadScenes(unittest.TestCase):
-    def check_refused(self, name, path):
+    def check_refused(self, path, wanted, word=""):
         done = describe(path, timeout=120)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertEqual(done.stdout, "")
         sentences = [line for line in done.stderr.splitlines() if line.startswith("candil-loader: ")]
         self.assertEqual(len(sentences), 1, done.stderr)
         _, code, sentence = sentences[0].split(": ", 2)
-        self.assertEqual(code, CODES.get(name, "scene-invalid"), sentence)
+        self.assertEqual(code, wanted, sentence)
+        self.assertIn(word, sentence)
         self.assertGreater(len(sentence), 15)
+
+    def check_patches(self, name, path):
+        _, code, word = bad_patches.CASES[name]
+        if code:
+            self.check_refused(path, code, word)
+            return
+        done = describe(path, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        info = json.loads(done.stdout)
+        factors = [4, 0 if name == "mtx_of_nothing" else 5]
+        self.assertEqual([info[key] for key in ("patch_elements", "factor_rows", "factor_entries")],
+                         [4, 0, 0] if name.startswith("ply") else [0, *factors])
+        self.assertEqual(info["facts"], ["patches" if name.startswith("ply") else "form factors"])
+        self.assertEqual(len(info["warnings"]), word != "", info["warnings"])
+        self.assertIn(word, "".join(info["warnings"]))
+
+    def test_patches_are_the_same_in_any_order(self):
+        for names in (("ply_sound", "ply_carriage_returns", "ply_further_numbers", "ply_another_order", "ply_other_names_of_types"),
+                      ("mtx_sound", "mtx_by_columns", "mtx_any_order", "mtx_spaced")):
+            hashes = set()
+            for name in names:
+                with tempfile.TemporaryDirectory() as folder:
+                    hashes.add(json.loads(describe(bad_patches.CASES[name][0](folder)).stdout)["hash"])
+            self.assertEqual(len(hashes), 1, names)
 
     def check_mended(self, name, path):
         done = describe(path, timeout=120)
@@ -124,7 +150,10 @@ def add(name, write, check):
 
 
 for scene, writer in {**bad.BAD, **bad.ODD}.items():
-    add(scene, writer, BadScenes.check_mended if scene in EXPECTED else BadScenes.check_refused)
+    add(scene, writer, BadScenes.check_mended if scene in EXPECTED else
+        lambda self, name, path: self.check_refused(path, CODES.get(name, "scene-invalid")))
+for scene, (writer, _, _) in bad_patches.CASES.items():
+    add(scene, writer, BadScenes.check_patches)
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,5 +1,5 @@
-// Files of patches and of form factors: what is written is read back bit for bit, whatever the slices, and no more is
-// written than a file may have.
+// Files of patches and of form factors: what is written is read back bit for bit, by this test and by the loader, whatever
+// the slices, and no more is written than a file may have.
 #include "tests/unit/element_samples.h"
 
 #include <stdio.h>
@@ -7,6 +7,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "server/loader/patch_matrix.h"
+#include "server/loader/patch_ply.h"
 #include "server/worker/scenes/resident.h"
 #include "server/worker/technique/radiosity/patch_file.h"
 
@@ -31,6 +33,14 @@ static float any(uint32_t *seed)
 	return (float)(noise(seed) * pow(10, -12 * noise(seed)));
 }
 
+// Some are at the ends of what floats hold.
+static float any_value(uint32_t *seed)
+{
+	static const float ends[] = {0, 1, 1 - 0x1p-24f, 0x1p-149f, 0x1p-126f - 0x1p-149f};
+	const double choice = 12 * noise(seed);
+	return choice < 5 ? ends[(int)choice] : any(seed);
+}
+
 static void draw_rows(struct sample *s)
 {
 	struct factors *f = &s->build.factors;
@@ -49,7 +59,7 @@ static void draw_rows(struct sample *s)
 		s->solution.reached[i] = i % 5 != 4 && i % 7 != 3;
 		for (uint32_t k = 0; k < row->count; k++, at++) {
 			s->columns[at] = k * (count / 4) + i % (count / 4);
-			s->values[at] = any(&s->mesh.seed);
+			s->values[at] = any_value(&s->mesh.seed);
 		}
 		s->reached += s->solution.reached[i] ? row->count : 0;
 		assert_true(at + 4 < ENTRIES_MOST);
@@ -75,9 +85,9 @@ static void sample_init(struct sample *s, uint32_t kind)
 	s->solution.lamps = kind % 2;
 	for (uint32_t i = 0; i < 3 * count; i++) {
 		s->solution.made_of[i / 3].emission[i % 3] = any(&s->mesh.seed);
-		s->solution.made_of[i / 3].albedo[i % 3] = any(&s->mesh.seed);
-		s->solution.irradiance[i] = any(&s->mesh.seed);
-		s->solution.direct[i] = any(&s->mesh.seed);
+		s->solution.made_of[i / 3].albedo[i % 3] = any_value(&s->mesh.seed);
+		s->solution.irradiance[i] = any_value(&s->mesh.seed);
+		s->solution.direct[i] = any_value(&s->mesh.seed);
 	}
 }
 
@@ -154,7 +164,7 @@ static const char *check_face(const struct sample *s, uint32_t element, uint32_t
 	const uint32_t patch = element % e->patches.count;
 	uint8_t corners, side, straight, reached;
 	uint32_t corner, number, material;
-	float area, b[3], m[3], d[3], rho[3], escaped, cut;
+	float area, b[3], m[3], d[3], rho[3], h[3], escaped, cut;
 	struct patch p;
 	patches_get(&e->patches, patch, &p);
 	at = take(at, &corners, 1);
@@ -166,7 +176,8 @@ static const char *check_face(const struct sample *s, uint32_t element, uint32_t
 	at = take(take(take(at, &number, 4), &side, 1), &material, 4);
 	assert_true(number == patch && side == (element != patch) && material == p.material);
 	at = take(take(take(take(take(at, &area, 4), b, 12), m, 12), d, 12), rho, 12);
-	at = take(take(take(take(at, &straight, 1), &reached, 1), &escaped, 4), &cut, 4);
+	at = take(take(take(take(take(at, &straight, 1), &reached, 1), &escaped, 4), &cut, 4), h, 12);
+	assert_memory_equal(h, &s->solution.irradiance[3 * element], sizeof h);
 	assert_true(straight == s->solution.lamps && !memcmp(d, &s->solution.direct[3 * element], sizeof d));
 	const struct factors_row *row = &s->build.factors.rows[element];
 	assert_true(area == e->shapes[patch].area && reached == s->solution.reached[element]);
@@ -178,6 +189,89 @@ static const char *check_face(const struct sample *s, uint32_t element, uint32_t
 			    (double)m[c] + (double)rho[c] * (double)s->solution.irradiance[3 * element + c], 1e-6);
 	}
 	return at;
+}
+
+// The import of a file, which import_finish frees.
+static void loaded(struct import *im,
+		   enum status (*read)(struct import *, const char *, const struct file_bytes *, struct error *), char *data,
+		   uint64_t bytes)
+{
+	static struct files files;
+	static candil_SceneInfo info;
+	struct error err = {0};
+	import_init(im, &files, &info);
+	const struct file_bytes file = {(uint8_t *)data, bytes};
+	if (read(im, "file", &file, &err) != STATUS_OK)
+		fail_msg("%s", err.text);
+}
+
+static void check_loaded_face(const struct sample *s, const struct imported_element *loaded, uint32_t element)
+{
+	const struct elements *e = &s->build.elements;
+	const struct solution *v = &s->solution;
+	const struct factors_row *row = &s->build.factors.rows[element];
+	const uint32_t patch = element % e->patches.count, side = element != patch;
+	struct patch p;
+	patches_get(&e->patches, patch, &p);
+	assert_true(loaded->patch == patch && loaded->side == side && loaded->material == p.material);
+	assert_true(loaded->corners == p.shape.corners && loaded->area == e->shapes[patch].area);
+	for (uint32_t k = 0; k < p.shape.corners; k++)
+		for (uint32_t c = 0; c < 3; c++)
+			assert_true(loaded->corner[side ? p.shape.corners - 1 - k : k][c] ==
+				    s->blob.origin[c] + (double)e->shapes[patch].corner[3 * k + c]);
+	assert_true(loaded->straight == v->lamps && loaded->reached == v->reached[element]);
+	assert_true(loaded->escaped == (loaded->reached ? row->escaped : 0) &&
+		    loaded->cut == (loaded->reached ? row->cut : 0));
+	assert_memory_equal(loaded->h, &v->irradiance[3 * element], sizeof loaded->h);
+	assert_memory_equal(loaded->d, &v->direct[3 * element], sizeof loaded->d);
+	assert_memory_equal(loaded->rho, v->made_of[element].albedo, sizeof loaded->rho);
+	for (uint32_t c = 0; c < 3; c++) {
+		const float m = (float)3.14159265358979323846 * v->made_of[element].emission[c];
+		assert_true(loaded->m[c] == m && loaded->b[c] == m + loaded->rho[c] * loaded->h[c]);
+	}
+}
+
+static void the_loader_has_the_same_patches(void **state)
+{
+	static struct sample s;
+	uint64_t bytes;
+	(void)state;
+	for (uint32_t kind = 0; kind < ELEMENT_MESHES; kind++) {
+		struct import im;
+		sample_init(&s, kind);
+		char *data = written(&s, candil_Format_FORMAT_PLY, UINT32_MAX, &bytes);
+		loaded(&im, patch_ply_import, data, bytes);
+		assert_int_equal(im.element_count, s.build.elements.count);
+		for (uint32_t i = 0; i < im.element_count; i++)
+			check_loaded_face(&s, &im.elements[i], i);
+		import_finish(&im);
+		free(data);
+		sample_finish(&s);
+	}
+}
+
+static void the_loader_has_the_same_factors(void **state)
+{
+	static struct sample s;
+	uint64_t bytes;
+	struct import im;
+	(void)state;
+	sample_init(&s, 2);
+	char *data = written(&s, candil_Format_FORMAT_MTX, UINT32_MAX, &bytes);
+	loaded(&im, patch_matrix_import, data, bytes);
+	assert_true(im.row_count == s.build.elements.count && im.factor_count == s.reached);
+	for (uint32_t i = 0; i < im.row_count; i++) {
+		const struct factors_row *row = &s.build.factors.rows[i];
+		assert_int_equal(im.rows[i].count, s.solution.reached[i] ? row->count : 0);
+		for (uint32_t k = 0; k < im.rows[i].count; k++) {
+			const struct imported_factor *f = &im.factors[im.rows[i].first + k];
+			assert_int_equal(f->column, s.columns[row->first + k]);
+			assert_memory_equal(&f->value, &s.values[row->first + k], sizeof f->value);
+		}
+	}
+	import_finish(&im);
+	free(data);
+	sample_finish(&s);
 }
 
 static void patches_are_read_back(void **state)
@@ -292,10 +386,9 @@ static void what_has_no_patches_has_files(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(patches_are_read_back),
-	    cmocka_unit_test(factors_are_read_back),
-	    cmocka_unit_test(a_file_has_no_more_than_it_may),
-	    cmocka_unit_test(what_has_no_patches_has_files),
+	    cmocka_unit_test(patches_are_read_back),           cmocka_unit_test(factors_are_read_back),
+	    cmocka_unit_test(the_loader_has_the_same_patches), cmocka_unit_test(the_loader_has_the_same_factors),
+	    cmocka_unit_test(a_file_has_no_more_than_it_may),  cmocka_unit_test(what_has_no_patches_has_files),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

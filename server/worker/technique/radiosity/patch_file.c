@@ -7,6 +7,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/memfd.h"
+#include "server/scene/patch_format.h"
 #include "server/worker/scenes/resident.h"
 #include "server/worker/technique/radiosity/display_views.h"
 
@@ -15,9 +16,8 @@
 #define ENTRY_BYTES_LEAST 6u // "1 1 1" and the end of the line
 #define ENTRY_BYTES_USUAL 22u
 #define ENTRY_BYTES_MOST 40u // two numbers of ten digits, a float of nine, and what is between
-#define FACE_BYTES_MOST 96u
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are written as they are in memory");
+_Static_assert(2 * PATCHES_MOST <= LIMIT_PATCH_ELEMENTS, "what is written can be read back");
 
 struct patch_file {
 	bool broken; // a part could not be written
@@ -85,6 +85,8 @@ static uint32_t corner_count(const struct elements *e, uint32_t patch)
 	return e->faces[e->shapes[patch].face].v > 0 ? 4 : 3;
 }
 
+#define PROPERTY_LINE(type, name, member) "property " #type " " name "\n"
+
 static enum status put_ply_header(struct patch_file *f, struct error *err)
 {
 	const struct elements *e = elements_of(f);
@@ -92,7 +94,7 @@ static enum status put_ply_header(struct patch_file *f, struct error *err)
 	uint64_t corners = 0;
 	for (uint32_t i = 0; i < e->patches.count; i++)
 		corners += corner_count(e, i);
-	const uint64_t bytes = corners * 3 * sizeof(double) + (uint64_t)e->count * FACE_BYTES_MOST;
+	const uint64_t bytes = corners * 3 * sizeof(double) + (uint64_t)e->count * PATCH_FACE_BYTES_MOST;
 	if (bytes > f->most)
 		return refuse(f, (double)bytes, err);
 	char *at = room(f, BUFFER_BYTES, err);
@@ -104,17 +106,11 @@ static enum status put_ply_header(struct patch_file *f, struct error *err)
 		"ply\nformat binary_little_endian 1.0\n"
 		"comment candil: patches of scene %016llx%016llx, metres, world space\n"
 		"comment face i is element i: the fronts of all patches, then their backs\n"
-		"comment b: radiosity, m: emitted exitance, d: irradiance straight from sources, W/m2\n"
+		"comment b: radiosity, m: emitted exitance, d: irradiance straight from sources, h: all irradiance, W/m2\n"
 		"comment b = m + rho (d + F (b - straight m)), with rho the diffuse reflectance\n"
 		"comment escaped, cut: shares of its light that meet nothing, that a limit cut off\n"
-		"element vertex %llu\nproperty double x\nproperty double y\nproperty double z\n"
-		"element face %u\nproperty list uchar uint vertex_indices\n"
-		"property uint patch\nproperty uchar side\nproperty uint material\nproperty float area\n"
-		"property float b_r\nproperty float b_g\nproperty float b_b\n"
-		"property float m_r\nproperty float m_g\nproperty float m_b\n"
-		"property float d_r\nproperty float d_g\nproperty float d_b\n"
-		"property float rho_r\nproperty float rho_g\nproperty float rho_b\n"
-		"property uchar straight\nproperty uchar reached\nproperty float escaped\nproperty float cut\nend_header\n",
+		"element vertex %llu\n" PATCH_AXES(PROPERTY_LINE) "element face %u\nproperty list " PATCH_LIST
+								  "\n" PATCH_PROPERTIES(PROPERTY_LINE) "end_header\n",
 		(unsigned long long)blob->hash[1], (unsigned long long)blob->hash[0], (unsigned long long)corners,
 		e->count));
 	return STATUS_OK;
@@ -152,55 +148,48 @@ static enum status put_corners(struct patch_file *f, uint32_t patch, struct erro
 	return STATUS_OK;
 }
 
-static void append(char **at, const void *data, size_t bytes)
-{
-	memcpy(*at, data, bytes);
-	*at += bytes;
-}
-
-// `first`: of the file's vertices, the patch's first corner.
-static void append_face(const struct patch_file *f, uint32_t element, uint32_t first, char **at)
+// The element, but for its corners' places, which its vertices tell.
+static struct imported_element element_of(const struct patch_file *f, uint32_t element)
 {
 	const struct elements *e = elements_of(f);
-	const struct factors_row *row = &f->solution->factors->factors.rows[element];
-	const uint32_t patch = element % e->patches.count, count = corner_count(e, patch);
-	const uint8_t corners = (uint8_t)count, side = element >= e->patches.count, reached = f->solution->reached[element];
-	const float escaped = reached ? row->escaped : 0, cut = reached ? row->cut : 0;
-	const uint8_t straight = f->solution->lamps;
+	const struct solution *v = f->solution;
+	const struct factors_row *row = &v->factors->factors.rows[element];
+	const size_t three = 3 * (size_t)element;
+	const bool reached = v->reached[element];
+	const uint32_t patch = element % e->patches.count;
 	struct patch shape;
 	patches_get(&e->patches, patch, &shape);
-	append(at, &corners, 1);
-	for (uint32_t k = 0; k < count; k++) {
-		const uint32_t corner = first + (side ? count - 1 - k : k);
-		append(at, &corner, sizeof corner);
-	}
-	append(at, &patch, sizeof patch);
-	append(at, &side, 1);
-	append(at, &shape.material, sizeof shape.material);
-	append(at, &e->shapes[patch].area, sizeof e->shapes[patch].area);
-	append(at, &f->radiosity[3 * (size_t)element], 3 * sizeof(float));
-	append(at, &f->exitance[3 * (size_t)element], 3 * sizeof(float));
-	append(at, &f->solution->direct[3 * (size_t)element], 3 * sizeof(float));
-	append(at, f->solution->made_of[element].albedo, 3 * sizeof(float));
-	append(at, &straight, 1);
-	append(at, &reached, 1);
-	append(at, &escaped, sizeof escaped);
-	append(at, &cut, sizeof cut);
+	struct imported_element out = {.patch = patch,
+				       .material = shape.material,
+				       .area = e->shapes[patch].area,
+				       .escaped = reached ? row->escaped : 0,
+				       .cut = reached ? row->cut : 0,
+				       .corners = (uint8_t)corner_count(e, patch),
+				       .side = element != patch,
+				       .straight = v->lamps,
+				       .reached = reached};
+	memcpy(out.b, &f->radiosity[three], sizeof out.b);
+	memcpy(out.m, &f->exitance[three], sizeof out.m);
+	memcpy(out.d, &v->direct[three], sizeof out.d);
+	memcpy(out.rho, v->made_of[element].albedo, sizeof out.rho);
+	memcpy(out.h, &v->irradiance[three], sizeof out.h);
+	return out;
 }
 
 static enum status put_face(struct patch_file *f, uint32_t element, struct error *err)
 {
-	const struct elements *e = elements_of(f);
-	char *const begin = room(f, FACE_BYTES_MOST, err);
-	char *at = begin;
-	if (!begin)
+	const struct imported_element face = element_of(f, element);
+	uint32_t vertex[4];
+	char *at = room(f, PATCH_FACE_BYTES_MOST, err);
+	if (!at)
 		return err->code;
 	// Both sides have the same corners.
-	if (element == e->patches.count)
+	if (element == elements_of(f)->patches.count)
 		f->corner = 0;
-	append_face(f, element, (uint32_t)f->corner, &at);
-	f->corner += corner_count(e, element % e->patches.count);
-	put(f, (size_t)(at - begin));
+	for (uint32_t k = 0; k < face.corners; k++)
+		vertex[k] = (uint32_t)f->corner + (face.side ? face.corners - 1 - k : k);
+	f->corner += face.corners;
+	put(f, patch_face_write(&face, vertex, at));
 	return STATUS_OK;
 }
 

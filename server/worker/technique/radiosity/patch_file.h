@@ -9,7 +9,8 @@
 // front, 1: back), material, area (m²), B, M and D (b_r …, m_r …, d_r …: radiosity, emitted exitance, and irradiance that
 // comes straight from its source, W/m²), reflectance (rho_r …), straight (1: D has the light of what emits, and form factors
 // carry B - M alone), reached (1: light reaches it), escaped and cut (shares of its light that meet nothing, and that a
-// limit of mirrors cut off). So B = M + rho (D + F (B - straight M)), with F the form factors.
+// limit of mirrors cut off), and H (h_r …: all irradiance, W/m²). So H = D + F (B - straight M), with F the form factors,
+// and B = M + rho H, from which H cannot be had back bit for bit. patch_format.h lists the properties.
 //
 // Matrix Market ("The Matrix Market Exchange Formats", Boisvert, Pozo and Remington 1996), coordinate real general: row i,
 // column j is the share of the light of element i - 1 that arrives at element j - 1, with nine digits.
