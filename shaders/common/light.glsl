@@ -38,12 +38,6 @@ uint alias_row(uint bits, uint count)
 	return row;
 }
 
-// Power heuristic with β = 2 (Veach 1997, 9.2.4): the weight of a technique of density 1 where the other's density is r.
-float power_weight(float r)
-{
-	return 1.0 / (1.0 + r * r);
-}
-
 // A point of an emissive triangle as seen from a receiver.
 struct emitter_view {
 	vec3 segment;   // from the receiver to the point; at t = 1 it ends in front of the lamp itself

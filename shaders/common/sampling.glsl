@@ -181,4 +181,10 @@ vec2 sample_triangle(vec2 u)
 	return u;
 }
 
+// Power heuristic with β = 2 (Veach 1997, 9.2.4): the weight of a technique of density 1 where the other's density is r.
+float power_weight(float r)
+{
+	return 1.0 / (1.0 + r * r);
+}
+
 #endif

@@ -40,6 +40,9 @@
 #ifndef DIRECT_OWN
 #define DIRECT_OWN false          // each pixel has a set of points of its own: noise in the place of a pattern
 #endif
+#ifndef DIRECT_RAYS_BESIDE
+#define DIRECT_RAYS_BESIDE 0.0    // rays by the cosine that find emissive triangles in another pass, beside the points
+#endif
 #ifndef DIRECT_TURN
 #define DIRECT_TURN turn.y        // which set of points
 #endif
@@ -200,6 +203,12 @@ void ray_to_light(bsdf b, vec3 origin, uint i, inout direct_ray r)
 		r.t_max = -1.0;
 }
 
+// The density, 1/sr, of a direction above the surface by the cosine, with that of the one that folds to it.
+float cosine_pdf(bsdf b, vec3 w)
+{
+	return (max(dot(w, b.normal), 0.0) + max(folded_below(b, w, dot(b.geometric, w)).z, 0.0)) / PI;
+}
+
 void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 {
 	uvec2 pick;
@@ -219,6 +228,8 @@ void ray_to_lamp(bsdf b, vec3 origin, uint pattern, uint k, inout direct_ray r)
 	r.diffuse = diffuse * light;
 	if (EFFECT_GLOSSY)
 		r.facets = facets.xyz * light * power_weight(min(facets.w * v.inverse / float(DIRECT_POINTS), 1e18));
+	if (DIRECT_RAYS_BESIDE > 0.0)
+		r.diffuse *= power_weight(min(DIRECT_RAYS_BESIDE * cosine_pdf(b, w) * v.inverse / float(DIRECT_POINTS), 1e18));
 	// The closed form knows no texture: the ratio tells what both the texture and what is in the way leave.
 	vec3 whole = EFFECT_TEXTURES ? to_vec3(materials[triangles[lamp.number].material].emission) : v.radiance;
 	r.expected = whole * (v.inverse / float(DIRECT_POINTS)) * (max(dot(w, b.normal), 0.0) * (1.0 / PI));
@@ -236,8 +247,7 @@ void ray_to_dome(bsdf b, uint pattern, uint k, inout direct_ray r)
 	vec3 w = l.x * b.x + l.y * b.y + l.z * b.normal;
 	float above = dot(b.geometric, w);
 	w = above < 0.0 ? w - 2.0 * above * b.geometric : w;
-	// The density is that of the direction and of the one that folds to it.
-	float density = (max(dot(w, b.normal), 0.0) + max(folded_below(b, w, abs(above)).z, 0.0)) / PI;
+	float density = cosine_pdf(b, w);
 	vec4 facets;
 	direct_eval(b, w, r.diffuse, facets);
 	r.diffuse *= to_vec3(job.background) / (max(density, 1e-20) * float(DIRECT_POINTS));

@@ -17,6 +17,7 @@ struct place {
 	vec3 v1;
 	vec3 v2;
 	vec2 uv;          // barycentrics of corners 1 and 2
+	float away;       // cosine between its normal and the ray that has met it
 	bool front;       // it is seen from there
 };
 
@@ -42,7 +43,8 @@ place place_fetch(uint id)
 void place_met(inout place p, vec2 uv, vec3 direction)
 {
 	p.uv = uv;
-	p.front = dot(unit_normal(p.v0, p.v1, p.v2), direction) < 0.0;
+	p.away = dot(unit_normal(p.v0, p.v1, p.v2), direction);
+	p.front = p.away < 0.0;
 }
 
 // Of a material what is read here; the rest is undefined.
@@ -60,7 +62,9 @@ material material_fetch(uint i)
 	m.metallic = uintBitsToFloat(gloss.z);
 	m.roughness = uintBitsToFloat(gloss.w);
 	m.surface_texture = texelFetch(place_materials, at + 4).x;
-	m.flags = texelFetch(place_materials, at + 5).x;
+	uvec4 sides = texelFetch(place_materials, at + 5);
+	m.flags = sides.x;
+	m.power_density = uintBitsToFloat(sides.y);
 	return m;
 }
 

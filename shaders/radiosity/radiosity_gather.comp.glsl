@@ -1,10 +1,11 @@
 // The final gather (Reichert 1992; Lischinski, Tampieri and Greenberg 1993, "Combining hierarchical radiosity and
 // discontinuity meshing", sec. 5): rays from each pixel's place, by the cosine, look up what the surfaces that they meet
 // reflect. So the mesh shows only in the light of the second place, and the pixel's own shadows are sharp. Light straight
-// from lamps and lights is left to another pass, and so is emission: only what is reflected counts, but behind a mirror, where
-// that other pass does not look, emission counts, too. Rays that meet nothing see the background. Of an environment's
-// picture, half as many rays again go where its table sends them, and both kinds are weighted by the balance heuristic (Veach
-// 1997, 9.2.2): with n rays by the density p and m by q, each that escapes counts f L / (n p + m q).
+// from lights is left to another pass, and so is most of lamps': of a lamp that a ray meets counts what RADIOSITY_RIVALS points
+// on lamps leave to it by the power heuristic (Veach 1997, 9.2.4), which is most of a near one. Behind a mirror, where that
+// other pass does not look, all of it counts. Rays that meet nothing see the background. Of an environment's picture, half as
+// many rays again go where its table sends them, and both kinds are weighted by the balance heuristic (9.2.2): with n rays by
+// the density p and m by q, each that escapes counts f L / (n p + m q).
 //
 // What the camera sees in a mirror has no gather of its own: it is looked up.
 #version 450 core
@@ -32,6 +33,12 @@ layout(binding = RADIOSITY_SKY_UNIT) uniform usamplerBuffer sky_words;
 #define RADIOSITY_ONCE false
 #endif
 
+// Points on lamps in a pixel's sample, chosen by power, beside which rays find lamps; 0.0: rays find none, and points all. A
+// macro that the program defines.
+#ifndef RADIOSITY_RIVALS
+#define RADIOSITY_RIVALS 0.0
+#endif
+
 layout(local_size_x = TILE_PIXELS) in;
 layout(location = RADIOSITY_RAYS) uniform uvec3 rays;
 
@@ -42,7 +49,7 @@ struct gathered {
 	vec3 through;     // share of what it sees that counts; zero: it has ended
 	bool plain;       // it sees what shines
 	bool sky;         // it sees the environment alone
-	float density;    // by the cosine, 1/sr, times the number of rays of that kind; with an environment's picture
+	float density;    // by the cosine, 1/sr, times the number of rays of that kind
 };
 
 // Of the rays before ray i by the cosine, or among so many: those that go to the environment.
@@ -63,6 +70,15 @@ vec3 sky_gathered(gathered g, bool first)
 #endif
 }
 
+// What counts of the light of a lamp that a ray has met.
+float lamp_weight(gathered g, place p, float t, float power)
+{
+	if (g.plain)
+		return 1.0;
+	float rival = RADIOSITY_RIVALS * power * job.emitter_power_inv * t * t / max(abs(p.away), 1e-7);
+	return RADIOSITY_RIVALS > 0.0 && power > 0.0 ? power_weight(min(rival / max(g.density, 1e-30), 1e18)) : 0.0;
+}
+
 // Follows a ray to what it meets, and by mirrors from there on.
 vec3 follow(gathered g)
 {
@@ -78,15 +94,15 @@ vec3 follow(gathered g)
 			radiance += g.through * sky_gathered(g, first);
 		if (!met || g.sky)
 			return radiance;
-		float share;
 		place p = place_fetch(hit.id);
 		place_met(p, hit.uv, g.direction);
-		vec3 seen = place_seen(p, g.plain, share);
+		seen at = place_seen(p);
 		if (!RADIOSITY_ONCE || g.plain)
-			radiance += g.through * seen;
+			radiance += g.through * at.reflected;
+		radiance += g.through * at.shining * lamp_weight(g, p, hit.t, at.power);
 #if RADIOSITY_BOUNCES > 0
 		surface s = surface_at(hit.id, hit.uv, g.origin, g.direction, hit.t);
-		g.through *= mirror_reflectance(s, share, g.direction);
+		g.through *= mirror_reflectance(s, at.share, g.direction);
 		g.origin = s.position + s.offset * s.geometric;
 		g.direction = mirrored(s, g.direction);
 		g.plain = true;
@@ -111,6 +127,7 @@ void aim_at_sky(surface s, sampler_state random, inout gathered g)
 	g.through = dot(w, s.geometric) > 0.0 ? g.through : vec3(0.0);
 	g.direction = w;
 }
+#endif
 
 // The density of a direction by the cosine, and of the one that is folded to it, 1/sr.
 float cosine_density(surface s, vec3 w)
@@ -118,7 +135,6 @@ float cosine_density(surface s, vec3 w)
 	vec3 below = w - 2.0 * dot(w, s.geometric) * s.geometric;
 	return (max(dot(w, s.shading), 0.0) + max(dot(below, s.shading), 0.0)) * (1.0 / PI);
 }
-#endif
 
 void main()
 {
@@ -145,7 +161,6 @@ void main()
 		g.plain = i == 0u;
 		g.sky = false;
 		g.through = diffuse;
-		g.density = 0.0;
 		random.index = turn.y * rays.z + rays.x + i - 1u;
 		vec3 l = cosine_hemisphere(sample_2d(random, SET_BSDF));
 		g.direction = folded_up(s, l.x * x + l.y * y + l.z * s.shading);
@@ -153,8 +168,8 @@ void main()
 		random.index = turn.y * to_sky(rays.z) + to_sky(rays.x) + i - 1u - count;
 		if (i > count)
 			aim_at_sky(s, random, g);
-		g.density = float(rays.z) * cosine_density(s, g.direction);
 #endif
+		g.density = float(rays.z) * cosine_density(s, g.direction);
 		if (g.plain) {
 			g.direction = mirrored(s, v.direction);
 			g.through = mirror_reflectance(s, share, v.direction);

@@ -31,11 +31,11 @@ void show_light(uvec2 pixel, visible_point v, place p)
 #if RADIOSITY_BOUNCES > 0
 	for (int bounce = 0; bounce <= RADIOSITY_BOUNCES; bounce++) {
 #endif
-		float share;
-		radiance += through * place_seen(p, true, share);
+		seen at = place_seen(p);
+		radiance += through * (at.reflected + at.shining);
 #if RADIOSITY_BOUNCES > 0
 		surface s = surface_at(v.id, v.uv, v.origin, v.direction, v.t);
-		through *= mirror_reflectance(s, share, v.direction);
+		through *= mirror_reflectance(s, at.share, v.direction);
 		bool on = bounce < RADIOSITY_BOUNCES && max(through, vec3(0.0)) != vec3(0.0);
 		v.origin = s.position + s.offset * s.geometric;
 		v.direction = mirrored(s, v.direction);

@@ -5,6 +5,7 @@ import unittest
 
 import numpy
 
+from lambert import lambert
 from render import Daemon
 from writers import Gltf, png, quad
 
@@ -14,23 +15,6 @@ DISTANCES = (1, .1, .01, .001)
 
 def setUpModule():
     unittest.enterModuleContext(daemon)
-
-
-def lambert(polygon, normal):
-    """Irradiance at zero per radiance of a polygon: half the sum over its edges of the arcs that they subtend."""
-    polygon, normal = [numpy.array(p, float) for p in polygon], numpy.array(normal, float)
-    above = []
-    for a, b in zip(polygon, polygon[1:] + polygon[:1]):
-        if a @ normal >= 0:
-            above.append(a)
-        if (a @ normal) * (b @ normal) < 0:
-            above.append(a + (b - a) * (a @ normal) / (a @ normal - b @ normal))
-    total = 0
-    for a, b in zip(above, above[1:] + above[:1]):
-        c = numpy.cross(a, b)
-        if numpy.linalg.norm(c) > 0:
-            total += math.atan2(numpy.linalg.norm(c), a @ b) * (c @ normal) / numpy.linalg.norm(c)
-    return abs(total) / 2
 
 
 def floor(g, size=20, **more):

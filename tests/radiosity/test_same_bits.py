@@ -58,9 +58,11 @@ class Effects(unittest.TestCase):
     def test_switched_off_they_draw_their_substitute(self):
         with RadiosityDaemon() as daemon:
             box = make.cornell(daemon.folder)
-            off = daemon.radiosity(box, size=(48, 48), display="gather", arguments=["--effects", "-bounces"], **FEW)
-            direct = daemon.render(box, size=(48, 48), spp=1, arguments=["--technique", "direct"])
-            numpy.testing.assert_allclose(off.radiance, direct.radiance, rtol=1e-5, atol=1e-6)
+            off = daemon.radiosity(box, size=(48, 48), spp=64, display="gather", arguments=["--effects", "-bounces"], **FEW)
+            direct = daemon.render(box, size=(48, 48), spp=64, arguments=["--technique", "direct"])
+            # Shadows have points of their own in each.
+            self.assertLess(float((numpy.abs(off.radiance - direct.radiance) / (direct.radiance + .1)).mean()), 5e-3)
+            self.assertLess(abs(off.mean() / direct.mean() - 1), 1e-3)
             for scene, effect in ((box, "emitters"), (make.lit_floor(daemon.folder, "spot"), "lights")):
                 self.assertEqual(float(daemon.radiosity(scene, arguments=["--effects", "-" + effect], **FEW).radiance.max()), 0)
 

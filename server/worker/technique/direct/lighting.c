@@ -10,6 +10,7 @@
 #define CLOSED_EMITTERS_MAX 32u
 // Points on lamps that a pixel with its own has at least, over all samples: as good as the shared ones of fewer samples.
 #define SHARP_POINTS 64u
+#define SHARP_POINTS_MOST 16u // of them, in one sample
 #define DOME_POINTS 4u // of a pixel on an even sky, at least: 64 for each block of pixels
 
 static const struct gl_source light_source = {.name = "light", .compute = source_light_comp};
@@ -21,12 +22,18 @@ static bool lamps_are_few(const struct resident_scene *scene)
 	return scene_count(scene, BLOB_EMITTERS) <= CLOSED_EMITTERS_MAX;
 }
 
+// Whether each pixel has points of its own.
+static bool is_own(const struct plan *plan, const struct lighting_wish *wish)
+{
+	return wish->own || plan->samples >= DIRECT_SOFT_BELOW;
+}
+
 // Whether emissive triangles, or an even sky, light the scene by points that neighbouring pixels share.
 static bool is_soft(const struct plan *plan, const struct resident_scene *scene, const struct lighting_wish *wish)
 {
 	const bool lamps =
 	    plan_has(plan, candil_Effect_EFFECT_EMITTERS) && scene_count(scene, BLOB_EMITTERS) > 0 && wish->lamps;
-	return (lamps || wish->dome) && plan->samples < DIRECT_SOFT_BELOW;
+	return (lamps || wish->dome) && !is_own(plan, wish);
 }
 
 static const char *word(bool value)
@@ -44,15 +51,37 @@ struct lighting_wish lighting_wish_of(const struct direct_settings *s, bool maps
 				      .rows = s->rows};
 }
 
+// Whether the closed form and a pixel's own points tell the light of emissive triangles.
+static bool is_sharp(const struct plan *plan, const struct resident_scene *scene, const struct lighting_wish *wish)
+{
+	return !wish->dome && lamps_are_few(scene) && is_own(plan, wish);
+}
+
+// Points of a sample of a pixel.
+static uint32_t points_of(const struct plan *plan, const struct resident_scene *scene, const struct lighting_wish *wish)
+{
+	const uint32_t enough = (SHARP_POINTS - 1) / plan->samples + 1;
+	const uint32_t share = enough > SHARP_POINTS_MOST ? SHARP_POINTS_MOST : enough > 2 ? enough : 2;
+	const uint32_t least = wish->dome ? DOME_POINTS : wish->own || is_sharp(plan, scene, wish) ? share : 1;
+	return wish->points > least ? wish->points : least;
+}
+
+uint32_t lighting_rivals(const struct plan *plan, const struct resident_scene *scene, const struct lighting_wish *wish)
+{
+	const bool lamps = plan_has(plan, candil_Effect_EFFECT_EMITTERS) && wish->lamps && wish->shadows && !wish->dome;
+	const bool lambert = !plan_has(plan, candil_Effect_EFFECT_ROUGH_DIFFUSE);
+	return lamps && lambert && wish->rays > 0 && !lamps_are_few(scene) ? points_of(plan, scene, wish) : 0;
+}
+
 void lighting_define(struct gl_defines *defines, const struct plan *plan, const struct resident_scene *scene,
 		     const struct lighting_wish *wish)
 {
-	const bool closed = !wish->dome && lamps_are_few(scene), sharp = closed && plan->samples >= DIRECT_SOFT_BELOW;
-	const uint32_t enough = (SHARP_POINTS - 1) / plan->samples + 1, least = wish->dome   ? DOME_POINTS
-										: !sharp     ? 1
-										: enough > 2 ? enough
-											     : 2;
-	gl_define(defines, "DIRECT_POINTS", "%uu", wish->points > least ? wish->points : least);
+	const bool closed = !wish->dome && lamps_are_few(scene), sharp = is_sharp(plan, scene, wish);
+	gl_define(defines, "DIRECT_POINTS", "%uu", points_of(plan, scene, wish));
+	if (wish->own)
+		gl_define(defines, "DIRECT_OWN", "true");
+	if (lighting_rivals(plan, scene, wish) > 0)
+		gl_define(defines, "DIRECT_RAYS_BESIDE", "%u.0", wish->rays);
 	gl_define(defines, "DIRECT_CLOSED", "%s", word(closed));
 	gl_define(defines, "DIRECT_SHARP", "%s", word(sharp));
 	gl_define(defines, "DIRECT_DOME", "%s", word(wish->dome));

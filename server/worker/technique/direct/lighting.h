@@ -20,6 +20,9 @@
 // What a technique asks for, beside what is in the plan.
 struct lighting_wish {
 	uint32_t points; // on emissive triangles, for a sample of a pixel; > 0
+	bool own; // each pixel has its own points whatever the samples: noise in the place of a pattern
+	uint32_t rays; // by the cosine, of a sample of a pixel, that find emissive triangles in the technique's own passes,
+		       // if lighting_rivals says so; 0: there are none
 	bool shadows; // false: every light reaches all that faces it
 	uint32_t map_side; // texels of a shadow map's side; 0: all shadows are by rays
 	bool dome; // nothing else gives light, and the plan's background does, evenly
@@ -40,6 +43,11 @@ struct lighting {
 
 // The wish of a technique with these settings. `maps`: shadows of lights come out of maps, as far as there are shadows.
 struct lighting_wish lighting_wish_of(const struct direct_settings *settings, bool maps, bool lamps);
+
+// How many points of a sample of a pixel share the light of emissive triangles with the wish's rays, by the power heuristic
+// (Veach 1997, 9.2.4) and the density of a choice by power. 0: the points have all of it, and rays must not find any. That
+// is where a closed form tells what few triangles send, where shadows are left out, and where surfaces are not Lambert's.
+uint32_t lighting_rivals(const struct plan *plan, const struct resident_scene *scene, const struct lighting_wish *wish);
 
 // Device memory of a job's lighting, in bytes, without its scene.
 uint64_t lighting_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,

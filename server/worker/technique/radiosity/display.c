@@ -15,15 +15,14 @@ _Static_assert(sizeof(struct triangle) == 16 && sizeof(struct vertex) == 32, "sh
 _Static_assert(sizeof(struct material) == 16 * RADIOSITY_MATERIAL_TEXELS, "shaders fetch it as texels");
 _Static_assert(sizeof(struct texture_info) == 4 * RADIOSITY_TEXTURE_WORDS, "shaders fetch it by words");
 _Static_assert(offsetof(struct material, emission) == 16 && offsetof(struct material, metallic) == 56 &&
-		   offsetof(struct material, surface_texture) == 64 && offsetof(struct material, flags) == 80,
+		   offsetof(struct material, surface_texture) == 64 && offsetof(struct material, flags) == 80 &&
+		   offsetof(struct material, power_density) == 84,
 	       "shaders/radiosity/place.glsl knows where they are");
 _Static_assert(sizeof(struct environment_row) == 8, "shaders fetch it as two words");
 
 static const struct gl_source show_source = {.name = "lookup", .compute = source_radiosity_show_comp};
 static const struct gl_source light_source = {.name = "light", .compute = source_radiosity_light_comp};
 static const struct gl_source gather_source = {.name = "gather", .compute = source_radiosity_gather_comp};
-
-#define LAMP_POINTS 64u // on lamps, of a pixel, over all samples
 
 // The scene's buffers that shaders read as texels.
 static const struct {
@@ -91,12 +90,12 @@ static struct deferred_pass *add_pass(struct display *d, const struct gl_source 
 	return pass;
 }
 
-// In pictures of many samples, whose pixels share no points on lamps, enough of them.
-static struct lighting_wish light_of(const struct display_options *o, const struct plan *plan)
+// Points that neighbouring pixels share would all be wrong in the same way beside a lamp, where a gather's rays are good.
+static struct lighting_wish light_of(const struct display_options *o)
 {
-	const uint32_t least = plan->samples < DIRECT_SOFT_BELOW ? 1 : (LAMP_POINTS - 1) / plan->samples + 1;
 	struct lighting_wish wish = o->light;
-	wish.points = wish.points > least ? wish.points : least;
+	wish.own = true;
+	wish.rays = o->gather;
 	return wish;
 }
 
@@ -105,14 +104,12 @@ static enum status add_light(struct display *d, struct devices *devices, struct 
 			     const struct plan *plan, struct error *err)
 {
 	const struct plan shown = display_plan(plan);
-	const struct lighting_wish wish = light_of(&d->options, plan);
+	const struct lighting_wish wish = light_of(&d->options);
 	const enum status s = lighting_init(&d->lighting, devices, scene, &shown, &wish, err);
 	if (s != STATUS_OK)
 		return s;
 	d->pass_count = d->lighting.pass_count;
 	memcpy(d->passes, d->lighting.passes, d->pass_count * sizeof *d->passes);
-	if (plan->samples >= DIRECT_SOFT_BELOW)
-		gl_define(&d->passes[0].defines, "DIRECT_OWN", "true");
 	if (d->options.bounces == 0)
 		return STATUS_OK;
 	d->passes[0].source = &light_source;
@@ -120,8 +117,11 @@ static enum status add_light(struct display *d, struct devices *devices, struct 
 	return STATUS_OK;
 }
 
-static void add_gathers(struct display *d)
+static void add_gathers(struct display *d, const struct plan *plan, const struct resident_scene *scene)
 {
+	const struct plan shown = display_plan(plan);
+	const struct lighting_wish wish = light_of(&d->options);
+	const uint32_t rivals = lighting_rivals(&shown, scene, &wish);
 	const uint32_t rays = d->options.gather, wanted = (rays - 1) / DISPLAY_GATHER_RAYS + 1;
 	const uint32_t count = wanted < DISPLAY_GATHER_PASSES ? wanted : DISPLAY_GATHER_PASSES;
 	for (uint32_t i = 0; i < count; i++) {
@@ -131,6 +131,7 @@ static void add_gathers(struct display *d)
 		struct deferred_pass *pass = add_pass(d, &gather_source);
 		pass->bind = bind_gather;
 		pass->user = &d->rays[i];
+		gl_define(&pass->defines, "RADIOSITY_RIVALS", "%u.0", rivals);
 	}
 }
 
@@ -178,7 +179,7 @@ enum status display_init(struct display *d, struct devices *devices, struct resi
 		return s;
 	}
 	if (options->gather > 0)
-		add_gathers(d);
+		add_gathers(d, plan, scene);
 	else
 		add_pass(d, &show_source);
 	return STATUS_OK;
@@ -214,6 +215,7 @@ uint64_t display_bytes(const struct devices *devices, const struct resident_scen
 		       const struct display_options *o)
 {
 	const struct plan shown = display_plan(plan);
+	const struct lighting_wish wish = light_of(o);
 	return display_field_bytes(0, 0, 0, o->corners) +
-	       (o->gather > 0 ? lighting_bytes(devices, scene, &shown, &o->light) : 0);
+	       (o->gather > 0 ? lighting_bytes(devices, scene, &shown, &wish) : 0);
 }
