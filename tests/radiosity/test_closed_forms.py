@@ -228,10 +228,11 @@ class Sums(unittest.TestCase):
         numpy.testing.assert_array_equal(twice, 2 * once)
 
     def test_lights_apart_add_up(self):
+        """Of each patch: what is extrapolated at borders is more than one light tells."""
         box, sun = make.cornell(daemon.folder), ["--light", "point:at=.5,1.5,.5,intensity=2"]
         off = ["--material", "lamp:emission=0,0,0"]
         both, lamp, light, sky, lamp_and_sky = (
-            daemon.radiosity(box, 200, rays=64, arguments=a, residual=1e-7).radiance.astype(numpy.float64)
+            daemon.radiosity(box, 200, rays=64, arguments=a, residual=1e-7, display="constant").radiance.astype(numpy.float64)
             for a in (sun + ["--background", ".2,.3,.4"], [], sun + off, off + ["--background", ".2,.3,.4"], ["--background", ".2,.3,.4"]))
         numpy.testing.assert_allclose(lamp + light + sky, both, rtol=1e-4, atol=1e-5)
         numpy.testing.assert_allclose(lamp + sky, lamp_and_sky, rtol=1e-4, atol=1e-5)

@@ -4,14 +4,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/base/angle.h"
 #include "server/base/clock.h"
 #include "server/base/vec3.h"
+#include "server/worker/technique/radiosity/corner_fit.h"
 #include "server/worker/technique/radiosity/corner_links.h"
 
 #define PIECE 1024u // of places, sides, edges or patches
 #define MOVES 16384u // of what is sorted
 #define LOOKS 1024u // points that may be looked at for each place and side, in the mean
 #define SWEEPS 64u // over corners on sides whose sides end in corners on sides
+#define AROUND (0.9 * 2 * PI) // radians: a corner with less about it is at a border
+#define STEPS_NEAR 1024u // members that may be looked at for one border corner
 
 enum corner_stage { LIST, FIND, WELD, LINK, SORT, CUT, JOIN, GROUP, MEASURE, FINISHED };
 
@@ -22,11 +26,13 @@ struct corners {
 	struct corner_links links;
 	uint64_t left; // points that may be looked at
 	float *angle; // by patch corner, radians
+	float (*middle)[3]; // by patch, metres
 	uint32_t measured; // patches
 	uint32_t *group; // by element corner; NONE: a triangle's fourth
 	uint32_t groups;
 	uint32_t *first; // by group, and one more: its first member
 	uint32_t *members; // element corners
+	float (*at)[3]; // by group, metres
 	struct corner_hang *hangs; // the longest sides first; their `corner` is still one of an element
 	uint32_t hang_count;
 	float (*values)[3]; // by group, of the last call
@@ -43,7 +49,8 @@ uint64_t corners_bytes(uint32_t patches)
 {
 	const uint64_t corners = 4 * (uint64_t)patches;
 	return sizeof(struct corners) + corner_places_bytes(patches) + corner_links_bytes(patches) +
-	       corners * (sizeof(float) + 2 * (4 * sizeof(uint32_t) + 3 * sizeof(float) + 1)) + 64;
+	       corners * (sizeof(float) + 2 * (4 * sizeof(uint32_t) + 6 * sizeof(float) + 1)) + patches * 3 * sizeof(float) +
+	       64;
 }
 
 enum status corners_create(const struct elements *elements, struct corners **out, struct error *err)
@@ -55,9 +62,10 @@ enum status corners_create(const struct elements *elements, struct corners **out
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	c->elements = elements;
 	c->angle = malloc(count / 2 * sizeof *c->angle + 1);
+	c->middle = malloc(elements->patches.count * sizeof *c->middle + 1);
 	c->group = malloc(count * sizeof *c->group + 1);
 	c->members = malloc(count * sizeof *c->members + 1);
-	if (c->angle && c->group && c->members)
+	if (c->angle && c->middle && c->group && c->members)
 		return STATUS_OK;
 	corners_destroy(c);
 	*out = NULL;
@@ -71,9 +79,11 @@ void corners_destroy(struct corners *c)
 	corner_links_finish(&c->links);
 	corner_places_finish(&c->places);
 	free(c->angle);
+	free(c->middle);
 	free(c->group);
 	free(c->first);
 	free(c->members);
+	free(c->at);
 	free(c->hangs);
 	free(c->values);
 	free(c->held);
@@ -96,14 +106,24 @@ static double angle_at(const struct form_polygon *s, uint32_t k)
 	return atan2(sqrt(vec3_dot(cross, cross)), vec3_dot(u, v));
 }
 
-static void measure_angles(struct corners *c, uint32_t count)
+// Angles and middles of more patches, and where the groups of their corners are.
+static void measure(struct corners *c, uint32_t count)
 {
 	const uint32_t left = c->elements->patches.count - c->measured, end = c->measured + (count < left ? count : left);
 	for (uint32_t i = c->measured; i < end; i++) {
+		const struct radiosity_patch *shape = &c->elements->shapes[i];
 		struct patch patch;
 		patches_get(&c->elements->patches, i, &patch);
-		for (uint32_t k = 0; k < 4; k++)
+		for (uint32_t k = 0; k < 4; k++) {
 			c->angle[4 * i + k] = k < patch.shape.corners ? (float)angle_at(&patch.shape, k) : 0;
+			for (uint32_t side = 0; k < patch.shape.corners && side < 2; side++)
+				memcpy(c->at[c->group[4 * i + k + side * element_corners(c->elements) / 2]],
+				       shape->corner + 3 * k, sizeof *c->at);
+		}
+		for (int k = 0; k < 3; k++)
+			c->middle[i][k] = (shape->corner[k] + shape->share * shape->corner[3 + k] + shape->corner[6 + k] +
+					   (1 - shape->share) * shape->corner[9 + k]) /
+					  3;
 	}
 	c->measured = end;
 }
@@ -149,16 +169,18 @@ static enum status make_groups(struct corners *c, struct error *err)
 {
 	// An attempt without enough memory may have left some.
 	free(c->first);
+	free(c->at);
 	free(c->values);
 	free(c->held);
 	free(c->decided);
 	c->groups = 0;
 	number_groups(c);
+	c->at = calloc(c->groups + 1, sizeof *c->at);
 	c->first = calloc(c->groups + 1, sizeof *c->first);
 	c->values = malloc(c->groups * sizeof *c->values + 1);
 	c->held = malloc(c->groups * sizeof *c->held + 1);
 	c->decided = malloc(c->groups + 1);
-	if (!c->first || !c->values || !c->held || !c->decided)
+	if (!c->first || !c->at || !c->values || !c->held || !c->decided)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	list_members(c);
 	c->hangs = c->links.hangs;
@@ -209,7 +231,7 @@ static enum status piece(struct corners *c, struct error *err)
 		s = make_groups(c, err);
 		break;
 	case MEASURE:
-		measure_angles(c, PIECE);
+		measure(c, PIECE);
 		done = c->measured == c->elements->patches.count;
 		break;
 	case FINISHED:
@@ -274,6 +296,59 @@ static void take_mean(const struct corners *c, uint32_t group, const float *irra
 		out[k] = !first ? 0 : weights > 0 ? (float)((double)first[k] + sum[k] / weights) : first[k];
 }
 
+// Whether what light reaches about a group's corner is not all around it.
+static bool is_border(const struct corners *c, uint32_t group, const uint8_t *reached)
+{
+	const uint32_t half = element_corners(c->elements) / 2;
+	double around = 0;
+	for (uint32_t i = c->first[group]; i < c->first[group + 1]; i++)
+		around += is_reached(reached, c->members[i]) ? (double)c->angle[c->members[i] % half] : 0;
+	return around > 0 && around < AROUND;
+}
+
+static bool is_listed(const uint32_t *list, uint32_t count, uint32_t element)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (list[i] == element)
+			return true;
+	return false;
+}
+
+// The elements of a group, and those that share corners with them. Returns their number; 0: they are too many.
+static uint32_t list_near(const struct corners *c, uint32_t group, const uint8_t *reached, uint32_t *near)
+{
+	uint32_t n = 0, steps = 0;
+	for (uint32_t i = c->first[group]; i < c->first[group + 1]; i++) {
+		const uint32_t own = c->members[i] / 4;
+		for (uint32_t k = 4 * own; is_reached(reached, 4 * own) && k < 4 * own + 4; k++) {
+			const uint32_t of = c->group[k];
+			for (uint32_t m = of == NONE ? 0 : c->first[of]; of != NONE && m < c->first[of + 1]; m++) {
+				const uint32_t element = c->members[m] / 4;
+				if (++steps > STEPS_NEAR)
+					return 0;
+				if (!is_reached(reached, c->members[m]) || is_listed(near, n, element))
+					continue;
+				if (n == CORNER_FIT_MOST)
+					return 0;
+				near[n++] = element;
+			}
+		}
+	}
+	return n;
+}
+
+// Extrapolate what a group at a border has, if there is enough to go by.
+static void extrapolate(struct corners *c, uint32_t group, const float *irradiance, const uint8_t *reached)
+{
+	uint32_t near[CORNER_FIT_MOST];
+	struct corner_sample samples[CORNER_FIT_MOST];
+	const uint32_t n = list_near(c, group, reached, near);
+	for (uint32_t i = 0; i < n; i++)
+		samples[i] = (struct corner_sample){c->middle[near[i] % c->elements->patches.count],
+						    irradiance + 3 * (uint64_t)near[i]};
+	corner_fit(c->at[group], samples, n, c->values[group]);
+}
+
 // Of each group the hang with the longest side, of which light reaches both elements. Returns their number.
 static uint32_t choose_hangs(struct corners *c, const uint8_t *reached)
 {
@@ -306,8 +381,11 @@ static bool put_on_side(struct corners *c, const struct corner_hang *h)
 void corners_values(struct corners *c, const float *irradiance, const uint8_t *reached, float *out)
 {
 	const uint32_t count = element_corners(c->elements), held = choose_hangs(c, reached);
-	for (uint32_t g = 0; g < c->groups; g++)
+	for (uint32_t g = 0; g < c->groups; g++) {
 		take_mean(c, g, irradiance, reached, c->values[g]);
+		if (!c->decided[g] && is_border(c, g, reached))
+			extrapolate(c, g, irradiance, reached);
+	}
 	// What depends on longer sides alone is right after one sweep. Sides in a ring approach the mean that satisfies them
 	// all.
 	bool changed = held > 0;

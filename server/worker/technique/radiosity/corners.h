@@ -5,8 +5,10 @@
 // Irradiance does not depend on what a surface is made of, so materials do not matter. The weights are the angles of the
 // elements at the corner: they are the shares that the elements have of a small disc about it, whatever their sizes, so that
 // a mean stays the same if one of them is cut further away (Thürmer and Wüthrich 1998, "Computing vertex normals from
-// polygonal facets"). Where a corner lies on the side of a larger element, it has what that interpolates there from its own
-// two corners instead: (1 - t) a + t b. An element that no light can reach (`reached` is 0) has 0 and gives nothing.
+// polygonal facets"). At the border of a smooth surface, as along a crease, a mean would be one of places that are all on
+// one side: there the value is extrapolated from the elements about the corner and their neighbours (corner_fit.h). Where a
+// corner lies on the side of a larger element, it has what that interpolates there from its own two corners instead: (1 - t)
+// a + t b. An element that no light can reach (`reached` is 0) has 0 and gives nothing.
 //
 // Of two elements of which each has a corner on the other's side, as where one edge is cut in 2 and in 3, the longer one
 // decides, and the shorter meets it in its corners: between them they differ by the second difference of the values.
