@@ -4,8 +4,8 @@
 
 #include "radiosity/hemicube.glsl"
 
-layout(location = HEMICUBE_DRAW) uniform uvec2 draw;
 layout(location = 0) out uint seen;
+layout(location = 2) flat in uint id;
 #ifdef HEMICUBE_CUT
 #include "radiosity/hemicube_scene.glsl"
 #include "trace/alpha.glsl"
@@ -19,10 +19,9 @@ layout(location = 1) flat in uint cell;
 
 void main()
 {
-	uint id = draw.x + uint(gl_PrimitiveID);
 #ifdef HEMICUBE_MIRRORED
 	hemicube_cell c = hemicube_cells[cell];
-	uvec2 at = uvec2(gl_FragCoord.xy) - uvec2(cell % sizes.y * 2u * sizes.x, 0u);
+	uvec3 at = uvec3(gl_FragCoord.xy, uint(gl_Layer) % HEMICUBE_LAYERS);
 	if (texelFetch(parents, hemicube_texel(c.parent, at), 0).x != c.plane)
 		discard;
 #endif

@@ -4,7 +4,7 @@
 
 #include "shared/hemicube.h"
 
-layout(location = HEMICUBE_SIZES) uniform uvec4 sizes;
+layout(location = HEMICUBE_SIZES) uniform uvec3 sizes;
 layout(std430, binding = BIND_HEMICUBE_CELLS) readonly buffer Cells {
 	hemicube_cell hemicube_cells[];
 };
@@ -14,22 +14,26 @@ vec3 hemicube_vec3(float v[3])
 	return vec3(v[0], v[1], v[2]);
 }
 
-// The texel of a pixel of cell `cell`; `at` is its place within the cell.
-ivec3 hemicube_texel(uint cell, uvec2 at)
-{
-	return ivec3(int(cell % sizes.y * 2u * sizes.x + at.x), int(at.y), int(cell / sizes.y));
-}
-
-// The face that a place in a cell is on: 0 the top, then sides +x, −x, +y, −y. `corner` is where the face begins.
-uint hemicube_face(uvec2 at, out uvec2 corner)
+// A pixel's place in its cell: x and y in its layer, and the layer.
+uvec3 hemicube_place(uint pixel)
 {
 	uint n = sizes.x;
-	bool below = at.y >= n;
-	bool right = at.x >= n;
-	bool second = below ? right : at.y >= n / 2u;
-	uint face = below ? (right ? 4u : 3u) : !right ? 0u : second ? 2u : 1u;
-	corner = uvec2(right ? n : 0u, below ? n : face == 2u ? n / 2u : 0u);
-	return face;
+	return uvec3(pixel % n, pixel / n % n, pixel / (n * n));
+}
+
+// The texel of a place in cell `cell`.
+ivec3 hemicube_texel(uint cell, uvec3 place)
+{
+	return ivec3(place.xy, cell * HEMICUBE_LAYERS + place.z);
+}
+
+// The face that a place in a cell is on: 0 the top, then sides +x, −x, +y, −y; and where on that face.
+uint hemicube_face(uvec3 place, out uvec2 at)
+{
+	uint half_n = sizes.x / 2u;
+	bool upper = place.z > 0u && place.y >= half_n;
+	at = uvec2(place.x, upper ? place.y - half_n : place.y);
+	return place.z == 0u ? 0u : 2u * place.z - (upper ? 0u : 1u);
 }
 
 #endif

@@ -88,18 +88,18 @@ uint element_of(uint word, vec2 uv, bool front)
 	radiosity_face f = radiosity_faces[word >> RADIOSITY_FACE_SHIFT];
 	vec2 inside;
 	uint i = patch_at(f, face_place(word, f, uv), inside);
-	return front ? i : i + sizes.z / 2u;
+	return front ? i : i + sizes.y / 2u;
 }
 
 void count_for(uint row, uint element, uint weight)
 {
-	uint at = 2u * (row * sizes.z + element);
+	uint at = 2u * (row * sizes.y + element);
 	uint before = atomicAdd(dense[at], weight);
 	if (before + weight < before)
 		atomicAdd(dense[at + 1u], 1u);
 	// Low bits may come back to 0.
 	if (before == 0u && (atomicOr(dense[at + 1u], HEMICUBE_MET) & HEMICUBE_MET) == 0u)
-		lists[row * sizes.w + atomicAdd(rows[row].count, 1u)] = element;
+		lists[row * sizes.z + atomicAdd(rows[row].count, 1u)] = element;
 }
 
 void count_escaped(uint row, uint weight)

@@ -7,7 +7,7 @@
 
 layout(local_size_x = HEMICUBE_LANES) in;
 
-layout(location = HEMICUBE_SIZES) uniform uvec4 sizes;
+layout(location = HEMICUBE_SIZES) uniform uvec3 sizes;
 layout(std430, binding = BIND_HEMICUBE_DENSE) buffer Dense {
 	uint dense[];
 };
@@ -27,8 +27,8 @@ void main()
 	uint count = rows[row].count;
 	uint first = rows[row].first;
 	for (uint i = gl_LocalInvocationIndex; i < count; i += HEMICUBE_LANES) {
-		uint element = lists[row * sizes.w + i];
-		uint at = 2u * (row * sizes.z + element);
+		uint element = lists[row * sizes.z + i];
+		uint at = 2u * (row * sizes.y + element);
 		entries[first + i].element = element;
 		entries[first + i].weight[0] = dense[at];
 		entries[first + i].weight[1] = dense[at + 1u] & ~HEMICUBE_MET;

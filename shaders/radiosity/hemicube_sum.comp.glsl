@@ -56,17 +56,16 @@ void count_run(uint row, uint element, uint weight)
 
 void sum_pixel(hemicube_cell c, uint cell, uint pixel)
 {
-	uint n = sizes.x;
-	uvec2 at = uvec2(pixel % (2u * n), pixel / (2u * n));
-	uvec2 corner;
-	uint face = hemicube_face(at, corner);
-	ivec3 texel = hemicube_texel(cell, at);
+	uvec3 place = hemicube_place(pixel);
+	uvec2 at;
+	uint face = hemicube_face(place, at);
+	ivec3 texel = hemicube_texel(cell, place);
 	uint entry;
-	vec3 local = pixel_direction(face, at - corner, entry);
+	vec3 local = pixel_direction(face, at, entry);
 	uint weight = texelFetch(shares, int(entry)).x;
 #ifdef HEMICUBE_PORTAL
 	if (c.plane != 0u) {
-		uvec2 parent = texelFetch(parents, hemicube_texel(c.parent, at), 0).xy;
+		uvec2 parent = texelFetch(parents, hemicube_texel(c.parent, place), 0).xy;
 		weight = parent.x == c.plane ? parent.y : 0u;
 	}
 	uvec2 goes_on = uvec2(0u);
@@ -95,7 +94,7 @@ void sum_pixel(hemicube_cell c, uint cell, uint pixel)
 			uint slot = atomicAdd(pixels_head.count, 1u);
 			if (slot % HEMICUBE_LANES == 0u)
 				atomicAdd(pixels_head.groups[0], 1u);
-			pixels[slot] = uvec2(cell * 3u * n * n + pixel, left);
+			pixels[slot] = uvec2(cell * 3u * sizes.x * sizes.x + pixel, left);
 #endif
 		}
 #endif

@@ -1,15 +1,14 @@
 // Hemicubes: what server/worker/technique/radiosity/hemicube.c and radiosity/hemicube*.glsl share. Used by C and GLSL.
 //
-// A cell is the picture of one hemicube of n × n pixels, unfolded: 2 n × 1.5 n texels. The top is at (0, 0), the sides +x
-// and −x at (n, 0) and (n, n / 2), the sides +y and −y at (0, n) and (n, n). HEMICUBE_ABREAST cells lie side by side in a
-// layer of the textures.
+// A cell is the picture of one hemicube of n × n pixels: three layers of n × n texels, of the top, of the sides +x and −x,
+// and of the sides +y and −y. Of two sides the first has the layer's lower half. Pixels are numbered layer by layer.
 #ifndef CANDIL_SHARED_HEMICUBE_H
 #define CANDIL_SHARED_HEMICUBE_H
 
 #include "shared/radiosity.h"
 
 #define HEMICUBE_FACES 5
-#define HEMICUBE_ABREAST_MOST 3 // OpenGL has 16 viewports, a cell has 5
+#define HEMICUBE_LAYERS 3 // of a cell
 #define HEMICUBE_LANES 64 // of a workgroup
 #define HEMICUBE_RUN 8u // pixels that a lane of the sum looks at
 
@@ -21,7 +20,6 @@
 #define BIND_HEMICUBE_ENTRIES 26 // struct hemicube_entry, row by row
 #define BIND_HEMICUBE_MIRRORS 27 // struct hemicube_mirror, by element
 #define BIND_HEMICUBE_SEEN 28 // uint: for each cell eight bits for each plane of mirrors, one for each face that sees it
-#define BIND_HEMICUBE_INSTANCES 29 // uint: cell · 8 + face, of all draws
 
 #define BIND_HEMICUBE_PIXELS \
 	28 // struct hemicube_pixels; then for each pixel its number among all of the pass, and its weight
@@ -30,13 +28,14 @@
 #define UNIT_HEMICUBE_TABLE 1 // texel buffer: uint, hemicube_table.h
 #define UNIT_HEMICUBE_TRIANGLES 2 // texel buffer: three of struct hemicube_corner by triangle
 #define UNIT_HEMICUBE_PARENTS 3 // texture: what the cells of one mirror fewer have found: plane + 1, weight that goes on
+#define UNIT_HEMICUBE_CELLS 4 // texel buffer: HEMICUBE_CELL_TEXELS of vec4 by cell
+#define HEMICUBE_CELL_TEXELS 5
 #define IMAGE_HEMICUBE_FOUND 0 // image: the same of these cells
 
-#define HEMICUBE_SIZES 8 // uniform location, uvec4: n, cells side by side, elements, elements that a row has room for
+#define HEMICUBE_SIZES 8 // uniform location, uvec3: n, elements, elements that a row has room for
 #define HEMICUBE_BOUNCES 9 // uniform location, uvec2: mirrors on the way so far, mirrors at most
 #define HEMICUBE_NEAR 10 // uniform location, float: metres
-#define HEMICUBE_DRAW 11 // uniform location, uvec2: first triangle and first instance of the draw
-#define HEMICUBE_PLANES 12 // uniform location, uint: words of a cell in BIND_HEMICUBE_SEEN
+#define HEMICUBE_PLANES 11 // uniform location, uint: words of a cell in BIND_HEMICUBE_SEEN
 
 // A hemicube about a point, perhaps as mirrors show it. Metres, relative to the blob's origin.
 struct hemicube_cell {

@@ -89,7 +89,7 @@ struct hemicube_result hemicube_result_of(struct patch_model *m, const struct ra
 	if (surfaces)
 		assert_int_equal(hemicube_reflect(h, surfaces, &err), STATUS_OK);
 	const struct patches *p = &m->elements.patches;
-	assert_true(device->bytes - before <= hemicube_bytes(m->count, 3 * m->count, p->count, options));
+	assert_true(device->bytes - before <= hemicube_bytes(m->count, p->count, options));
 	make(h, &r, batch, &factors);
 	hemicube_destroy(h);
 	read_rows(&r, &factors);

@@ -19,10 +19,7 @@
 #define ROW_BYTES (64ull << 20) // of a batch's sums, lists and entries, at most, where one row does not take more
 #define ROWS_MOST 256u // of a batch
 #define CELL_BYTES (32ull << 20) // of a pass's pictures, at most, where one layer does not take more
-#define CELLS_MOST 256u // of a pass
 #define SEEN_BYTES (16ull << 20) // of what cells tell about planes of mirrors, where one layer does not tell more
-#define INSTANCES_MOST (1u << 18) // of clusters, that are drawn without a stop
-#define ABREAST_PIXELS 128u // of a face's side, up to which cells lie side by side
 
 #define ALPHA (1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_ALPHA_BLEND)
 #define ALPHA_FROM (1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_VERTEX_COLORS)
@@ -35,26 +32,20 @@ static const struct gl_source pack_source = {.name = "hemicube_pack", .compute =
 
 // ---- sizes ------------------------------------------------------------------------------------------------------------
 
-// Cells that lie side by side.
-static uint32_t abreast_of(const struct hemicube_options *o)
-{
-	return o->pixels <= ABREAST_PIXELS ? HEMICUBE_ABREAST_MOST : 1;
-}
-
 // By portals each level of mirrors has two words for each pixel, by rays there are two in all.
-static uint64_t layer_bytes(const struct hemicube_options *o)
+static uint64_t cell_bytes(const struct hemicube_options *o)
 {
 	const uint64_t portals = o->bounces > 0 ? o->bounces : 1;
 	const uint64_t found = o->mirrors == HEMICUBE_MIRRORS_OFF      ? 0
 			       : o->mirrors == HEMICUBE_MIRRORS_PORTAL ? portals * 2 * sizeof(uint32_t)
 								       : 2 * sizeof(uint32_t);
-	return (uint64_t)abreast_of(o) * 3 * o->pixels * o->pixels * (sizeof(uint32_t) + sizeof(float) + found);
+	return (uint64_t)HEMICUBE_LAYERS * o->pixels * o->pixels * (sizeof(uint32_t) + sizeof(float) + found);
 }
 
 static uint32_t cells_of(const struct hemicube_options *o)
 {
-	const uint64_t layers = CELL_BYTES / layer_bytes(o), fit = (layers < 1 ? 1 : layers) * abreast_of(o);
-	return fit > CELLS_MOST ? CELLS_MOST / abreast_of(o) * abreast_of(o) : (uint32_t)fit;
+	const uint64_t fit = CELL_BYTES / cell_bytes(o);
+	return fit < 1 ? 1 : fit > HEMICUBE_CELLS_MOST ? HEMICUBE_CELLS_MOST : (uint32_t)fit;
 }
 
 // Elements that a row has room for: as many as there are, or as pixels meet.
@@ -77,18 +68,17 @@ static uint32_t rows_of(uint32_t side, const struct hemicube_options *o)
 	return fit < 1 ? 1 : fit > ROWS_MOST ? ROWS_MOST : (uint32_t)fit;
 }
 
-uint64_t hemicube_bytes(uint32_t triangles, uint32_t vertices, uint32_t patches, const struct hemicube_options *o)
+uint64_t hemicube_bytes(uint32_t triangles, uint32_t patches, const struct hemicube_options *o)
 {
-	const uint64_t of_triangle =
-	    3 * sizeof(uint32_t) + 3 * sizeof(struct hemicube_corner) + sizeof(struct radiosity_face);
+	const uint64_t of_triangle = 3 * sizeof(struct hemicube_corner) + sizeof(struct radiosity_face);
 	const uint64_t seen = (uint64_t)cells_of(o) * (triangles + sizeof(uint32_t));
 	const uint64_t of_mirrors = o->mirrors == HEMICUBE_MIRRORS_OFF
 					? 0
 					: 2ull * patches * sizeof(struct hemicube_mirror) +
-					      (seen < SEEN_BYTES ? seen : SEEN_BYTES + abreast_of(o) * (uint64_t)triangles);
-	return of_mirrors + triangles * of_triangle + vertices * 3ull * sizeof(float) +
+					      (seen < SEEN_BYTES ? seen : SEEN_BYTES + (uint64_t)triangles);
+	return of_mirrors + triangles * of_triangle + HEMICUBE_LISTS * sizeof(struct hemicube_list) +
 	       rows_of(2 * patches, o) * row_bytes(2 * patches, o) + cells_of(o) * sizeof(struct hemicube_cell) +
-	       INSTANCES_MOST * sizeof(uint32_t) + cells_of(o) / abreast_of(o) * layer_bytes(o) +
+	       (HEMICUBE_LISTED_MOST + 8 * cells_of(o)) * sizeof(uint32_t) + cells_of(o) * cell_bytes(o) +
 	       hemicube_table_entries(o->pixels) * sizeof(uint32_t) + sizeof(struct scene_params) +
 	       sizeof(struct hemicube_pixels);
 }
@@ -104,14 +94,10 @@ static uint32_t effects_of(const struct plan *plan)
 static enum status make_rows(struct hemicube *h, struct error *err)
 {
 	const uint64_t rows = h->rows_most, list = rows * h->list_most;
-	const uint64_t faces = (uint64_t)h->cells_most * HEMICUBE_FACES * h->cluster_count;
-	h->instances_most = faces < INSTANCES_MOST ? (uint32_t)faces : INSTANCES_MOST;
 	h->host_rows = calloc(rows, sizeof *h->host_rows);
 	h->host_cells = calloc(h->cells_most, sizeof *h->host_cells);
-	h->host_faces = calloc(h->instances_most, sizeof *h->host_faces);
-	h->host_draws = calloc(h->cluster_count, sizeof *h->host_draws);
 	h->levels[0].views = calloc(h->cells_most, sizeof *h->levels[0].views);
-	if (!h->host_rows || !h->host_cells || !h->host_faces || !h->host_draws || !h->levels[0].views)
+	if (!h->host_rows || !h->host_cells || !h->levels[0].views)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	enum status s = gl_buffer_init(&h->dense, h->device, rows * h->elements->count * 2 * sizeof(uint32_t), NULL, err);
 	if (s == STATUS_OK)
@@ -123,7 +109,8 @@ static enum status make_rows(struct hemicube *h, struct error *err)
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&h->cells, h->device, h->cells_most * sizeof *h->host_cells, NULL, err);
 	if (s == STATUS_OK)
-		s = gl_buffer_init(&h->instances, h->device, h->instances_most * sizeof *h->host_faces, NULL, err);
+		s = hemicube_texels(h, &h->cells, GL_RGBA32F, sizeof *h->host_cells / HEMICUBE_CELL_TEXELS, &h->cell_texels,
+				    err);
 	return s;
 }
 
@@ -131,9 +118,9 @@ static struct gl_texture_desc cells_desc(const struct hemicube *h, GLenum format
 {
 	return (struct gl_texture_desc){.target = GL_TEXTURE_2D_ARRAY,
 					.format = format,
-					.width = h->abreast * 2 * h->options.pixels,
-					.height = h->options.pixels + h->options.pixels / 2,
-					.depth = h->cells_most / h->abreast,
+					.width = h->options.pixels,
+					.height = h->options.pixels,
+					.depth = h->cells_most * HEMICUBE_LAYERS,
 					.levels = 1};
 }
 
@@ -195,11 +182,16 @@ static enum status make_mirrors(struct hemicube *h, struct error *err)
 static void make_vertex_array(struct hemicube *h)
 {
 	glCreateVertexArrays(1, &h->vertex_array);
-	glVertexArrayVertexBuffer(h->vertex_array, 0, h->positions.name, 0, 3 * sizeof(float));
-	glVertexArrayElementBuffer(h->vertex_array, h->indices.name);
+	glVertexArrayVertexBuffer(h->vertex_array, 0, h->corners.name, 0, sizeof(struct hemicube_corner));
+	glVertexArrayVertexBuffer(h->vertex_array, 1, h->instances.name, 0, sizeof(uint32_t));
+	glVertexArrayBindingDivisor(h->vertex_array, 1, 1);
+	glVertexArrayElementBuffer(h->vertex_array, h->listed.name);
 	glEnableVertexArrayAttrib(h->vertex_array, 0);
 	glVertexArrayAttribFormat(h->vertex_array, 0, 3, GL_FLOAT, GL_FALSE, 0);
 	glVertexArrayAttribBinding(h->vertex_array, 0, 0);
+	glEnableVertexArrayAttrib(h->vertex_array, 1);
+	glVertexArrayAttribIFormat(h->vertex_array, 1, 1, GL_UNSIGNED_INT, 0);
+	glVertexArrayAttribBinding(h->vertex_array, 1, 1);
 }
 
 static enum status make_buffers(struct hemicube *h, const struct plan *plan, struct error *err)
@@ -233,8 +225,8 @@ static enum status make_program(struct hemicube *h, const struct gl_source *sour
 static bool has_triangles(const struct hemicube *h, bool cut)
 {
 	bool some = false;
-	for (uint32_t i = 0; i < h->cluster_count; i++)
-		some |= h->clusters[i].cut == cut;
+	for (uint32_t i = 0; i < h->clusters.counts[0]; i++)
+		some |= h->clusters.list[i].cut == cut;
 	return some;
 }
 
@@ -293,9 +285,8 @@ static enum status check(const struct hemicube_options *o, const struct elements
 				 "hemicubes follow light at mirrors at most %u times, not %u times", most, o->bounces);
 	if (e->count == 0)
 		return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no patches");
-	if (2 * o->pixels * abreast_of(o) > d->image_side_max)
-		return error_set(err, STATUS_MEMORY, "this OpenGL device has no pictures of %u pixels a side",
-				 2 * o->pixels * abreast_of(o));
+	if (o->pixels > d->image_side_max)
+		return error_set(err, STATUS_MEMORY, "this OpenGL device has no pictures of %u pixels a side", o->pixels);
 	if (!epoxy_has_gl_extension("GL_ARB_shader_viewport_layer_array"))
 		return error_set(err, STATUS_DEVICE, "this OpenGL device lacks GL_ARB_shader_viewport_layer_array");
 	return STATUS_OK;
@@ -321,7 +312,6 @@ enum status hemicube_create(struct gl_device *device, struct resident_scene *sce
 	own.effects = h->effects;
 	h->bindings = scene_bindings_shade(&own);
 	h->triangle_count = scene_count(scene, BLOB_TRIANGLES);
-	h->abreast = abreast_of(options);
 	h->cells_most = cells_of(options);
 	h->rows_most = rows_of(elements->count, options);
 	h->list_most = list_of(elements->count, options);
@@ -365,8 +355,8 @@ enum status hemicube_reflect(struct hemicube *h, const struct radiosity_surface 
 		return STATUS_OK;
 	}
 	h->seen_words = (h->planes.count * 8 + 31) / 32;
-	while (h->cells_most > h->abreast && (uint64_t)h->cells_most * h->seen_words * sizeof(uint32_t) > SEEN_BYTES)
-		h->cells_most -= h->abreast;
+	while (h->cells_most > 1 && (uint64_t)h->cells_most * h->seen_words * sizeof(uint32_t) > SEEN_BYTES)
+		h->cells_most--;
 	h->compiled = false;
 	s = make_mirrors(h, err);
 	return s == STATUS_OK ? make_mirror_programs(h, err) : s;
@@ -378,8 +368,8 @@ void hemicube_destroy(struct hemicube *h)
 		return;
 	struct gl_program *programs[] = {h->draw[0], h->draw[1], h->draw_mirrored[0], h->draw_mirrored[1], h->sum,
 					 h->rays,    h->pack};
-	struct gl_buffer *buffers[] = {&h->instances, &h->mirrors, &h->seen,  &h->pixels,  &h->positions,
-				       &h->indices,   &h->corners, &h->table, &h->faces,   &h->cells,
+	struct gl_buffer *buffers[] = {&h->instances, &h->mirrors, &h->seen,  &h->pixels,  &h->draws,
+				       &h->listed,    &h->corners, &h->table, &h->faces,   &h->cells,
 				       &h->dense,     &h->rows,    &h->lists, &h->entries, &h->job};
 	for (size_t i = 0; i < sizeof programs / sizeof *programs; i++)
 		gl_program_release(programs[i]);
@@ -387,14 +377,17 @@ void hemicube_destroy(struct hemicube *h)
 		glDeleteVertexArrays(1, &h->vertex_array);
 	glDeleteTextures(1, &h->corner_texels);
 	glDeleteTextures(1, &h->table_texels);
+	glDeleteTextures(1, &h->cell_texels);
 	finish_target(h, &h->target);
 	for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
 		gl_buffer_finish(buffers[i], h->device);
 	finish_levels(h, 0);
 	hemicube_planes_finish(&h->planes);
-	free(h->clusters);
-	free(h->host_draws);
-	free(h->host_faces);
+	hemicube_clusters_finish(&h->clusters);
+	free(h->lists_of_draws);
+	free(h->host_seen);
+	free(h->host_listed);
+	free(h->host_indices);
 	free(h->host_cells);
 	free(h->host_rows);
 	free(h);

@@ -1,8 +1,8 @@
 // Rows of form factors by hemicubes (Cohen and Greenberg 1985, "The hemi-cube"): what an element sees is drawn onto five
 // faces about points of it, triangle by triangle, and the shares of the pixels (hemicube_table.h) are summed up by the
-// element that each sees. OpenGL; device's thread only. The five faces of all hemicubes of a pass are drawn at once, by
-// layers and viewports; the sums are of integers, on the device; only the entries of a row go through the host, to a matrix
-// that is Vulkan's.
+// element that each sees. OpenGL; device's thread only. Of the scene, a face is given what may be at the middle of one
+// of its pixels (hemicube_clusters.h), and the faces of all hemicubes of a pass are drawn together, by layers. The sums are
+// of integers, on the device; only the entries of a row go through the host, to a matrix that is Vulkan's.
 //
 // A row's sum, with what escaped and what was cut off, is 1 but for the rounding of floats. An entry is off by what pixels
 // on outlines have, and by the few points that a patch has: for near elements take more. Where triangles are seen edge-on,
@@ -61,8 +61,8 @@ struct hemicube_options {
 
 struct hemicube;
 
-// Device memory that hemicube_create takes for so many triangles, vertices and patches, in bytes, at most.
-uint64_t hemicube_bytes(uint32_t triangles, uint32_t vertices, uint32_t patches, const struct hemicube_options *options);
+// Device memory that hemicube_create takes for so many triangles and patches, in bytes, at most.
+uint64_t hemicube_bytes(uint32_t triangles, uint32_t patches, const struct hemicube_options *options);
 
 // Make ready: upload what of the scene it needs, and make the programs. Effects of the plan other than those of alpha are
 // left out. The elements must outlive it.

@@ -1,6 +1,7 @@
 // The passes of hemicubes.
 #include <epoxy/gl.h>
 #include <math.h>
+#include <string.h>
 
 #include "server/base/vec3.h"
 #include "server/worker/gl/scene.h"
@@ -8,27 +9,29 @@
 #include "server/worker/technique/radiosity/hemicube_job.h"
 #include "server/worker/trace/trace.h"
 
-static void set_raster(const struct hemicube *h)
+// Faces are drawn part by part of their layers, each of which has a viewport: the top, the lower halves, the upper ones.
+// Programs that choose a viewport themselves would draw all at once, but software drivers copy each corner of each triangle
+// for them.
+static uint32_t part_of(uint32_t face)
 {
-	const float n = (float)h->options.pixels;
-	GLfloat ports[4 * HEMICUBE_FACES * HEMICUBE_ABREAST_MOST];
-	const struct {
-		float x, y, high;
-	} faces[HEMICUBE_FACES] = {{0, 0, n}, {n, 0, n / 2}, {n, n / 2, n / 2}, {0, n, n / 2}, {n, n, n / 2}};
-	for (uint32_t i = 0; i < h->abreast * HEMICUBE_FACES; i++) {
-		ports[4 * i] = (float)(i / HEMICUBE_FACES) * 2 * n + faces[i % HEMICUBE_FACES].x;
-		ports[4 * i + 1] = faces[i % HEMICUBE_FACES].y;
-		ports[4 * i + 2] = n;
-		ports[4 * i + 3] = faces[i % HEMICUBE_FACES].high;
-	}
-	glBindFramebuffer(GL_FRAMEBUFFER, h->target.framebuffer);
-	glViewportArrayv(0, (GLsizei)(h->abreast * HEMICUBE_FACES), ports);
-	glBindVertexArray(h->vertex_array);
+	return face == 0 ? 0 : 2 - face % 2;
+}
+
+static void set_part(const struct hemicube *h, uint32_t part)
+{
+	const GLint n = (GLint)h->options.pixels;
+	glViewport(0, part == 2 ? n / 2 : 0, n, part == 0 ? n : n / 2);
 }
 
 static void set_sizes(const struct hemicube *h)
 {
-	glUniform4ui(HEMICUBE_SIZES, h->options.pixels, h->abreast, h->elements->count, h->list_most);
+	glUniform3ui(HEMICUBE_SIZES, h->options.pixels, h->elements->count, h->list_most);
+}
+
+static void bind_texels(const struct hemicube *h, unsigned unit, unsigned texture, uint64_t texels)
+{
+	gl_shape(h->device, (uint64_t)unit << 1 | ((texels & (texels - 1)) == 0));
+	glBindTextureUnit(unit, texture);
 }
 
 // Before a program in use runs with what is bound.
@@ -43,6 +46,7 @@ static enum status use(const struct hemicube *h, uint32_t level, bool cut, struc
 {
 	*program = level > 0 ? h->draw_mirrored[cut] : h->draw[cut];
 	gl_program_use(h->device, *program);
+	bind_texels(h, UNIT_HEMICUBE_CELLS, h->cell_texels, (uint64_t)h->cells_most * HEMICUBE_CELL_TEXELS);
 	if (level > 0)
 		gl_texture_bind(&h->levels[level - 1].found, UNIT_HEMICUBE_PARENTS);
 	const enum status s = ask(h, *program, err);
@@ -53,80 +57,96 @@ static enum status use(const struct hemicube *h, uint32_t level, bool cut, struc
 	return s;
 }
 
-static enum status draw_clusters(const struct hemicube *h, uint32_t level, const struct hemicube_draw *draws, uint32_t count,
-				 struct error *err)
+// Draw what is in the lists, and empty them.
+static enum status draw_lists(struct hemicube *h, uint32_t level, struct error *err)
 {
-	struct gl_program *program = NULL;
-	for (uint32_t i = 0; i < count; i++) {
-		const struct hemicube_draw *d = &draws[i];
-		const struct hemicube_cluster *c = &h->clusters[d->cluster];
-		const GLsizei corners = (GLsizei)(3 * (c->end - c->first));
-		if (i == 0 || c->cut != h->clusters[draws[i - 1].cluster].cut) {
-			const enum status s = use(h, level, c->cut, &program, err);
-			if (s != STATUS_OK)
-				return s;
-		}
-		glUniform2ui(HEMICUBE_DRAW, c->first, d->first);
-		if (c->cut)
-			glDrawArraysInstanced(GL_TRIANGLES, (GLint)(3 * c->first), corners, (GLsizei)d->count);
-		else
-			glDrawElementsInstanced(GL_TRIANGLES, corners, GL_UNSIGNED_INT,
-						(const void *)(3 * sizeof(uint32_t) * (uintptr_t)c->first),
-						(GLsizei)d->count);
+	enum status s = STATUS_OK;
+	gl_buffer_write(&h->listed, 0, h->listed_count * sizeof *h->host_listed, h->host_listed);
+	glBindBuffer(GL_DRAW_INDIRECT_BUFFER, h->draws.name);
+	for (uint32_t i = 0; s == STATUS_OK && i < HEMICUBE_LISTS; i++) {
+		struct hemicube_list *list = &h->lists_of_draws[i];
+		const uint64_t first = i * sizeof list->draws;
+		struct gl_program *program;
+		if (list->count == 0)
+			continue;
+		s = use(h, level, i >= HEMICUBE_PARTS, &program, err);
+		if (s != STATUS_OK)
+			break;
+		gl_buffer_write(&h->draws, first, list->count * sizeof *list->draws, list->draws);
+		set_part(h, i % HEMICUBE_PARTS);
+		glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, (const void *)(uintptr_t)first,
+					    (GLsizei)list->count, 0);
 		gl_program_has_run(h->device, program);
+		list->count = 0;
 	}
-	return STATUS_OK;
+	h->listed_count = 0;
+	glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+	return s;
 }
 
-// Which faces of a cell a sphere may be seen by: bits. Each side plane of a face's pyramid is at 45 degrees, and the sphere
-// is out of it where its middle is farther than its radius behind one. `slack` covers the rounding of what is drawn.
-static uint32_t faces_of(const struct hemicube_view *v, const struct hemicube_cluster *c)
+// End a draw that began with index `first`.
+static void list_draw(struct hemicube *h, uint32_t first, uint32_t instance, uint32_t list)
 {
-	double p[3], size = c->radius;
-	for (int a = 0; a < 3; a++) {
-		p[a] = c->at[a] - v->origin.at[a];
-		size += fabs(p[a]) + fabs(c->at[a]);
-	}
-	const double x = vec3_dot(p, v->origin.x), y = vec3_dot(p, v->origin.y), z = vec3_dot(p, v->origin.z);
-	const double slack = 1e-5 * size, reach = 1.4142135623730951 * (c->radius + slack), low = c->radius + slack;
-	uint32_t faces = 0;
-	if (z < -low)
-		return 0;
-	faces |= z + reach >= fabs(x) && z + reach >= fabs(y) ? 1u : 0u;
-	faces |= x + reach >= fabs(y) && x + reach >= z ? 2u : 0u;
-	faces |= reach - x >= fabs(y) && reach - x >= z ? 4u : 0u;
-	faces |= y + reach >= fabs(x) && y + reach >= z ? 8u : 0u;
-	faces |= reach - y >= fabs(x) && reach - y >= z ? 16u : 0u;
-	return faces & v->faces;
+	struct hemicube_list *l = &h->lists_of_draws[list];
+	if (h->listed_count > first)
+		l->draws[l->count++] = (struct hemicube_draw){
+		    .corners = h->listed_count - first, .instances = 1, .first = first, .first_instance = instance};
 }
 
-// Draw what the faces of a level may see. Where they do not fit the buffer, it is drawn in parts.
+// List what a face of a cell sees of clusters with masks or without. Where it does not fit, the lists are drawn before.
+static enum status list_face(struct hemicube *h, uint32_t level, uint32_t cell, uint32_t face, bool cut, uint32_t seen,
+			     struct error *err)
+{
+	const uint32_t list = part_of(face) + (cut ? HEMICUBE_PARTS : 0);
+	uint32_t first = h->listed_count;
+	enum status s = STATUS_OK;
+	for (uint32_t k = 0; s == STATUS_OK && k < seen; k++) {
+		const struct hemicube_cluster *c = &h->clusters.list[h->host_seen[k].cluster];
+		const uint32_t corners = 3 * (c->end - c->first);
+		if (!(h->host_seen[k].faces >> face & 1) || c->cut != cut)
+			continue;
+		if (corners > h->listed_most - h->listed_count) {
+			list_draw(h, first, 8 * cell + face, list);
+			s = draw_lists(h, level, err);
+			first = 0;
+		}
+		memcpy(h->host_listed + h->listed_count, h->host_indices + 3 * c->first, corners * sizeof *h->host_listed);
+		h->listed_count += corners;
+	}
+	list_draw(h, first, 8 * cell + face, list);
+	return s;
+}
+
+// Clusters for a look that is only to run the programs: one without masks and one with, if there are such.
+static uint32_t one_of_each(const struct hemicube *h)
+{
+	uint32_t count = 0;
+	bool has[2] = {false, false};
+	for (uint32_t i = 0; i < h->clusters.counts[0]; i++) {
+		const bool cut = h->clusters.list[i].cut;
+		if (!has[cut])
+			h->host_seen[count++] = (struct hemicube_seen){.cluster = i, .faces = HEMICUBE_ALL_FACES};
+		has[cut] = true;
+	}
+	return count;
+}
+
+// Draw what the faces of a level may see.
 static enum status draw_all(struct hemicube *h, uint32_t level, struct error *err)
 {
 	const struct hemicube_level *l = &h->levels[level];
-	uint32_t draws = 0, used = 0;
 	enum status s = STATUS_OK;
-	for (uint32_t k = 0; s == STATUS_OK && k < h->cluster_count; k++) {
-		struct hemicube_draw *d = &h->host_draws[draws];
-		*d = (struct hemicube_draw){.cluster = k, .first = used};
-		for (uint32_t i = 0; i < l->count; i++) {
-			const uint32_t faces = faces_of(&l->views[i], &h->clusters[k]);
-			for (uint32_t face = 0; faces >> face; face++)
-				if (faces >> face & 1)
-					h->host_faces[used++] = 8 * i + face;
-		}
-		d->count = used - d->first;
-		draws += d->count > 0;
-		// The next cluster may be seen by all faces.
-		if (k + 1 < h->cluster_count && h->instances_most - used >= HEMICUBE_FACES * l->count)
-			continue;
-		if (draws > 0) {
-			gl_buffer_write(&h->instances, 0, used * sizeof *h->host_faces, h->host_faces);
-			s = draw_clusters(h, level, h->host_draws, draws, err);
-		}
-		draws = used = 0;
+	for (uint32_t i = 0; s == STATUS_OK && i < l->count; i++) {
+		const struct hemicube_view *v = &l->views[i];
+		const uint32_t seen =
+		    h->compiled ? hemicube_clusters_find(&h->clusters, &v->origin, h->options.pixels, v->faces, h->host_seen)
+				: one_of_each(h);
+		for (uint32_t face = 0; s == STATUS_OK && face < HEMICUBE_FACES; face++)
+			for (int cut = 0; s == STATUS_OK && cut < 2; cut++)
+				if (h->draw[cut])
+					s = list_face(h, level, i, face, cut, seen, err);
 	}
-	return s;
+	return s == STATUS_OK ? draw_lists(h, level, err) : s;
 }
 
 static enum status bind_scene(const struct hemicube *h, uint32_t bindings, struct error *err)
@@ -148,9 +168,9 @@ static enum status draw(struct hemicube *h, uint32_t level, struct error *err)
 	if (s != STATUS_OK)
 		return s;
 	gl_buffer_bind(&h->cells, BIND_HEMICUBE_CELLS);
-	gl_buffer_bind(&h->instances, BIND_HEMICUBE_INSTANCES);
 	glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-	set_raster(h);
+	glBindFramebuffer(GL_FRAMEBUFFER, h->target.framebuffer);
+	glBindVertexArray(h->vertex_array);
 	glClearBufferuiv(GL_COLOR, 0, nothing);
 	glClearBufferfv(GL_DEPTH, 0, &far);
 	s = draw_all(h, level, err);
@@ -162,12 +182,6 @@ static enum status draw(struct hemicube *h, uint32_t level, struct error *err)
 static uint32_t groups_of(uint32_t items)
 {
 	return (items + HEMICUBE_LANES - 1) / HEMICUBE_LANES;
-}
-
-static void bind_texels(const struct hemicube *h, unsigned unit, unsigned texture, uint64_t texels)
-{
-	gl_shape(h->device, (uint64_t)unit << 1 | ((texels & (texels - 1)) == 0));
-	glBindTextureUnit(unit, texture);
 }
 
 // What passes over pixels read and write.

@@ -8,23 +8,29 @@
 #include "server/worker/gl/program.h"
 #include "server/worker/gl/texture.h"
 #include "server/worker/technique/radiosity/hemicube.h"
+#include "server/worker/technique/radiosity/hemicube_clusters.h"
 #include "server/worker/technique/radiosity/hemicube_planes.h"
 #include "shaders/shared/hemicube.h"
 
 #define HEMICUBE_ALL_FACES 31u // bits
+#define HEMICUBE_PARTS 3u // of a layer: all of it, its lower and its upper half
+#define HEMICUBE_LISTS (2 * HEMICUBE_PARTS) // of draws: of clusters without masks by parts, then of those with
+#define HEMICUBE_CELLS_MOST 256u // of a pass
+#define HEMICUBE_LISTED_MOST (1u << 20) // corners that are drawn without a stop
 #define HEMICUBE_UNIT 0xFFFFFFF8u // of sums: so much is a share of 1 of one hemicube
 
-// Triangles [first, end), all with masks or all without, and a sphere about them.
-struct hemicube_cluster {
-	uint32_t first, end;
-	bool cut;
-	double at[3], radius; // metres
+// A draw of what a face sees, as OpenGL reads it.
+struct hemicube_draw {
+	uint32_t corners, instances;
+	uint32_t first; // of `listed`
+	uint32_t first_vertex; // 0
+	uint32_t first_instance; // cell · 8 + face
 };
 
-// A draw: a cluster, and the faces that may see it, of those that are in `instances`.
-struct hemicube_draw {
-	uint32_t cluster;
-	uint32_t first, count;
+// Draws that are made at once.
+struct hemicube_list {
+	struct hemicube_draw draws[2 * HEMICUBE_CELLS_MOST]; // a part has two faces of a cell at most
+	uint32_t count;
 };
 
 // What a pass of cells is drawn into.
@@ -59,27 +65,27 @@ struct hemicube {
 	uint32_t effects; // of the plan, those of alpha
 	uint32_t bindings; // of the scene, for masks
 	uint32_t triangle_count;
-	uint32_t abreast; // cells in a layer
 	uint32_t cells_most; // of a pass
 	uint32_t rows_most; // of a batch
 	uint32_t list_most; // elements that a row has room for
 	float near; // metres
-	bool compiled;
+	bool compiled; // until then looks are only to run the programs
 	double row_us; // 0: not known
-	struct hemicube_cluster *clusters;
-	uint32_t cluster_count;
-	uint32_t instances_most; // faces that are in the buffer at once
+	struct hemicube_clusters clusters;
 	unsigned vertex_array;
-	struct gl_buffer positions, indices, corners, table, faces, cells, instances, dense, rows, lists, entries, job;
-	unsigned corner_texels, table_texels; // texel buffers
+	struct gl_buffer listed, corners, table, faces, cells, instances, draws, dense, rows, lists, entries, job;
+	unsigned corner_texels, table_texels, cell_texels; // texel buffers
 	struct hemicube_target target;
 	struct gl_program *draw[2]; // of triangles without masks, and with; NULL: there are none
 	struct gl_program *draw_mirrored[2]; // the same within mirrors; NULL: there are none
 	struct gl_program *sum, *pack;
 	struct gl_program *rays; // NULL: no light goes on by rays
 	struct hemicube_cell *host_cells; // of a pass
-	uint32_t *host_faces; // of draws
-	struct hemicube_draw *host_draws;
+	struct hemicube_seen *host_seen; // by a cell
+	uint32_t *host_indices; // of all triangles: corners
+	uint32_t *host_listed; // those of draws
+	uint32_t listed_count, listed_most;
+	struct hemicube_list *lists_of_draws; // HEMICUBE_LISTS
 	struct hemicube_row *host_rows; // of a batch
 	struct hemicube_level levels[HEMICUBE_PORTALS_MOST + 1]; // by mirrors on the way
 	// Mirrors; empty where they are off or the scene has none.
@@ -90,6 +96,10 @@ struct hemicube {
 
 // Make the buffers that depend on the scene and on the table. On failure those that were made stay, for hemicube_destroy.
 enum status hemicube_upload(struct hemicube *h, struct error *err);
+
+// View a buffer as texels. STATUS_MEMORY, STATUS_DEVICE.
+enum status hemicube_texels(struct hemicube *h, const struct gl_buffer *buffer, unsigned format, uint32_t texel_bytes,
+			    unsigned *texture, struct error *err);
 
 // Draw and sum up the cells of a level, and follow rays from them. Commands only.
 enum status hemicube_pass(struct hemicube *h, uint32_t level, struct error *err);

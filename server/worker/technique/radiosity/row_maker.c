@@ -137,7 +137,7 @@ uint64_t row_maker_bytes(const struct row_scene *scene, const struct row_options
 	if (options->way == ROWS_BY_HEMISPHERE)
 		bytes += rays_bytes(scene->patches, scene->faces, &rays);
 	if (options->way == ROWS_BY_HEMICUBE)
-		bytes += hemicube_bytes(scene->triangles, scene->vertices, scene->patches, &hemicube);
+		bytes += hemicube_bytes(scene->triangles, scene->patches, &hemicube);
 	if (options->way == ROWS_BY_CONTOUR)
 		bytes += analytic_bytes(scene->faces, options->rays);
 	return bytes;
