@@ -50,6 +50,9 @@
 // An option that help texts take for an example.
 #define TECHNIQUE_OPTION_EXAMPLE "pt.depth=8"
 
+// The word by which users name the file that a request imports. On the wire it is no option: the file is loaded first.
+#define TECHNIQUE_OPTION_IMPORT "radiosity.import"
+
 // X(NAME, number, "name", why it is simulated, why it is left out, why it is left out although something has it by name,
 // what is drawn instead where it is switched off)
 #define CANDIL_EFFECT_LIST(X) \

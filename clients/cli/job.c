@@ -54,7 +54,7 @@ enum exit_code job_open(struct job *job)
 	progress_say(&job->progress, "loading the scene");
 	candil_status status = target_open(&job->target, job->cli->address, job->options.scene, &job->options.load, &error);
 	if (status == CANDIL_STATUS_OK)
-		status = target_surroundings(&job->target, &job->options.request, &error);
+		status = target_parts(&job->target, &job->options.request, &error);
 	job->options.request.scene = job->target.scene;
 	return status == CANDIL_STATUS_OK ? EXIT_DONE : job_fail(job, &error);
 }

@@ -35,7 +35,7 @@ enum exit_code job_fail_output(struct job *job, const char *name);
 // The same for an interrupt that came while no request was under way.
 enum exit_code job_fail_between(struct job *job);
 
-// Find a daemon, the scene, and the picture of its surroundings, or print why not. A second call does nothing.
+// Find a daemon, the scene, and what goes with it, or print why not. A second call does nothing.
 enum exit_code job_open(struct job *job);
 
 // Take the acceptance of a request. The first is kept, and its warnings about the scene are printed to stderr, also with

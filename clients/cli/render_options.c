@@ -176,8 +176,15 @@ static enum exit_code refuse_value(const struct command *self, const char *name,
 	return code;
 }
 
+// A file that is imported is set as an option, and is none: it is loaded first.
 static bool parse_setting(char *text, struct render_options *options)
 {
+	static const char import[] = TECHNIQUE_OPTION_IMPORT "=";
+	if (!strncmp(text, import, sizeof(import) - 1)) {
+		const bool first = !options->request.imported;
+		options->request.imported = text + sizeof(import) - 1;
+		return first && *options->request.imported;
+	}
 	char *equals = strchr(text, '=');
 	size_t room = sizeof(options->settings) / sizeof(options->settings[0]);
 	if (!equals || equals == text || equals[1] == '\0' || options->request.option_count == room)

@@ -33,7 +33,7 @@ static void make_key(const struct study *study, char key[17])
 				     study->texts.shared,
 				     study->vulkan,
 				     study->job.target.info.hash,
-				     study->job.target.picture_hash,
+				     study->job.target.picture.hash,
 				     study->server,
 				     study->texts.quick ? "quick" : "full"};
 	uint64_t hash = study->techniques + 64u * study->plan.ablations;

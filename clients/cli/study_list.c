@@ -24,7 +24,7 @@ void study_make_run(struct study *study, enum study_kind kind, uint32_t view, ui
 	study_request(study, run, options);
 	const struct candil_render_request *r = &study->job.options.request;
 	snprintf(about, sizeof(about), "2 %s %s %s %s %" PRIu32 " %" PRIu32 " %d %.17g", study->server, study->vulkan,
-		 study->job.target.info.hash, study->job.target.picture_hash, r->width, r->height, (int)kind,
+		 study->job.target.info.hash, study->job.target.picture.hash, r->width, r->height, (int)kind,
 		 r->target_error);
 	uint64_t hash = study_hash(0xcbf29ce484222325u, about);
 	memset(&message, 0, sizeof(message));

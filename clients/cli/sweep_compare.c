@@ -42,8 +42,10 @@ const char *sweep_compare(const char *path, const struct target *target, const s
 		return "no metadata";
 	if (!same_hash(&metadata, "scene_hash", target->info.hash))
 		return "scene";
-	if (!same_hash(&metadata, "environment_hash", target->picture_hash))
+	if (!same_hash(&metadata, "environment_hash", target->picture.hash))
 		return "background's picture";
+	if (!same_hash(&metadata, "import_hash", target->imported.hash))
+		return "imported file";
 	memset(&sweep, 0, sizeof(sweep));
 	// The daemon refuses the same, and says why.
 	if (message_write_sweep(request, camera, 1, &sweep, &error) != CANDIL_STATUS_OK)

@@ -217,27 +217,36 @@ candil_status target_open(struct target *target, const char *address, const char
 	return load_temporary(target, scene, how, target->scene, &target->temporary, &target->info, error);
 }
 
-candil_status target_surroundings(struct target *target, struct candil_render_request *request, struct candil_error *error)
+static candil_status find_part(struct target *target, const char **name, struct target_part *part,
+			       struct candil_error *error)
 {
 	static struct candil_scene_info info; // static because it is large
 	const struct candil_load_request how = {0};
-	const char *picture = request->environment;
+	const char *file = *name;
 	candil_status status = CANDIL_STATUS_SCENE_NOT_FOUND;
-	if (!picture)
+	if (!file)
 		return CANDIL_STATUS_OK;
-	request->environment = target->picture;
-	if (!target->private_daemon && !strchr(picture, '/') && strlen(picture) < sizeof(target->picture)) {
-		snprintf(target->picture, sizeof(target->picture), "%s", picture);
-		status = describe_named(target, picture, &info, error);
+	*name = part->name;
+	if (!target->private_daemon && !strchr(file, '/') && strlen(file) < sizeof(part->name)) {
+		snprintf(part->name, sizeof(part->name), "%s", file);
+		status = describe_named(target, file, &info, error);
 	}
 	if (status == CANDIL_STATUS_SCENE_NOT_FOUND)
-		status = check_file(picture, &how, error);
+		status = check_file(file, &how, error);
 	else
-		picture = NULL;
-	if (picture && status == CANDIL_STATUS_OK)
-		status = load_temporary(target, picture, &how, target->picture, &target->picture_temporary, &info, error);
+		file = NULL;
+	if (file && status == CANDIL_STATUS_OK)
+		status = load_temporary(target, file, &how, part->name, &part->temporary, &info, error);
 	if (status == CANDIL_STATUS_OK)
-		snprintf(target->picture_hash, sizeof(target->picture_hash), "%s", info.hash);
+		snprintf(part->hash, sizeof(part->hash), "%s", info.hash);
+	return status;
+}
+
+candil_status target_parts(struct target *target, struct candil_render_request *request, struct candil_error *error)
+{
+	candil_status status = find_part(target, &request->environment, &target->picture, error);
+	if (status == CANDIL_STATUS_OK)
+		status = find_part(target, &request->imported, &target->imported, error);
 	return status;
 }
 
@@ -264,10 +273,13 @@ static void target_unload(const struct target *target, const char *name)
 
 void target_close(struct target *target)
 {
-	if (target->client && target->temporary && !target->private_daemon)
+	const bool stays = target->client && !target->private_daemon;
+	if (stays && target->temporary)
 		target_unload(target, target->scene);
-	if (target->client && target->picture_temporary && !target->private_daemon)
-		target_unload(target, target->picture);
+	if (stays && target->picture.temporary)
+		target_unload(target, target->picture.name);
+	if (stays && target->imported.temporary)
+		target_unload(target, target->imported.name);
 	candil_disconnect(target->client);
 	if (target->private_daemon)
 		wait_private(target->private_daemon);

@@ -7,14 +7,20 @@
 
 #include "clients/cli/cli.h"
 
+// What goes with a scene, found in the same way.
+struct target_part {
+	char name[64]; // in the daemon; "": there is none
+	char hash[40]; // likewise
+	bool temporary; // it was loaded for this command
+};
+
 struct target {
 	candil_client *client;
 	pid_t private_daemon; // 0: none was started
 	char scene[64]; // name in the daemon
 	bool temporary; // the scene was loaded for this command
-	char picture[64]; // name of the picture of the surroundings; "": there is none
-	char picture_hash[40]; // "": there is none
-	bool picture_temporary; // the picture was loaded for this command
+	struct target_part picture; // of the surroundings
+	struct target_part imported;
 	struct candil_scene_info info; // last: it outlives the rest
 };
 
@@ -25,9 +31,9 @@ struct target {
 candil_status target_open(struct target *target, const char *address, const char *scene,
 			  const struct candil_load_request *how, struct candil_error *error);
 
-// Find the picture that request->environment names in the same way, in the daemon of an open target, and replace the name by
-// the one that the picture has there. Does nothing if the request names none.
-candil_status target_surroundings(struct target *target, struct candil_render_request *request, struct candil_error *error);
+// Find what request->environment and request->imported name in the same way, in the daemon of an open target, and replace
+// their names by those that they have there. Does nothing if the request names none.
+candil_status target_parts(struct target *target, struct candil_render_request *request, struct candil_error *error);
 
 // Unload what was loaded for the command, disconnect, and wait for a private daemon to end. `info` stays. A second call does
 // nothing.

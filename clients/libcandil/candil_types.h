@@ -285,6 +285,9 @@ struct candil_render_request {
 	const char *environment;
 	double environment_turn_degrees; // about +Y, counter-clockwise seen from above, -1e6 to 1e6
 	double environment_scale; // W/(m² sr) of one unit of the file, 1e-9 to 1e9; 0 means 1
+	// A file of form factors, or of a solution, that radiosity takes in place of making its own: the name under which it
+	// was loaded; NULL: none.
+	const char *imported;
 	bool default_light; // a scene that nothing gives light to gets a neutral sky, which candil_accepted tells; false: it
 			    // stays black
 	uint32_t progress_ms; // least time between two progress events, at most 3600000; 0 means 100

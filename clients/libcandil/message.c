@@ -216,6 +216,8 @@ candil_status message_write_render(const struct candil_render_request *request, 
 	if (status == CANDIL_STATUS_OK && request->environment)
 		status = message_write_name(request->environment, render->environment.scene,
 					    sizeof(render->environment.scene), error);
+	if (status == CANDIL_STATUS_OK && request->imported)
+		status = message_write_name(request->imported, render->imported, sizeof(render->imported), error);
 	if (status == CANDIL_STATUS_OK)
 		status = write_camera(request, render, error);
 	if (status == CANDIL_STATUS_OK)

@@ -5,6 +5,7 @@
 enum part {
 	PART_SCENE, // what is rendered; there is always one
 	PART_ENVIRONMENT, // the picture of the surroundings
+	PART_IMPORTED, // the file that is taken in place of what would be made of the scene
 	PARTS
 };
 

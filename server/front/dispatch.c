@@ -159,10 +159,13 @@ static enum status on_describe(const struct message *m, struct error *err)
 // Refuse what is known not to be what it is named as. The worker refuses what is still being loaded.
 static enum status check_parts(const struct subject *subject, struct error *err)
 {
-	const struct scene *picture = subject->part[PART_ENVIRONMENT];
+	const struct scene *picture = subject->part[PART_ENVIRONMENT], *file = subject->part[PART_IMPORTED];
 	if (picture && picture->state == SCENE_READY && picture->info.environment_width == 0)
 		return error_set(err, STATUS_BAD_ARGUMENT, "\"%s\" is a scene, no picture of surroundings",
 				 picture->info.name);
+	if (file && file->state == SCENE_READY && file->info.patch_elements == 0 && file->info.factor_rows == 0)
+		return error_set(err, STATUS_BAD_ARGUMENT, "\"%s\" is no file of patches or of form factors",
+				 file->info.name);
 	return STATUS_OK;
 }
 
@@ -171,7 +174,10 @@ static enum status find_subject(const struct message *m, const candil_Render *re
 				struct error *err)
 {
 	const char *const names[PARTS] = {
-	    [PART_SCENE] = render->scene, [PART_ENVIRONMENT] = render->has_environment ? render->environment.scene : NULL};
+	    [PART_SCENE] = render->scene,
+	    [PART_ENVIRONMENT] = render->has_environment ? render->environment.scene : NULL,
+	    [PART_IMPORTED] = render->imported[0] ? render->imported : NULL,
+	};
 	enum status status = STATUS_OK;
 	*subject = (struct subject){0};
 	for (unsigned i = 0; status == STATUS_OK && i < PARTS; i++)

@@ -3,7 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const names[PARTS] = {[PART_SCENE] = "the scene", [PART_ENVIRONMENT] = "the picture around the scene"};
+static const char *const names[PARTS] = {
+    [PART_SCENE] = "the scene", [PART_ENVIRONMENT] = "the picture around the scene", [PART_IMPORTED] = "the imported file"};
 
 static unsigned find(const struct quarantine *q, const struct subject_hashes *s)
 {

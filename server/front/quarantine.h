@@ -1,4 +1,4 @@
-// What ended workers, by content: the hashes of blobs, a scene's and those of what goes with it, the picture around it. What
+// What ended workers, by content: the hashes of blobs, a scene's and those of what goes with it. What
 // ended LIMIT_SCENE_LOSSES of them is quarantined until the daemon ends: neither its name nor a new load of the same content
 // may have another worker.
 //

@@ -275,6 +275,15 @@ static enum status check_environment(candil_Render *r, struct error *err)
 	return STATUS_OK;
 }
 
+static enum status check_imported(const candil_Render *r, struct error *err)
+{
+	if (!r->imported[0])
+		return STATUS_OK;
+	if (!can(r->technique, TECHNIQUE_PATCHES))
+		return refuse_trait("an imported file", TECHNIQUE_PATCHES, "other techniques have no patches", err);
+	return check_name(r->imported, "file", err);
+}
+
 // A file that is no picture.
 static enum status check_file(const candil_Render *r, struct error *err)
 {
@@ -363,6 +372,8 @@ static enum status check_render(candil_Render *render, bool asked, struct error 
 		status = check_output(render, err);
 	if (status == STATUS_OK)
 		status = check_environment(render, err);
+	if (status == STATUS_OK)
+		status = check_imported(render, err);
 	if (status == STATUS_OK)
 		status = check_options(render, err);
 	if (status == STATUS_OK && render->has_edits)

@@ -227,6 +227,8 @@ static void on_worker_piloted(void *owner, uint32_t pilot, const struct ipc_pilo
 // What a device was given up over has had its share in that.
 static void blame(struct service *service, const struct subject_hashes *suspects, enum worker_fault fault)
 {
+	static const char *const names[PARTS] = {
+	    [PART_SCENE] = "scene", [PART_ENVIRONMENT] = "surroundings", [PART_IMPORTED] = "imported file"};
 	struct quarantine *quarantine = &service->scenes.quarantine;
 	struct error err;
 	bool by_scene = fault == FAULT_WORK;
@@ -241,8 +243,7 @@ static void blame(struct service *service, const struct subject_hashes *suspects
 		return;
 	for (unsigned i = 0; i < PARTS; i++)
 		if (suspects->part[i][0])
-			log_line(LOG_ERROR, "%s of hash %s: %s", i == PART_SCENE ? "scene" : "surroundings",
-				 suspects->part[i], err.text);
+			log_line(LOG_ERROR, "%s of hash %s: %s", names[i], suspects->part[i], err.text);
 	fail_quarantined(service);
 }
 

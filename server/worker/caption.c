@@ -39,6 +39,11 @@ static void add_camera(const struct plan_camera *c, struct frame *f)
 		frame_add_metadata(f, "camera_lens", "%.9g,%.9g", c->lens_radius, c->focus);
 }
 
+static void add_hash(const char *key, const struct blob_header *blob, struct frame *f)
+{
+	frame_add_metadata(f, key, "%016llx%016llx", (unsigned long long)blob->hash[1], (unsigned long long)blob->hash[0]);
+}
+
 void caption_metadata(const struct devices *devices, const struct job *job, struct frame *f)
 {
 	const struct plan *p = &job->plan;
@@ -60,12 +65,11 @@ void caption_metadata(const struct devices *devices, const struct job *job, stru
 	frame_add_metadata(f, "relmse_high", "%.6g", f->estimate.high);
 	frame_add_metadata(f, "non_finite_samples", "%llu", (unsigned long long)f->non_finite_samples);
 	frame_add_metadata(f, "device", "%s", devices->vk->info.name);
-	frame_add_metadata(f, "scene_hash", "%016llx%016llx", (unsigned long long)job->scene->blob->hash[1],
-			   (unsigned long long)job->scene->blob->hash[0]);
+	add_hash("scene_hash", job->scene->blob, f);
 	if (job->environment)
-		frame_add_metadata(f, "environment_hash", "%016llx%016llx",
-				   (unsigned long long)job->environment->blob->hash[1],
-				   (unsigned long long)job->environment->blob->hash[0]);
+		add_hash("environment_hash", job->environment->blob, f);
+	if (job->imported)
+		add_hash("import_hash", job->imported->blob, f);
 	if (frame_is_scaled(f))
 		frame_add_metadata(f, "made_of", "%ux%u", f->made_width, f->made_height);
 	if (p->default_light)

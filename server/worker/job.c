@@ -21,6 +21,8 @@ void job_destroy(struct stock *s, struct job *job)
 		resident_release(&s->scenes, job->scene);
 	if (job->environment)
 		resident_release(&s->scenes, job->environment);
+	if (job->imported)
+		resident_release(&s->scenes, job->imported);
 	free(job);
 }
 
@@ -74,6 +76,8 @@ enum status job_acquire(struct stock *s, const uint64_t ids[PARTS], const candil
 	    resident_acquire(&s->scenes, ids[PART_SCENE], render->has_edits ? &render->edits : NULL, &job->scene, err);
 	if (r == STATUS_OK && ids[PART_ENVIRONMENT])
 		r = resident_acquire(&s->scenes, ids[PART_ENVIRONMENT], NULL, &job->environment, err);
+	if (r == STATUS_OK && ids[PART_IMPORTED])
+		r = resident_acquire(&s->scenes, ids[PART_IMPORTED], NULL, &job->imported, err);
 	return r;
 }
 
@@ -100,10 +104,12 @@ enum status job_begin(struct stock *s, const struct ipc_begin *m, struct job *jo
 		job->edit_us = job->scene->edit_us;
 		job->scene->edit_told = true;
 	}
-	r = plan_make(&m->render, &job->scene->view, job->environment ? job->environment->blob : NULL, &job->plan, err);
+	r = plan_make(&m->render, &job->scene->view, job->environment ? job->environment->blob : NULL,
+		      job->imported ? job->imported->blob : NULL, &job->plan, err);
 	if (r != STATUS_OK)
 		return r;
 	job->plan.environment.scene = job->environment;
+	job->plan.imported.scene = job->imported;
 	job->plan.end_us = m->render.deadline_ms > 0 ? m->end_us : 0;
 	job->technique = technique_find(job->plan.technique);
 	// This job may share what another job of the same scene holds. Then only an attempt tells whether it fits.

@@ -25,6 +25,7 @@ struct job {
 	struct plan plan;
 	struct resident_scene *scene;
 	struct resident_scene *environment; // the picture of the surroundings; NULL: none
+	struct resident_scene *imported; // the file that is imported; NULL: none
 	const struct technique *technique;
 	struct attempts attempts; // at its picture
 	uint64_t edit_us; // that its edits took; 0: none, or made before

@@ -209,6 +209,7 @@ static enum status look(struct server *s, const struct ipc_pilot *m, struct job 
 	const struct pilot pilot = {.devices = s->stock.devices,
 				    .scene = job->scene,
 				    .environment = job->environment,
+				    .imported = job->imported,
 				    .render = &m->render,
 				    .techniques = m->techniques,
 				    .told = m->told,

@@ -97,7 +97,7 @@ int main(int argc, char **argv)
 			request.effects_on = ~0u;
 		else
 			add_option(&request, argv[i]);
-	must(plan_make(&request, &scene.view, NULL, &plan, &err), &err);
+	must(plan_make(&request, &scene.view, NULL, NULL, &plan, &err), &err);
 	for (int i = 0; i < TURNS; i++)
 		turn(device, &scene, &plan);
 	for (unsigned i = 0; i < BIND_SCENE_COUNT; i++)

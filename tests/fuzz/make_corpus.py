@@ -53,6 +53,14 @@ def edited():
     return r.SerializeToString()
 
 
+def imported():
+    r = pb.Render()
+    r.ParseFromString(render())
+    r.technique, r.imported = pb.TECHNIQUE_RADIOSITY, "factors"
+    r.ClearField("options")
+    return r.SerializeToString()
+
+
 def auto():
     r = pb.Render()
     r.ParseFromString(render())

@@ -28,7 +28,7 @@ static uint64_t hash_view(const candil_Render *render, bool camera)
 	XXH64_state_t state;
 	XXH64_reset(&state, 0);
 	pb_ostream_t stream = {.callback = add_bytes, .state = &state, .max_size = SIZE_MAX};
-	r.scene[0] = r.environment.scene[0] = 0;
+	r.scene[0] = r.environment.scene[0] = r.imported[0] = 0;
 	r.technique = candil_Technique_TECHNIQUE_AUTO;
 	r.options_count = 0;
 	r.whole = false;

@@ -76,6 +76,8 @@ void pilot_request(const candil_Render *asked, const struct pilot_picture *pictu
 	for (pb_size_t i = 0; i < asked->options_count; i++)
 		if (technique_takes(picture->technique, asked->options[i].name))
 			render->options[render->options_count++] = asked->options[i];
+	if (!(technique_traits(picture->technique) & TECHNIQUE_PATCHES))
+		render->imported[0] = '\0';
 	render->samples = picture->samples;
 	// More samples of one sequence would fill the gaps of the first: not independent of them.
 	render->first_sample = 0;
@@ -94,8 +96,11 @@ uint64_t pilot_patience_us(uint32_t budget_us)
 static enum status plan_of(const struct pilot *pilot, const candil_Render *render, struct plan *plan, struct error *err)
 {
 	const struct blob_header *environment = pilot->environment ? pilot->environment->blob : NULL;
-	const enum status s = plan_make(render, &pilot->scene->view, environment, plan, err);
+	// A reference by a technique without patches imports nothing.
+	struct resident_scene *file = render->imported[0] ? pilot->imported : NULL;
+	const enum status s = plan_make(render, &pilot->scene->view, environment, file ? file->blob : NULL, plan, err);
 	plan->environment.scene = pilot->environment;
+	plan->imported.scene = file;
 	return s;
 }
 

@@ -20,6 +20,7 @@ struct pilot {
 	struct devices *devices;
 	struct resident_scene *scene;
 	struct resident_scene *environment; // NULL: none
+	struct resident_scene *imported; // NULL: none
 	const candil_Render *render; // a checked one; its technique, samples and end do not count
 	uint32_t techniques; // bits 1 << candil_Technique
 	uint32_t told; // the same: those whose work is told, whether or not there are pictures by them

@@ -29,6 +29,21 @@ static enum status plan_environment(const candil_Render *r, const struct blob_he
 	return STATUS_OK;
 }
 
+static enum status plan_imported(const candil_Render *r, const struct blob_header *file, struct plan_imported *imported,
+				 struct error *err)
+{
+	if (!file)
+		return STATUS_OK;
+	const uint32_t elements = blob_count(file, BLOB_PATCH_ELEMENTS), rows = blob_count(file, BLOB_FACTOR_ROWS);
+	if (elements == 0 && rows == 0)
+		return error_set(err, STATUS_BAD_ARGUMENT, "'%s' is no file of patches or of form factors", r->imported);
+	imported->factors = rows > 0;
+	imported->elements = rows > 0 ? rows : elements;
+	imported->entries = blob_count(file, BLOB_FACTOR_ENTRIES);
+	memcpy(imported->hash, file->hash, sizeof imported->hash);
+	return STATUS_OK;
+}
+
 // ---- options ------------------------------------------------------------------------------------------------------------
 
 // The techniques that take an option, as a list in a sentence: "pt", "direct or vct".
@@ -110,12 +125,17 @@ static void copy_request(const candil_Render *r, struct plan *p)
 }
 
 enum status plan_make(const candil_Render *r, const struct blob_view *scene, const struct blob_header *environment,
-		      struct plan *p, struct error *err)
+		      const struct blob_header *imported, struct plan *p, struct error *err)
 {
 	memset(p, 0, sizeof *p);
 	if (scene->blob->environment_width > 0)
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "'%s' is a picture of surroundings, no scene: name a scene, and this as its background",
+				 r->scene);
+	if (blob_count(scene->blob, BLOB_PATCH_ELEMENTS) > 0 || blob_count(scene->blob, BLOB_FACTOR_ROWS) > 0)
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "'%s' is a file of patches or of form factors, no scene: name the scene that it is of, and "
+				 "this by " TECHNIQUE_OPTION_IMPORT,
 				 r->scene);
 	const struct technique *technique = technique_find(r->technique);
 	if (!technique)
@@ -128,6 +148,8 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 	enum status s = plan_options(r, technique, p, err);
 	if (s == STATUS_OK)
 		s = plan_environment(r, environment, &p->environment, err);
+	if (s == STATUS_OK)
+		s = plan_imported(r, imported, &p->imported, err);
 	if (s == STATUS_OK)
 		s = plan_camera(r, scene, p, err);
 	if (s != STATUS_OK)

@@ -6,11 +6,11 @@
 #include "server/scene/blob.h"
 #include "server/worker/plan/plan.h"
 
-// Plan a request over a scene and, if it names one, an environment (NULL: none). The caller sets plan->environment.scene
-// afterwards. STATUS_BAD_ARGUMENT for an option or a camera that does not exist or is impossible, and where an environment
-// is given as the scene or a scene as the environment; STATUS_LIMIT for an option above its most; STATUS_UNSUPPORTED for a
-// technique that this worker does not have.
+// Plan a request over a scene and, if it names them, an environment and a file that is imported (NULL: none). The caller
+// sets plan->environment.scene and plan->imported.scene afterwards. STATUS_BAD_ARGUMENT for an option or a camera that does
+// not exist or is impossible, and where one of them is given as another; STATUS_LIMIT for an option above its most;
+// STATUS_UNSUPPORTED for a technique that this worker does not have.
 enum status plan_make(const candil_Render *request, const struct blob_view *scene, const struct blob_header *environment,
-		      struct plan *plan, struct error *err);
+		      const struct blob_header *imported, struct plan *plan, struct error *err);
 
 #endif

@@ -52,6 +52,15 @@ struct plan_environment {
 	double contrast; // as in struct blob_header
 };
 
+// A file of a radiosity solution, or of form factors, that is taken in place of being made.
+struct plan_imported {
+	struct resident_scene *scene; // the file, held by the job; NULL: there is none, and the rest is 0
+	uint64_t hash[2]; // of its content
+	uint32_t elements; // sides of patches
+	uint32_t entries; // of form factors
+	bool factors; // it holds form factors; false: a solution
+};
+
 // The technique's own settings, whatever they are.
 struct plan_settings {
 	_Alignas(8) unsigned char bytes[PLAN_SETTINGS_BYTES];
@@ -78,6 +87,7 @@ struct plan {
 	candil_Filter filter;
 	float background[3]; // radiance, W/(m² sr); black where there is an environment
 	struct plan_environment environment;
+	struct plan_imported imported;
 	bool default_light; // the background is the neutral sky that default light is
 	candil_Format format;
 	candil_View view;

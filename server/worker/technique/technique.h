@@ -22,7 +22,7 @@
 //	candil_Render request = {.technique = candil_Technique_TECHNIQUE_PT, .width = 8, .height = 8, .samples = 2};
 //	struct plan plan;
 //	struct error err;
-//	assert(plan_make(&request, &scene->view, NULL, &plan, &err) == STATUS_OK);
+//	assert(plan_make(&request, &scene->view, NULL, NULL, &plan, &err) == STATUS_OK);
 //
 //	const struct technique *t = technique_find(plan.technique);
 //	struct technique_job *job;
