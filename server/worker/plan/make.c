@@ -145,11 +145,11 @@ enum status plan_make(const candil_Render *r, const struct blob_view *scene, con
 				 format_name(r->format));
 	p->technique = technique->number;
 	copy_request(r, p);
-	enum status s = plan_options(r, technique, p, err);
+	enum status s = plan_imported(r, imported, &p->imported, err);
+	if (s == STATUS_OK)
+		s = plan_options(r, technique, p, err);
 	if (s == STATUS_OK)
 		s = plan_environment(r, environment, &p->environment, err);
-	if (s == STATUS_OK)
-		s = plan_imported(r, imported, &p->imported, err);
 	if (s == STATUS_OK)
 		s = plan_camera(r, scene, p, err);
 	if (s != STATUS_OK)

@@ -113,6 +113,9 @@ static bool serves(const struct factor_build *b, const struct resident_scene *sc
 static void begin_moves(struct factor_build *b, const struct resident_scene *scene, struct shelf *shelf)
 {
 	struct factor_build *from = NULL;
+	// Rows of a file are what it says, wherever nodes are.
+	if (b->options.rows.way == ROWS_IMPORTED)
+		return;
 	for (struct shelved *at = scene->base ? shelf->first : NULL; at && !from; at = at->next)
 		if (build_is_finished(at) && serves((struct factor_build *)at, scene->base, &b->options))
 			from = (struct factor_build *)at;

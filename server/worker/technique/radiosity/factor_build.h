@@ -22,6 +22,7 @@ struct factor_options {
 	struct patch_options cut;
 	struct row_options rows;
 	uint32_t effects; // bits 1 << candil_Effect, of those that matter to rays
+	uint64_t imported[2]; // hash of the file that rows are taken from; 0: they are made
 };
 
 // The factors of a scene.

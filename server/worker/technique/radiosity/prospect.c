@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "server/worker/devices.h"
+#include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/light.h"
 #include "server/worker/technique/radiosity/prospect_try.h"
 #include "server/worker/technique/radiosity/radiosity_plan.h"
@@ -30,6 +31,8 @@ static uint64_t hash_words(const uint32_t *words, size_t count)
 static double row_units(const struct row_options *o, double elements)
 {
 	const double each = elements / 64;
+	if (o->way == ROWS_IMPORTED)
+		return each;
 	if (o->way == ROWS_BY_HEMISPHERE)
 		return o->rays + each;
 	if (o->way == ROWS_BY_HEMICUBE)
@@ -99,6 +102,17 @@ static double share_there(const struct factor_build *there)
 	return factor_build_finished(there) ? 1 : wanted > 0 ? fmin(1, rows / wanted) : 0;
 }
 
+// What a file has is not made, and all that it has is known.
+static void count_imported(const struct plan *plan, struct work *w)
+{
+	if (imported_factors(plan)) {
+		w->left[WORK_SOLVE] = solve_units(plan->imported.entries);
+		w->doubt[WORK_SOLVE] = COUNT_DOUBT;
+	} else if (imported_solution(plan)) {
+		w->left[WORK_LIGHT] = w->left[WORK_ROWS] = w->left[WORK_SOLVE] = 0;
+	}
+}
+
 // Factors of these places are there, or some of them. What lights reach now that did not reach it before is not foreseen.
 static void count_there(const struct factor_build *there, struct work *w)
 {
@@ -125,7 +139,8 @@ enum status radiosity_foresee(struct devices *devices, struct resident_scene *sc
 	count_all(plan, scene, &options, elements, w);
 	if (there)
 		count_there(there, w);
-	if (budget_us == 0 || elements <= 0)
+	count_imported(plan, w);
+	if (budget_us == 0 || elements <= 0 || imported_solution(plan))
 		return STATUS_OK;
 	const struct light_options light = light_of(&options, scene);
 	const struct prospect_try of = {.devices = devices,
@@ -135,7 +150,7 @@ enum status radiosity_foresee(struct devices *devices, struct resident_scene *sc
 					.light = &light,
 					.background = options.background[0] > 0 || options.background[1] > 0 ||
 						      options.background[2] > 0,
-					.rows = !there || !factor_build_finished(there)};
+					.rows = !imported_factors(plan) && (!there || !factor_build_finished(there))};
 	struct prospect_found found;
 	const enum status s = prospect_run(&of, budget_us, &found, err);
 	if (s != STATUS_OK || found.elements == 0)
@@ -169,7 +184,10 @@ void radiosity_work(const struct solution *v, const struct resident_scene *scene
 	if (!made)
 		return;
 	w->made[WORK_CUT] = e->count;
-	w->us[WORK_CUT] = (double)(v->stage_us[SOLUTION_SURFACES] + v->stage_us[SOLUTION_CORNERS]);
+	w->us[WORK_CUT] =
+	    (double)(v->stage_us[SOLUTION_SURFACES] + v->stage_us[SOLUTION_IMPORT] + v->stage_us[SOLUTION_CORNERS]);
+	if (v->taken)
+		return;
 	w->made[WORK_LIGHT] = light_rays_wanted(plan, scene, &light, e->patches.count);
 	w->us[WORK_LIGHT] = (double)v->stage_us[SOLUTION_LIGHT];
 	w->made[WORK_ROWS] = (double)v->rows * row_units(&v->options.factors.rows, e->count);

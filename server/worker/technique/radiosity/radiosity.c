@@ -9,6 +9,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/technique/deferred/deferred.h"
 #include "server/worker/technique/radiosity/display_views.h"
+#include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/patch_file.h"
 #include "server/worker/technique/radiosity/prospect.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
@@ -84,7 +85,8 @@ static enum status radiosity_begin(struct devices *devices, struct resident_scen
 		s = solution_acquire(scene, devices->vk, j->gl, plan, &options, &j->solution, err);
 	if (s == STATUS_OK && !makes_file(plan))
 		s = begin_display(j, devices, err);
-	if (s == STATUS_OK && j->display.options.plain)
+	// A solution that is taken from a file has no rows to report on.
+	if (s == STATUS_OK && j->display.options.plain && !imported_solution(plan))
 		s = survey_create(j->solution, &j->survey, err);
 	if (s == STATUS_OK)
 		*job = j;

@@ -1,6 +1,8 @@
 #include "server/worker/technique/radiosity/radiosity_options.h"
 
+#include "protocol/names.h"
 #include "server/worker/technique/radiosity/hemicube.h"
+#include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/patches.h"
 #include "server/worker/technique/radiosity/sight.h"
 #include "server/worker/technique/radiosity/solver.h"
@@ -64,6 +66,10 @@ void radiosity_options_default(void *settings)
 enum status radiosity_options_check(const struct plan *plan, struct error *err)
 {
 	const struct radiosity_settings *s = radiosity_settings(plan);
+	if (imported_solution(plan) && (s->show == RADIOSITY_SHOW_ROW || plan->format == candil_Format_FORMAT_MTX))
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "the imported file is a solution, and has no form factors: import those, a .mtx, or leave "
+				 "out " TECHNIQUE_OPTION_IMPORT);
 	if (s->row != NONE && s->show != RADIOSITY_SHOW_ROW)
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "radiosity.row says whose row radiosity.show=row shows: ask for that, too");

@@ -8,6 +8,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/deferred/deferred.h"
+#include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/light.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/row_maker.h"
@@ -30,10 +31,12 @@ static bool has_mirrors(const struct plan *plan, const struct resident_scene *sc
 static void rows_of(const struct plan *plan, const struct resident_scene *scene, struct row_options *o)
 {
 	const struct radiosity_settings *s = radiosity_settings(plan);
-	o->way = s->factors;
-	o->rays = s->factors != ROWS_BY_HEMICUBE ? s->rays : 0;
 	o->mirrors = has_mirrors(plan, scene);
 	o->bounces = o->mirrors ? s->bounces : 0;
+	o->way = plan->imported.elements > 0 ? ROWS_IMPORTED : s->factors;
+	if (o->way == ROWS_IMPORTED)
+		return;
+	o->rays = s->factors != ROWS_BY_HEMICUBE ? s->rays : 0;
 	o->portals = o->mirrors && s->mirrors == RADIOSITY_MIRRORS_PORTAL;
 	o->pixels = s->factors == ROWS_BY_HEMICUBE ? s->pixels : 0;
 	o->origins = s->factors == ROWS_BY_HEMICUBE ? s->origins : 0;
@@ -55,7 +58,8 @@ void radiosity_solution_options(const struct plan *plan, const struct resident_s
 	o->factors.cut.edge = (double)s->edge;
 	o->factors.cut.count = s->edge > 0 ? 0 : s->patches;
 	rows_of(plan, scene, &o->factors.rows);
-	o->factors.effects = effects_of_rows(plan, o->factors.rows.mirrors);
+	o->factors.effects = plan->imported.elements > 0 ? 0 : effects_of_rows(plan, o->factors.rows.mirrors);
+	memcpy(o->factors.imported, plan->imported.hash, sizeof o->factors.imported);
 	o->effects = plan->effects;
 	o->points = s->points;
 	o->sky_points = s->points < LIMIT_RADIOSITY_POINTS / SKY_POINTS ? SKY_POINTS * s->points : LIMIT_RADIOSITY_POINTS;
@@ -141,13 +145,15 @@ uint64_t radiosity_bytes(const struct devices *devices, const struct resident_sc
 	const double samples = rows.way == ROWS_BY_HEMISPHERE ? rows.rays
 			       : rows.way == ROWS_BY_HEMICUBE ? 3.0 * rows.pixels * rows.pixels * rows.origins
 							      : INFINITY;
-	const double entries = n * entries_guess(n, samples);
+	const double entries = rows.way == ROWS_IMPORTED ? plan->imported.entries : n * entries_guess(n, samples);
+	const bool taken = imported_solution(plan);
 	const uint64_t shown = deferred_bytes(devices, plan, radiosity_settings(plan)->direct.rows) +
 			       display_bytes(devices, scene, plan, &display) +
 			       display_field_bytes(triangles, triangles, patches, display.corners);
 	return (format_is_picture(plan->format) ? shown : 0) + element_buffers_bytes(triangles, triangles, patches) +
-	       surfaces_bytes(triangles) + light_bytes(plan, triangles, patches) + row_maker_bytes(&of, &rows) +
-	       solver_bytes(2 * patches) + factors_bytes_most((uint64_t)entries, patches);
+	       surfaces_bytes(triangles) + (taken ? 0 : light_bytes(plan, triangles, patches)) +
+	       row_maker_bytes(&of, &rows) + (taken ? 0 : solver_bytes(2 * patches)) +
+	       factors_bytes_most((uint64_t)entries, patches);
 }
 
 void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
@@ -158,6 +164,9 @@ void radiosity_advise(const struct devices *devices, const struct resident_scene
 	const double least = 0.5 * scene_count(scene, BLOB_TRIANGLES);
 	s->patches = (uint32_t)radiosity_patches_guess(plan, scene);
 	s->edge = 0;
+	// A file is of as many patches as it is.
+	if (plan->imported.elements > 0)
+		return;
 	while (s->patches > 1 && s->patches > least && radiosity_bytes(devices, scene, &smaller) > budget)
 		s->patches -= s->patches / 8 + 1;
 	if (radiosity_bytes(devices, scene, &smaller) <= budget)
@@ -206,6 +215,13 @@ void radiosity_notes(const struct resident_scene *scene, const struct plan *plan
 {
 	const uint32_t glossy = plan_has(plan, candil_Effect_EFFECT_GLOSSY) ? glossy_materials(scene) : 0;
 	deferred_notes(scene, plan, accepted);
+	if (imported_factors(plan))
+		technique_note(accepted,
+			       "form factors are those of the imported file: radiosity.factors and what goes with it "
+			       "count for nothing");
+	if (imported_solution(plan))
+		technique_note(accepted,
+			       "the light on surfaces is that of the imported file, whatever lights this request has");
 	if (glossy > 0)
 		technique_note(accepted,
 			       "radiosity has no glossy surfaces but mirrors of polished metal: %u material%s drawn diffuse",

@@ -5,7 +5,10 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/radiosity/analytic.h"
 #include "server/worker/technique/radiosity/hemicube.h"
+#include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/rays.h"
+
+#define IMPORTED_BATCH 1024u // rows
 
 struct row_maker {
 	struct row_options options;
@@ -15,8 +18,9 @@ struct row_maker {
 	bool reflects; // the hemicube knows what reflects
 	const struct radiosity_surface *surfaces; // by element
 	struct analytic *analytic;
+	struct imported_rows *imported;
 	const uint32_t *elements; // that were begun
-	uint32_t count, next; // by contour integrals: the row that is worked on
+	uint32_t count, next; // by contour integrals, and of a file: the row that is worked on
 	bool begun; // that row is
 };
 
@@ -51,6 +55,8 @@ enum status row_maker_create(const struct patch_scene *of, const struct row_opti
 		s = hemicube_create(gl, of->scene, of->plan, of->elements, &hemicube, &m->hemicube, err);
 	if (s == STATUS_OK && options->way == ROWS_BY_CONTOUR)
 		s = analytic_create(of, options->rays, device, &m->analytic, err);
+	if (s == STATUS_OK && options->way == ROWS_IMPORTED)
+		s = imported_rows_create(&of->plan->imported, of->elements, &m->imported, err);
 	if (s == STATUS_OK)
 		*maker = m;
 	else
@@ -65,6 +71,7 @@ void row_maker_destroy(struct row_maker *m)
 	rays_destroy(m->rays);
 	hemicube_destroy(m->hemicube);
 	analytic_destroy(m->analytic);
+	imported_rows_destroy(m->imported);
 	free(m);
 }
 
@@ -80,6 +87,8 @@ enum status row_maker_compile(struct row_maker *m, struct error *err)
 
 uint32_t row_maker_batch(const struct row_maker *m, double budget_us)
 {
+	if (m->imported)
+		return IMPORTED_BATCH;
 	return m->rays ? rays_batch(m->rays, budget_us) : m->hemicube ? hemicube_batch(m->hemicube, budget_us) : 1;
 }
 
@@ -110,9 +119,24 @@ static enum status step_contour(struct row_maker *m, uint32_t budget_us, struct 
 	return s;
 }
 
+static enum status step_imported(struct row_maker *m, uint32_t budget_us, struct factors *factors, bool *done,
+				 struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = STATUS_OK;
+	do {
+		s = imported_rows_put(m->imported, m->elements[m->next], factors, err);
+		m->next += s == STATUS_OK;
+	} while (s == STATUS_OK && m->next < m->count && clock_us() - start < budget_us);
+	*done = m->next == m->count;
+	return s;
+}
+
 enum status row_maker_step(struct row_maker *m, uint32_t budget_us, struct factors *factors, bool *done, struct error *err)
 {
 	enum status s = STATUS_OK;
+	if (m->imported)
+		return step_imported(m, budget_us, factors, done, err);
 	if (m->options.way == ROWS_BY_CONTOUR)
 		return step_contour(m, budget_us, factors, done, err);
 	if (m->hemicube && !m->reflects) {

@@ -1,5 +1,5 @@
 // Makes rows of form factors by the way that is asked for: rays (rays.h), hemicubes (hemicube.h) or contour integrals
-// (analytic.h). Device's thread only.
+// (analytic.h); or takes them from a file (imported.h). Device's thread only.
 //
 //   row_maker_create, row_maker_compile, (row_maker_begin, row_maker_step until done)*, row_maker_destroy
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_ROW_MAKER_H
@@ -10,8 +10,8 @@
 
 struct gl_device;
 
-// The words of radiosity.factors.
-enum row_way { ROWS_BY_HEMISPHERE, ROWS_BY_HEMICUBE, ROWS_BY_CONTOUR };
+// The words of radiosity.factors, and the way of a file that is imported.
+enum row_way { ROWS_BY_HEMISPHERE, ROWS_BY_HEMICUBE, ROWS_BY_CONTOUR, ROWS_IMPORTED };
 
 // How rows are made. Compared byte by byte: zero it before filling it in.
 struct row_options {

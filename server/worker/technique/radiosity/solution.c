@@ -70,14 +70,15 @@ static enum status solution_create(struct resident_scene *scene, struct device *
 	return s;
 }
 
-// Find a solution on the shelf. One that is being made reads the buffers of one variant, and serves its jobs alone.
+// Find a solution on the shelf. One that is being made reads the buffers of one variant, and one file, and serves their jobs
+// alone.
 static struct solution *solution_find(const struct shelf *s, const struct resident_scene *scene,
-				      const struct solution_options *options)
+				      const struct resident_scene *imported, const struct solution_options *options)
 {
 	for (struct shelved *at = s->first; at; at = at->next) {
 		struct solution *v = (struct solution *)at;
 		if (!memcmp(&v->options, options, sizeof *options) && !memcmp(&v->keys, &scene->keys, sizeof v->keys) &&
-		    (solution_finished(v) || v->scene == scene))
+		    (solution_finished(v) || (v->scene == scene && v->imported == imported)))
 			return v;
 	}
 	return NULL;
@@ -86,7 +87,7 @@ static struct solution *solution_find(const struct shelf *s, const struct reside
 bool solution_is_made(struct resident_scene *scene, const struct solution_options *options)
 {
 	const struct shelf *shelf = shelf_of(scene, &kind);
-	const struct solution *v = shelf ? solution_find(shelf, scene, options) : NULL;
+	const struct solution *v = shelf ? solution_find(shelf, scene, NULL, options) : NULL;
 	return v && solution_finished(v);
 }
 
@@ -97,7 +98,7 @@ enum status solution_acquire(struct resident_scene *scene, struct device *device
 	struct shelf *shelf = shelf_of(scene, &kind);
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	struct solution *v = solution_find(shelf, scene, options);
+	struct solution *v = solution_find(shelf, scene, plan->imported.scene, options);
 	if (!v) {
 		enum status s;
 		while (shelf_drop_idle(shelf, kind.kept - 1))
@@ -156,7 +157,8 @@ double solution_fraction(const struct solution *v)
 
 void solution_account(const struct solution *v, bool made, struct frame *f)
 {
-	static const char *const names[SOLUTION_STAGES] = {"surfaces", "patch-light", "factors", "solve", "corners"};
+	static const char *const names[SOLUTION_STAGES] = {"surfaces", "import", "patch-light",
+							   "factors",  "solve",  "corners"};
 	const struct elements *e = &v->factors->elements;
 	const struct factors *m = &v->factors->factors;
 	for (unsigned i = 0; i < SOLUTION_DONE; i++)
@@ -165,7 +167,8 @@ void solution_account(const struct solution *v, bool made, struct frame *f)
 	frame_add_figure(f, "patches", e->patches.count, "");
 	frame_add_figure(f, "edge", e->patches.edge, "m");
 	frame_add_figure(f, "rows", (double)v->factors->rows + v->factors->taken, "");
-	frame_add_figure(f, "rows.made", made ? (double)v->rows : 0, "");
+	frame_add_figure(f, v->options.factors.rows.way == ROWS_IMPORTED ? "rows.imported" : "rows.made",
+			 made ? (double)v->rows : 0, "");
 	frame_add_figure(f, "factors", (double)m->entries, "");
 	frame_add_figure(f, "bytes.factors", (double)factors_bytes(m), "bytes");
 	frame_add_figure(f, "iterations", v->iterations, "");

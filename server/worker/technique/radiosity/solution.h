@@ -28,6 +28,7 @@ struct solution_options {
 // The stages of making it, in this order.
 enum solution_stage {
 	SOLUTION_SURFACES,
+	SOLUTION_IMPORT, // of one that is taken from a file, in place of light, factors and solving
 	SOLUTION_LIGHT,
 	SOLUTION_FACTORS,
 	SOLUTION_SOLVE,
@@ -43,6 +44,9 @@ struct solution {
 	struct scene_keys keys;
 	struct device *device;
 	struct resident_scene *scene; // the variant that it is made from; read only until it is done
+	struct resident_scene *imported; // the file that it, or its factors, are taken from, likewise; NULL: none
+	bool taken; // the file is a solution
+	uint32_t taken_next; // element of it that is taken next
 	struct factor_build *factors; // held
 	struct element_buffers buffers; // those of `factors`, and surfaces of its own
 	enum solution_stage stage;

@@ -4,6 +4,7 @@
 #include "server/base/clock.h"
 #include "server/scene/lights.h"
 #include "server/worker/code_list.h"
+#include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/light.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/row_maker.h"
@@ -13,28 +14,37 @@
 
 #define LAMP_AREA_MOST 0.0625 // share of all surfaces up to which lamps are small beside the scene
 
-static enum status make_passes(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)
+// What finds light and rows, and solves.
+static enum status make_finders(struct solution *v, const struct patch_scene *of, struct gl_device *gl, struct error *err)
 {
 	const struct factor_options *f = &v->options.factors;
-	const struct patch_scene of = {plan, v->scene, &v->factors->elements, &v->buffers};
 	const struct light_options light = {
 	    .points = v->options.points, .sky_points = v->options.sky_points, .lamps = v->lamps, .bounces = f->rows.bounces};
+	enum status s = STATUS_OK;
+	if (light_wanted(of->plan, v->scene, v->lamps))
+		s = light_create(of, &light, v->device, &v->light, err);
+	if (s == STATUS_OK && v->light)
+		s = light_compile(v->light, err);
+	if (s == STATUS_OK)
+		s = row_maker_create(of, &f->rows, v->made_of, v->device, gl, &v->rows_by, err);
+	if (s == STATUS_OK)
+		s = row_maker_compile(v->rows_by, err);
+	if (s == STATUS_OK)
+		s = solver_compile(v->device, (enum solver_way)v->options.solver, err);
+	return s;
+}
+
+static enum status make_passes(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)
+{
+	const struct patch_scene of = {plan, v->scene, &v->factors->elements, &v->buffers};
 	const struct code_list *code = v->device->code;
 	const uint32_t added = code ? code->added : 0;
 	const uint64_t start = clock_us();
 	enum status s = surfaces_create(&of, v->device, &v->surfaces, err);
 	if (s == STATUS_OK)
 		s = surfaces_compile(v->surfaces, err);
-	if (s == STATUS_OK && light_wanted(plan, v->scene, v->lamps))
-		s = light_create(&of, &light, v->device, &v->light, err);
-	if (s == STATUS_OK && v->light)
-		s = light_compile(v->light, err);
-	if (s == STATUS_OK)
-		s = row_maker_create(&of, &f->rows, v->made_of, v->device, gl, &v->rows_by, err);
-	if (s == STATUS_OK)
-		s = row_maker_compile(v->rows_by, err);
-	if (s == STATUS_OK)
-		s = solver_compile(v->device, (enum solver_way)v->options.solver, err);
+	if (s == STATUS_OK && !v->taken)
+		s = make_finders(v, &of, gl, err);
 	// What the driver has compiled before is made at once, and no time that is spent once.
 	v->compile_us = !code || code->added != added ? clock_us() - start : 0;
 	return s;
@@ -75,10 +85,14 @@ static enum status make_arrays(struct solution *v, struct error *err)
 enum status solution_make_ready(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err)
 {
 	const uint32_t count = v->factors->elements.count;
+	v->imported = plan->imported.scene;
+	v->taken = imported_solution(plan);
 	v->lamps = solution_finds_lamps(&v->options, v->scene);
 	v->buffers = v->factors->buffers;
 	v->stage = count > 0 ? SOLUTION_SURFACES : SOLUTION_DONE;
-	enum status s = make_arrays(v, err);
+	enum status s = v->imported ? imported_check(&plan->imported, &v->factors->elements, err) : STATUS_OK;
+	if (s == STATUS_OK)
+		s = make_arrays(v, err);
 	if (s == STATUS_OK && count > 0)
 		s = buffer_init(&v->buffers.surfaces, v->device, count * sizeof *v->made_of, BUFFER_DEVICE, err);
 	if (s == STATUS_OK && count > 0)

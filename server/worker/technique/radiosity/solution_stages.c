@@ -4,6 +4,7 @@
 
 #include "server/base/angle.h"
 #include "server/worker/technique/radiosity/corners.h"
+#include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/light.h"
 #include "server/worker/technique/radiosity/row_maker.h"
 #include "server/worker/technique/radiosity/solution_parts.h"
@@ -25,11 +26,20 @@ void solution_finish_making(struct solution *v)
 	v->light = NULL;
 	v->surfaces = NULL;
 	v->scene = NULL;
+	v->imported = NULL;
 }
 
 static bool has_background(const struct solution *v)
 {
 	return v->options.background[0] > 0 || v->options.background[1] > 0 || v->options.background[2] > 0;
+}
+
+static enum status do_import(struct solution *v, uint32_t budget_us, struct error *err)
+{
+	const enum status s = imported_take(v, v->imported, &v->taken_next, budget_us, err);
+	if (s == STATUS_OK && v->taken_next == v->factors->elements.count)
+		v->stage = SOLUTION_CORNERS;
+	return s;
 }
 
 bool solution_is_lit(const struct solution *v, uint32_t element)
@@ -48,7 +58,7 @@ static enum status do_surfaces(struct solution *v, uint32_t budget_us, struct er
 	s = buffer_read(&v->buffers.surfaces, v->device, 0, v->factors->elements.count * sizeof *v->made_of, v->made_of,
 			err);
 	if (s == STATUS_OK)
-		v->stage = SOLUTION_LIGHT;
+		v->stage = v->taken ? SOLUTION_IMPORT : SOLUTION_LIGHT;
 	return s;
 }
 
@@ -170,6 +180,8 @@ enum status solution_work(struct solution *v, uint32_t budget_us, struct error *
 	switch (v->stage) {
 	case SOLUTION_SURFACES:
 		return do_surfaces(v, budget_us, err);
+	case SOLUTION_IMPORT:
+		return do_import(v, budget_us, err);
 	case SOLUTION_LIGHT:
 		return do_light(v, budget_us, err);
 	case SOLUTION_FACTORS:
