@@ -41,17 +41,25 @@ struct imported_element {
 	X(uchar, "side", side) \
 	X(uint, "material", material) \
 	X(float, "area", area) \
-	PATCH_COLOUR(X, "b", b) \
-	PATCH_COLOUR(X, "m", m) \
-	PATCH_COLOUR(X, "d", d) \
-	PATCH_COLOUR(X, "rho", rho) \
+	X(float, "b_r", b[0]) \
+	X(float, "b_g", b[1]) \
+	X(float, "b_b", b[2]) \
+	X(float, "m_r", m[0]) \
+	X(float, "m_g", m[1]) \
+	X(float, "m_b", m[2]) \
+	X(float, "d_r", d[0]) \
+	X(float, "d_g", d[1]) \
+	X(float, "d_b", d[2]) \
+	X(float, "rho_r", rho[0]) \
+	X(float, "rho_g", rho[1]) \
+	X(float, "rho_b", rho[2]) \
 	X(uchar, "straight", straight) \
 	X(uchar, "reached", reached) \
 	X(float, "escaped", escaped) \
 	X(float, "cut", cut) \
-	PATCH_COLOUR(X, "h", h)
-#define PATCH_COLOUR(X, name, member) \
-	X(float, name "_r", member[0]) X(float, name "_g", member[1]) X(float, name "_b", member[2])
+	X(float, "h_r", h[0]) \
+	X(float, "h_g", h[1]) \
+	X(float, "h_b", h[2])
 
 // The list that its corners are: the types of its length and its items, and its name. And what a vertex has.
 #define PATCH_LIST_LENGTH "uchar"
