@@ -47,6 +47,7 @@
 #define LIMIT_MAP_LIGHTS 16u // lights of a scene that have shadow maps, the strongest; the others' shadows are by rays
 #define LIMIT_VCT_BOUNCES 8u // vct.bounces
 #define LIMIT_VCT_CONES 32u // vct.cones
+#define LIMIT_VCT_RAYS 256u // vct.rays
 #define LIMIT_RADIANCE 1e12 // of a component of a background or an emission, W/(m² sr)
 #define LIMIT_INTENSITY 1e20 // of a component of a light, W/sr; of a directional one, W/m²
 #define LIMIT_COORDINATE 1e12 // of a camera's position, metres

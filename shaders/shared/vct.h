@@ -46,11 +46,13 @@ struct vct_params {
 	uint emission; // 1: the pyramid contains the emission of surfaces
 	float sky_turn; // environment map, as in struct scene_params
 	float sky_scale;
+	uint rays; // of each side of an entry, in the bounce from surface to surface by rays
+	uint unused[3];
 	float cone[VCT_CONES_MAX][4]; // direction in a frame whose z is the normal; weight: share of the cosine's integral
 	float tangent[VCT_CONES_MAX][4]; // x: tangent of the half aperture
 	float gather[VCT_GATHER_CONES][4]; // direction; tangent of the half aperture. All have the same weight
 };
-LAYOUT_ASSERT(vct_params, 96 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
+LAYOUT_ASSERT(vct_params, 112 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
 #define UNIFORM_VCT_PARAMS 1 // uniform block binding
 
 // Storage blocks of floats, four for each side of an entry, the front (counter-clockwise) first: irradiance, W/m², and the
@@ -79,9 +81,23 @@ LAYOUT_ASSERT(vct_params, 96 + 32 * VCT_CONES_MAX + 16 * VCT_GATHER_CONES)
 #define VCT_FACETS_UNIT 6
 #define VCT_IRRADIANCE_IMAGE 3
 #define VCT_FACETS_IMAGE 4
+// With rays: what they find where they land, as texel buffers: the voxels' own blocks and BIND_VCT_TOTAL, or a copy of it, a
+// side's four floats a texel. Of an environment's picture also the table of its rows.
+#define VCT_WORDS_UNIT 1 // uint, two a word of the grid
+#define VCT_ALBEDO_UNIT 2
+#define VCT_SENT_UNIT 3
+#define VCT_EMISSION_UNIT 8
+#define VCT_PLACE_UNIT 11
+#define VCT_SKY_ROWS_UNIT 12 // uint, two a row
+#define VCT_NEARNESS_UNIT \
+	7 // texture, where no shares are read, and the image that it is written as: how near other surfaces are
+#define VCT_NEARNESS_IMAGE 5
+// Rays of a pixel are shared: in a block of so many by so many pixels that trace, each has its own part of one set.
+#define VCT_SHARE_SIDE 4
 
 #define VCT_GROUP 64 // invocations
 #define VCT_RANGE 8 // uniform location, uvec2: first item of the dispatch, number of items
 #define VCT_LEVEL 9 // uniform location, uint: the level being built
+#define VCT_PIXEL_RAYS 10 // uniform location, uvec3: a pixel's first ray of this pass, the first that is not, and all
 
 #endif

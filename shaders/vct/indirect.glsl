@@ -29,16 +29,28 @@ vec3 mirror_direction(bsdf b)
 	return above < 0.0 ? w - 2.0 * above * b.geometric : w;
 }
 
+// Incoming radiance for the facets, by a cone about the mirror direction.
+vec3 facets_from(cone_origin o, bsdf b)
+{
+	// Half of what GGX's normals reflect lies where the half vector's angle is below atan α (Walter et al. 2007). A
+	// cone sharper than 1° would only show single cells.
+	if (EFFECT_GLOSSY && max(b.gloss.f0, b.gloss.f90) != vec3(0.0))
+		return cone_radiance(o, mirror_direction(b), clamp(b.gloss.alpha, 0.0087, 1.0));
+	return vec3(0.0);
+}
+
+vec3 indirect_facets(surface s, bsdf b, uvec2 pixel)
+{
+	return facets_from(cone_from(s.position, s.geometric, pixel_shift(pixel)), b);
+}
+
 indirect indirect_at(surface s, bsdf b, uvec2 pixel)
 {
 	cone_origin o = cone_from(s.position, s.geometric, pixel_shift(pixel));
 	indirect r = indirect(vec3(0.0), vec3(0.0));
 	if (max(b.diffuse, vec3(0.0)) != vec3(0.0))
 		r.irradiance = cone_irradiance(o, b.x, b.y, b.normal);
-	// Half of what GGX's normals reflect lies where the half vector's angle is below atan α (Walter et al. 2007). A
-	// cone sharper than 1° would only show single cells.
-	if (EFFECT_GLOSSY && max(b.gloss.f0, b.gloss.f90) != vec3(0.0))
-		r.facets = cone_radiance(o, mirror_direction(b), clamp(b.gloss.alpha, 0.0087, 1.0));
+	r.facets = facets_from(o, b);
 	return r;
 }
 

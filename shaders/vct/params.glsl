@@ -10,6 +10,7 @@ layout(std140, binding = UNIFORM_VCT_PARAMS) uniform VctParams {
 	vec4 vct_background_scale;
 	vct_marching vct_march;
 	uvec4 vct_cones_emission;     // x: number of cones; y: emission; z, w: bits of sky_turn and sky_scale
+	uvec4 vct_rays;               // x: rays of each side of an entry
 	vec4 vct_cone[VCT_CONES_MAX];
 	vec4 vct_tangent[VCT_CONES_MAX];
 	vec4 vct_gather[VCT_GATHER_CONES];

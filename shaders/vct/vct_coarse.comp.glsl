@@ -1,5 +1,5 @@
-// Indirect light at half resolution (every second pixel of every second row). Its tiles are those of the half picture, counted
-// from the band's first one, because an idle lane costs as much as a busy one.
+// Indirect light at half resolution (every second pixel of every second row), by cones. Its tiles are those of the half picture,
+// because an idle lane costs as much as a busy one.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,11 +11,8 @@ layout(binding = VCT_FACETS_IMAGE, rgba32ui) uniform writeonly uimage2D facets_i
 
 void main()
 {
-	uvec2 sides = half_sides();
-	uint columns = (turn.w + TILE_SIDE - 1u) / TILE_SIDE;
-	uint tile = area.z + gl_WorkGroupID.x - area.x / TILE_SIDE * columns;   // within the band
-	uvec2 texel = tile_pixel(tile, (sides.x + TILE_SIDE - 1u) / TILE_SIDE);
-	if (gl_WorkGroupID.x >= area.w || texel.x >= sides.x || texel.y >= sides.y)
+	uvec2 texel;
+	if (!half_mine(texel))
 		return;
 	uvec2 pixel = half_pixel(texel);
 	visible_point v;

@@ -1,56 +1,73 @@
 // Interpolates indirect light from half to full resolution: a pixel takes that of the four nearest pixels that have it, as
 // far as they lie on the same surface. Weights are bilinear, reduced for a different normal or plane (Kopf et al. 2007,
-// "Joint bilateral upsampling"). A pixel without such neighbours traces its own cones.
+// "Joint bilateral upsampling"). A pixel without such neighbours traces its own cones, or rays.
 #version 450 core
 #extension GL_GOOGLE_include_directive : require
 
 #include "vct/half.glsl"
 #include "vct/glass.glsl"
+#ifdef VCT_RAYS
+#include "vct/shared_rays.glsl"
+#endif
 
 layout(local_size_x = TILE_PIXELS) in;
 layout(binding = VCT_IRRADIANCE_UNIT) uniform sampler2D irradiance_texture;
 layout(binding = VCT_FACETS_UNIT) uniform usampler2D facets_texture;
 
-const float PLANE_PART = 0.02;    // tolerated distance off the plane, as a share of the distance between the two points
 const float LEAST_WEIGHT = 0.05;
+const uint OWN_RAYS = 64u;   // most rays of a pixel without neighbours: it traces them all in one pass
 
-// The weight, 0…1, of a neighbour's light for this surface.
-float kinship(surface s, vec3 normal, float breadth, uvec2 texel, vec4 irradiance, uvec4 facets)
+// Adds a texel's light to r, by its weight.
+void blend_in(surface s, vec3 normal, float breadth, ivec2 at, float part, inout indirect r, inout float sum)
 {
-	visible_point v = visible_ray(half_pixel(texel));
-	vec3 apart = v.origin + irradiance.a * v.direction - s.position;
-	float off = abs(dot(apart, s.geometric)) / (0.25 * breadth + PLANE_PART * length(apart));
-	float turned = max(dot(normal, octahedral_unpack(facets.a)), 0.0);
-	turned *= turned;
-	turned *= turned;
-	turned *= turned;
-	return irradiance.a > 0.0 ? turned * turned * max(1.0 - off, 0.0) : 0.0;
+	uvec2 texel = uvec2(clamp(at, ivec2(0), ivec2(half_sides()) - 1));
+	vec4 irradiance = texelFetch(irradiance_texture, ivec2(texel), 0);
+	uvec4 facets = texelFetch(facets_texture, ivec2(texel), 0);
+	vec3 apart = half_apart(s.position, texel, irradiance.a);
+	float w = part * half_kinship(apart, s.geometric, normal, breadth, irradiance, facets);
+	r.irradiance += w * irradiance.rgb;
+	r.facets += w * uintBitsToFloat(facets.rgb);
+	sum += w;
 }
 
+// False if there is no light of the same surface nearby.
 bool blend(surface s, bsdf b, visible_point v, uvec2 pixel, out indirect r)
 {
-	vec2 at = vec2(pixel - uvec2(0u, area.x)) * 0.5;
-	uvec2 base = uvec2(at);
+	vec2 at = vec2(pixel - uvec2(0u, area.x)) / float(VCT_EVERY);
+	ivec2 base = ivec2(at);
 	vec2 f = at - vec2(base);
-	// The size of a pixel at the surface, in metres.
-	float breadth = job.orthographic > 0.0 ? 1.0 : v.t;
-	breadth *= 2.0 * length(to_vec3(job.up)) / float(job.height);
+	float breadth = half_breadth(v.t);
 	r = indirect(vec3(0.0), vec3(0.0));
 	float sum = 0.0;
-	for (uint k = 0u; k < 4u; k++) {
-		uvec2 step = uvec2(k & 1u, k >> 1);
-		uvec2 texel = min(base + step, half_sides() - 1u);
+	for (int k = 0; k < 4; k++) {
+		ivec2 step = ivec2(k & 1, k >> 1);
 		vec2 part = mix(1.0 - f, f, bvec2(step));
-		vec4 irradiance = texelFetch(irradiance_texture, ivec2(texel), 0);
-		uvec4 facets = texelFetch(facets_texture, ivec2(texel), 0);
-		float w = part.x * part.y * kinship(s, b.normal, breadth, texel, irradiance, facets);
-		r.irradiance += w * irradiance.rgb;
-		r.facets += w * uintBitsToFloat(facets.rgb);
-		sum += w;
+		blend_in(s, b.normal, breadth, base + step, part.x * part.y, r, sum);
 	}
+#ifdef VCT_RAYS
+	// A pixel's own rays are few. At edges, those of a place a little farther off say more.
+	for (int k = 0; k < 16 && sum < LEAST_WEIGHT; k++)
+		blend_in(s, b.normal, breadth, base + ivec2(k & 3, k >> 2) - 1, 1.0, r, sum);
+#endif
 	r.irradiance /= max(sum, 1e-6);
 	r.facets /= max(sum, 1e-6);
 	return sum > LEAST_WEIGHT;
+}
+
+// Adds to the pixel what its surface reflects, by light of its own unless it has been blended.
+void add_light(surface s, bsdf b, uvec2 pixel, bool blended, indirect r)
+{
+#ifdef VCT_RAYS
+	uint all = min(pixel_rays.z, OWN_RAYS);
+	float nearness = 0.0;
+	if (!blended)
+		r = indirect(shared_irradiance(s, b, pixel, uvec3(0u, all, all), nearness), indirect_facets(s, b, pixel));
+	pixel_add_traced(pixel, indirect_radiance(b, r), rays_traced, trace_cut);
+#else
+	if (!blended)
+		r = indirect_at(s, b, pixel);
+	pixel_add(pixel, indirect_radiance(b, r));
+#endif
 }
 
 void main()
@@ -64,8 +81,7 @@ void main()
 		return;
 	bsdf b = bsdf_make(s, v.direction);
 	indirect r;
-	if (!blend(s, b, v, pixel, r))
-		r = indirect_at(s, b, pixel);
-	pixel_add(pixel, indirect_radiance(b, r));
+	bool blended = blend(s, b, v, pixel, r);
+	add_light(s, b, pixel, blended, r);
 	pixel_add_glass(pixel, s, v);
 }

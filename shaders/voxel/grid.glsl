@@ -13,11 +13,7 @@
 #define SCENE_WITHOUT_GGX
 #include "common/surface.glsl"
 #include "shared/voxel.h"
-
-layout(std140, binding = UNIFORM_VOXEL_GRID) uniform VoxelGrid {
-	vec4 grid_low_side;
-	uvec4 grid_sides_entries;
-};
+#include "voxel/grid_block.glsl"
 
 SCENE_BUFFER(BIND_VOXEL_ITEMS) readonly buffer VoxelItems {
 	voxel_item items[];

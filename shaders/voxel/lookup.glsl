@@ -4,12 +4,9 @@
 #define VOXEL_LOOKUP_GLSL
 
 #include "shared/voxel.h"
+#include "voxel/grid_block.glsl"
 #include "voxel/octahedral.glsl"
 
-layout(std140, binding = UNIFORM_VOXEL_GRID) uniform VoxelGrid {
-	vec4 grid_low_side;
-	uvec4 grid_sides_entries;
-};
 layout(std430, binding = BIND_VOXEL_WORDS) readonly buffer VoxelWords {
 	uvec2 voxel_words[];
 };

@@ -171,7 +171,7 @@ enum status display_init(struct display *d, struct devices *devices, struct resi
 	if (s == STATUS_OK && plan_has_sky(plan))
 		s = sky_map_get(plan->environment.scene, device, &d->sky, err);
 	if (s == STATUS_OK && plan_has_sky(plan) && options->gather > 0)
-		s = display_sky_get(plan->environment.scene, device, &d->sky_table, err);
+		s = sky_table_get(plan->environment.scene, device, &d->sky_table, err);
 	if (s == STATUS_OK && options->gather > 0)
 		s = add_light(d, devices, scene, plan, err);
 	if (s != STATUS_OK) {

@@ -11,9 +11,9 @@
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_DISPLAY_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_DISPLAY_H
 
+#include "server/worker/technique/common/sky_table.h"
 #include "server/worker/technique/direct/lighting.h"
 #include "server/worker/technique/radiosity/display_field.h"
-#include "server/worker/technique/radiosity/display_sky.h"
 
 #define DISPLAY_VIEWS 6u
 #define DISPLAY_GATHER_PASSES 4u // a gather's, at most: some drivers end the loops of a pixel that has too many rays at once
@@ -45,7 +45,7 @@ struct display {
 	struct gl_texels views[DISPLAY_VIEWS]; // the scene's buffers as texels
 	struct display_field none; // bound while the field is empty, so that programs are compiled for what comes
 	const struct sky_map *sky; // NULL: there is no environment
-	const struct display_sky *sky_table; // with a gather; NULL likewise
+	const struct sky_table *sky_table; // with a gather; NULL likewise
 	struct lighting lighting; // with a gather
 	struct display_rays rays[DISPLAY_GATHER_PASSES];
 	struct deferred_pass passes[DEFERRED_PASSES_MAX];

@@ -14,13 +14,11 @@
 #include "server/worker/technique/vct/vct_cones.h"
 #include "server/worker/technique/vct/vct_figures.h"
 #include "server/worker/technique/vct/vct_options.h"
+#include "server/worker/technique/vct/vct_picture.h"
 #include "server/worker/technique/vct/vct_show.h"
 #include "server/worker/technique/vct/vct_volume.h"
 #include "server/worker/trace/trace.h"
-#include "shaders/gl/vct_coarse_comp.h"
-#include "shaders/gl/vct_cones_comp.h"
 #include "shaders/gl/vct_direct_comp.h"
-#include "shaders/gl/vct_fine_comp.h"
 #include "shaders/shared/vct_show.h"
 
 #define BUILD_SHARE 0.5 // share of the job's work that making the volume counts for
@@ -35,13 +33,10 @@ struct technique_job {
 	void (*bind_lamps)(void *user,
 			   const struct deferred_area *area); // the light pass's own, where shadows come from the volume
 	void *lamps; // its user
-	struct gl_texture irradiance, facets; // with VCT_DETAIL_HALF: shaders/vct/half.glsl
+	struct vct_picture picture; // its passes over the volume
 };
 
-static const struct gl_source coarse_source = {.name = "vct_coarse", .compute = source_vct_coarse_comp};
 static const struct gl_source direct_source = {.name = "vct_direct", .compute = source_vct_direct_comp};
-static const struct gl_source fine_source = {.name = "vct_fine", .compute = source_vct_fine_comp};
-static const struct gl_source cones_source = {.name = "vct_cones", .compute = source_vct_cones_comp};
 
 // Finer voxels get more cones by default, because refining one alone leaves the error of the other.
 static uint32_t cones_of(const struct plan *plan)
@@ -72,6 +67,19 @@ static struct lighting_wish wish_of(const struct plan *plan, const struct reside
 	return lighting_wish_of(&s->direct, maps, !lamps_in_volume(plan, scene));
 }
 
+// Rays of each side of an entry. A pixel's ray takes the mean over many entries, so they need fewer than pixels.
+static uint32_t voxel_rays(uint32_t rays)
+{
+	return rays / 4 > 4 ? rays / 4 : 4;
+}
+
+// Whether anything but the diffuse light of pixels and entries, which rays find, comes from the pyramid.
+static bool marches(const struct plan *plan)
+{
+	return plan_has(plan, candil_Effect_EFFECT_GLOSSY) || plan_has(plan, candil_Effect_EFFECT_GLASS) ||
+	       vct_shadows_in_volume(vct_settings(plan)->shadows) || vct_settings(plan)->show != VCT_SHOW_NONE;
+}
+
 static void options_of(const struct plan *plan, const struct resident_scene *scene, struct vct_volume_options *o)
 {
 	const struct vct_settings *s = vct_settings(plan);
@@ -90,6 +98,8 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->own = s->own;
 	o->lambert = s->lambert;
 	o->volume_shadows = s->shadows;
+	o->rays = s->gather == VCT_GATHER_BY_RAYS ? voxel_rays(s->rays) : 0;
+	o->unmarched = o->rays > 0 && !marches(plan);
 	o->marching = s->marching;
 	if (!(s->marching.ambient > 0))
 		o->marching.falloff = 0;
@@ -113,34 +123,6 @@ static bool vct_needs_volume(const struct plan *plan, const struct resident_scen
 	       vct_shadows_in_volume(vct_settings(plan)->shadows) || vct_settings(plan)->marching.ambient > 0;
 }
 
-static void bind_volume(void *user, const struct deferred_area *area)
-{
-	(void)area;
-	const struct technique_job *j = user;
-	vct_volume_bind(j->volume);
-	if (!j->irradiance.name)
-		return;
-	gl_texture_bind(&j->irradiance, VCT_IRRADIANCE_UNIT);
-	gl_texture_bind(&j->facets, VCT_FACETS_UNIT);
-	gl_texture_bind_image(&j->irradiance, VCT_IRRADIANCE_IMAGE, 0, GL_WRITE_ONLY);
-	gl_texture_bind_image(&j->facets, VCT_FACETS_IMAGE, 0, GL_WRITE_ONLY);
-}
-
-// Append the passes for light between surfaces behind `count` others; returns the new number.
-static uint32_t cone_passes(struct technique_job *j, const struct plan *plan, struct deferred_pass *passes, uint32_t count)
-{
-	struct deferred_pass pass = {.stage = "cones", .bind = bind_volume, .user = j};
-	vct_define(&pass.defines, &j->volume->options);
-	passes[count] = pass;
-	passes[count].source = vct_settings(plan)->detail == VCT_DETAIL_HALF ? &coarse_source : &cones_source;
-	if (vct_settings(plan)->detail == VCT_DETAIL_FULL)
-		return count + 1;
-	passes[count].halved = true;
-	passes[count + 1] = pass;
-	passes[count + 1].source = &fine_source;
-	return count + 2;
-}
-
 static void bind_light(void *user, const struct deferred_area *area)
 {
 	const struct technique_job *j = user;
@@ -159,27 +141,6 @@ static void take_shadows(struct technique_job *j, struct deferred_pass *pass)
 	vct_define(&pass->defines, &j->volume->options);
 }
 
-static struct gl_texture_desc half_desc(const struct gl_device *gl, const struct plan *plan)
-{
-	return (struct gl_texture_desc){.target = GL_TEXTURE_2D,
-					.format = GL_RGBA32F,
-					.width = (plan->width + 1) / 2,
-					.height = (deferred_band_rows(gl, plan, vct_settings(plan)->direct.rows) + 1) / 2,
-					.depth = 1,
-					.levels = 1};
-}
-
-static enum status make_half(struct technique_job *j, const struct plan *plan, struct error *err)
-{
-	const struct gl_texture_desc desc = half_desc(j->device, plan);
-	struct gl_texture_desc words = desc;
-	words.format = GL_RGBA32UI;
-	if (vct_settings(plan)->detail == VCT_DETAIL_FULL)
-		return STATUS_OK;
-	enum status s = gl_texture_init(&j->irradiance, j->device, &desc, err);
-	return s == STATUS_OK ? gl_texture_init(&j->facets, j->device, &words, err) : s;
-}
-
 static uint64_t vct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
 {
 	struct vct_volume_options options;
@@ -190,7 +151,7 @@ static uint64_t vct_bytes(const struct devices *devices, const struct resident_s
 	const struct lighting_wish wish = wish_of(plan, scene);
 	bytes += lighting_bytes(devices, scene, plan, &wish);
 	if (vct_needs_volume(plan, scene))
-		bytes += vct_volume_bytes_guess(scene, &options);
+		bytes += vct_volume_bytes_guess(scene, &options) + vct_picture_bytes(devices->gl, plan);
 	return bytes;
 }
 
@@ -214,8 +175,7 @@ static void vct_end(struct technique_job *job)
 	if (!job)
 		return;
 	deferred_destroy(job->deferred);
-	gl_texture_finish(&job->irradiance, job->device);
-	gl_texture_finish(&job->facets, job->device);
+	vct_picture_finish(&job->picture);
 	lighting_finish(&job->lighting);
 	vct_volume_release(job->volume);
 	vct_show_destroy(job->show);
@@ -245,12 +205,12 @@ static enum status make_passes(struct technique_job *j, struct devices *devices,
 		return STATUS_OK;
 	s = vct_volume_acquire(j->scene, j->device, plan, &options, &j->volume, err);
 	if (s == STATUS_OK)
-		s = make_half(j, plan, err);
+		s = vct_picture_init(&j->picture, j->device, plan, j->volume, err);
 	if (s != STATUS_OK)
 		return s;
 	if (vct_shadows_in_volume(vct_settings(plan)->shadows))
 		take_shadows(j, &passes[0]);
-	*count = cone_passes(j, plan, passes, *count);
+	*count = vct_picture_passes(&j->picture, plan, passes, *count);
 	return STATUS_OK;
 }
 

@@ -9,6 +9,7 @@
 #include "server/worker/gl/settle.h"
 #include "server/worker/image/frame.h"
 #include "server/worker/technique/vct/vct_cones.h"
+#include "shaders/gl/vct_bounce_comp.h"
 #include "shaders/gl/vct_cells_comp.h"
 #include "shaders/gl/vct_gather_comp.h"
 #include "shaders/gl/vct_inject_comp.h"
@@ -25,6 +26,7 @@ static const struct gl_source cells_source = {.name = "vct_cells", .compute = so
 static const struct gl_source light_source = {.name = "vct_light", .compute = source_vct_light_comp};
 static const struct gl_source inject_source = {.name = "vct_inject", .compute = source_vct_inject_comp};
 static const struct gl_source level_source = {.name = "vct_level", .compute = source_vct_level_comp};
+static const struct gl_source bounce_source = {.name = "vct_bounce", .compute = source_vct_bounce_comp};
 static const struct gl_source gather_source = {.name = "vct_gather", .compute = source_vct_gather_comp};
 
 // ---- the pyramid's shape ------------------------------------------------------------------------------------------------
@@ -82,6 +84,7 @@ static void fill_params(struct vct_volume *v)
 	p->cell = grid->side * (grid->sides[0] > 1 ? 2.0f : 1.0f);
 	p->scale = 1;
 	p->cones = o->cones;
+	p->rays = o->rays;
 	p->marching = o->marching;
 	if (!(o->marching.reach > 0))
 		p->marching.reach = INFINITY;
@@ -103,10 +106,11 @@ enum status vct_build_begin(struct vct_volume *v, const struct plan *plan, struc
 	const struct gl_texture_desc desc = pyramid_desc(&v->voxels->grid, v->options.pyramid);
 	fill_params(v);
 	enum status s = gl_buffer_init(&v->params_block, v->device, sizeof v->params, &v->params, err);
-	if (s == STATUS_OK)
+	if (s == STATUS_OK && !v->options.unmarched) {
 		s = gl_texture_init(&v->pyramid, v->device, &desc, err);
-	if (s == STATUS_OK)
-		gl_texture_linear(&v->pyramid, false);
+		if (s == STATUS_OK)
+			gl_texture_linear(&v->pyramid, false);
+	}
 	if (s == STATUS_OK && v->options.volume_shadows == VCT_SHADOWS_VOLUME) {
 		struct gl_texture_desc finest = pyramid_desc(&v->voxels->grid, false);
 		finest.levels = 1;
@@ -131,11 +135,11 @@ static const struct gl_source *source_of(const struct vct_volume *v, enum vct_st
 	case VCT_SHARE:
 		return v->shares.name ? &inject_source : NULL;
 	case VCT_INJECT:
-		return &inject_source;
+		return v->pyramid.name ? &inject_source : NULL;
 	case VCT_LEVELS:
-		return v->params.top > 0 ? &level_source : NULL;
+		return v->pyramid.name && v->params.top > 0 ? &level_source : NULL;
 	case VCT_GATHER:
-		return v->gathers_wanted > 0 ? &gather_source : NULL;
+		return v->gathers_wanted == 0 ? NULL : v->options.rays ? &bounce_source : &gather_source;
 	default:
 		return NULL;
 	}
@@ -147,6 +151,8 @@ static enum status program_of(const struct vct_volume *v, enum vct_stage stage, 
 	struct gl_defines defines = {0};
 	if (stage == VCT_LIGHT)
 		defines = v->light_defines;
+	else if (stage == VCT_GATHER && v->options.rays)
+		defines = v->ray_defines;
 	else if (stage != VCT_LIST)
 		defines = v->cone_defines;
 	if (stage == VCT_SHARE || stage == VCT_INJECT)
@@ -166,23 +172,29 @@ static void bind_images(const struct vct_volume *v, enum vct_stage stage)
 static enum status vct_build_bind(const struct vct_volume *v, enum vct_stage stage, const struct gl_program *program,
 				  struct error *err)
 {
-	if (stage == VCT_LIGHT)
+	const bool traces = stage == VCT_LIGHT || (stage == VCT_GATHER && v->options.rays);
+	if (traces)
 		gl_settle(v->device);
 	gl_program_use(v->device, program);
-	if (stage == VCT_LIGHT) {
+	if (traces) {
 		struct gl_scene *scene;
 		enum status s = gl_scene_get(v->scene, v->device, v->bindings, &scene, err);
 		if (s != STATUS_OK)
 			return s;
 		gl_scene_bind(scene, v->bindings);
 		gl_buffer_bind(&v->job, BIND_JOB);
+	}
+	if (stage == VCT_LIGHT) {
 		if (v->maps)
 			shadow_maps_bind(v->maps);
 		glUniform1f(VCT_LEVEL, v->voxels->grid.side);
 	}
 	voxels_bind(v->voxels);
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
-	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+	if (v->pyramid.name)
+		gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+	if (v->options.rays)
+		vct_landed_bind(&v->landed, v->voxels);
 	gl_buffer_bind(v->cells.name ? &v->cells : &v->voxels->cells, BIND_VCT_CELLS);
 	gl_buffer_bind(&v->direct, BIND_VCT_DIRECT);
 	gl_buffer_bind(&v->total, BIND_VCT_TOTAL);
@@ -311,12 +323,15 @@ static enum status voxelise(struct vct_volume *v, struct gl_timer *timer, uint32
 	s = gl_buffer_init(&v->direct, v->device, bytes, NULL, err);
 	if (s == STATUS_OK)
 		s = gl_buffer_init(&v->total, v->device, bytes, NULL, err);
+	if (s == STATUS_OK && v->options.rays && v->gathers_wanted > 0)
+		s = gl_buffer_init(&v->sent, v->device, bytes, NULL, err);
 	if (s == STATUS_OK && !v->voxels->cells.name)
 		s = gl_buffer_init(&v->cells, v->device, (entries + 3) * sizeof(uint32_t), NULL, err);
 	if (s != STATUS_OK) {
 		// Keep all or none: the call is repeated once others have made room.
 		gl_buffer_finish(&v->direct, v->device);
 		gl_buffer_finish(&v->total, v->device);
+		gl_buffer_finish(&v->sent, v->device);
 		return s;
 	}
 	if (entries == 0)
@@ -364,6 +379,13 @@ static enum status list(struct vct_volume *v, struct gl_timer *timer, uint32_t b
 	return s;
 }
 
+static enum status traversal_cut(struct error *err)
+{
+	return error_set(err, STATUS_TRAVERSAL_CUT,
+			 "one voxel's rays visit more of this scene than the driver lets a loop run: use a GPU or a newer "
+			 "driver, or direct.shadows=none");
+}
+
 // The largest radiance that a surface reflects is at most its irradiance / π.
 static enum status take_scale(struct vct_volume *v, struct error *err)
 {
@@ -376,9 +398,7 @@ static enum status take_scale(struct vct_volume *v, struct error *err)
 	if (s != STATUS_OK)
 		return s;
 	if (tail.cut)
-		return error_set(err, STATUS_TRAVERSAL_CUT,
-				 "one voxel's rays visit more of this scene than the driver lets a loop run: use a GPU or a "
-				 "newer driver, or direct.shadows=none");
+		return traversal_cut(err);
 	float most = tail.most * 0.31831f;
 	if (v->options.emission && v->emission_most > most)
 		most = v->emission_most;
@@ -392,12 +412,39 @@ static enum status take_scale(struct vct_volume *v, struct error *err)
 	return STATUS_OK;
 }
 
+static void enter_pyramid(struct vct_volume *v)
+{
+	enter(v, v->pyramid.name ? VCT_INJECT : VCT_DONE);
+}
+
+// Let entries gather by rays once more, over what they have sent so far; if they have done so often enough, let pixels look
+// up the total.
+static enum status enter_bounce(struct vct_volume *v, struct error *err)
+{
+	const uint64_t bytes = irradiance_bytes(v->voxels->grid.entries);
+	const bool done = v->gathers == v->gathers_wanted;
+	enum status s = vct_landed_view(&v->landed, v->voxels, done ? &v->total : &v->sent, err);
+	if (s != STATUS_OK)
+		return s;
+	if (done) {
+		gl_buffer_finish(&v->sent, v->device);
+		enter_pyramid(v);
+	} else {
+		glCopyNamedBufferSubData(v->total.name, v->sent.name, 0, 0, (GLsizeiptr)bytes);
+		enter(v, VCT_GATHER);
+	}
+	return STATUS_OK;
+}
+
 // Direct irradiance enters the pyramid only after light that only cones bring has been gathered once.
-static void enter_first_pyramid(struct vct_volume *v)
+static enum status enter_first_pyramid(struct vct_volume *v, struct error *err)
 {
 	if (v->gathers_first)
 		glClearNamedBufferData(v->total.name, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+	if (v->options.rays)
+		return enter_bounce(v, err);
 	enter(v, VCT_INJECT);
+	return STATUS_OK;
 }
 
 static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
@@ -415,11 +462,12 @@ static enum status light(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	shadow_maps_release(v->maps);
 	v->maps = NULL;
 	s = take_scale(v, err);
-	if (v->shares.name)
-		enter(v, VCT_SHARE);
-	else
-		enter_first_pyramid(v);
-	return s;
+	if (s != STATUS_OK)
+		return s;
+	if (!v->shares.name)
+		return enter_first_pyramid(v, err);
+	enter(v, VCT_SHARE);
+	return STATUS_OK;
 }
 
 // The stages over the cells of the pyramid's finest level: injection and, where asked for, the shares.
@@ -430,14 +478,13 @@ static enum status inject(struct vct_volume *v, struct gl_timer *timer, uint32_t
 	if (s != STATUS_OK)
 		return s;
 	s = run_items(v, timer, "pyramid", 3ull * v->voxels->cell_count, budget_us, &done, err);
-	if (s == STATUS_OK && done) {
-		if (v->stage == VCT_SHARE)
-			enter_first_pyramid(v);
-		else
-			enter(v, VCT_LEVELS);
-		v->level = 1;
-	}
-	return s;
+	if (s != STATUS_OK || !done)
+		return s;
+	v->level = 1;
+	if (v->stage == VCT_SHARE)
+		return enter_first_pyramid(v, err);
+	enter(v, VCT_LEVELS);
+	return STATUS_OK;
 }
 
 static void after_pyramid(struct vct_volume *v)
@@ -467,6 +514,16 @@ static enum status level(struct vct_volume *v, struct gl_timer *timer, uint32_t 
 	return s;
 }
 
+static enum status after_bounce(struct vct_volume *v, struct error *err)
+{
+	uint32_t cut;
+	const uint64_t bytes = irradiance_bytes(v->voxels->grid.entries);
+	enum status s = gl_buffer_read(&v->direct, v->device, bytes - sizeof cut, sizeof cut, &cut, err);
+	if (s == STATUS_OK && cut)
+		s = traversal_cut(err);
+	return s == STATUS_OK ? enter_bounce(v, err) : s;
+}
+
 static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
 {
 	bool done;
@@ -474,11 +531,13 @@ static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t
 	if (s != STATUS_OK)
 		return s;
 	s = run_items(v, timer, "voxel-gather", 2ull * v->voxels->grid.entries, budget_us, &done, err);
-	if (s == STATUS_OK && done) {
-		v->gathers++;
-		enter(v, VCT_INJECT);
-	}
-	return s;
+	if (s != STATUS_OK || !done)
+		return s;
+	v->gathers++;
+	if (v->options.rays)
+		return after_bounce(v, err);
+	enter(v, VCT_INJECT);
+	return STATUS_OK;
 }
 
 enum status vct_build_piece(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)

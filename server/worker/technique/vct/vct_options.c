@@ -7,6 +7,7 @@
 _Static_assert(sizeof(struct vct_settings) <= PLAN_SETTINGS_BYTES, "the plan has room for them");
 _Static_assert(offsetof(struct vct_settings, direct) == 0, "direct_settings() finds them");
 
+static const char *const gathers[] = {"cones", "rays", NULL};
 static const char *const grids[] = {"fitted", "cube", NULL};
 static const char *const emitter_ways[] = {"points", "cones", NULL};
 static const char *const details[] = {"half", "full", NULL};
@@ -27,6 +28,8 @@ static const struct option_rule rules[] = {
     OPTION_WORD("vct.grid", grids, struct vct_settings, grid),
     OPTION_WHOLE("vct.bounces", 0, LIMIT_VCT_BOUNCES, struct vct_settings, bounces),
     OPTION_WHOLE("vct.cones", 0, LIMIT_VCT_CONES, struct vct_settings, cones),
+    OPTION_WORD("vct.gather", gathers, struct vct_settings, gather),
+    OPTION_WHOLE("vct.rays", 1, LIMIT_VCT_RAYS, struct vct_settings, rays),
     OPTION_WORD("vct.emitters", emitter_ways, struct vct_settings, emitters),
     OPTION_WORD("vct.detail", details, struct vct_settings, detail),
     OPTION_WORD("vct.pyramid", pyramids, struct vct_settings, pyramid),
@@ -56,6 +59,7 @@ void vct_options_default(void *settings)
 	direct_options_default(&s->direct);
 	s->resolution = 128;
 	s->bounces = 2;
+	s->rays = 16;
 	s->shadow_aperture = 10;
 	s->marching.falloff = 1;
 	s->marching.step = 0.5f;

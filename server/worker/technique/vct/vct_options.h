@@ -5,11 +5,15 @@
 #include "server/worker/technique/direct/direct_options.h"
 #include "shaders/shared/vct.h"
 
-// The words of vct.grid, vct.emitters, vct.shadows and vct.detail.
+// The words of vct.gather, vct.grid, vct.emitters, vct.shadows and vct.detail.
 enum vct_grid { VCT_GRID_FITTED, VCT_GRID_CUBE };
 enum vct_emitters { VCT_EMITTERS_POINTS, VCT_EMITTERS_CONES };
 enum vct_shadows { VCT_SHADOWS_RAYS, VCT_SHADOWS_MARCH, VCT_SHADOWS_CONES, VCT_SHADOWS_VOLUME, VCT_SHADOWS_MAP };
-enum vct_detail { VCT_DETAIL_HALF, VCT_DETAIL_FULL }; // cones for every second pixel of every second row, or for all
+enum vct_gather { VCT_GATHER_BY_CONES, VCT_GATHER_BY_RAYS };
+enum vct_detail {
+	VCT_DETAIL_HALF,
+	VCT_DETAIL_FULL
+}; // light of its own for every second pixel of every second row, or for all
 
 // The values of the options.
 struct vct_settings {
@@ -18,6 +22,8 @@ struct vct_settings {
 	uint32_t resolution; // voxels along the scene's longest axis, a power of two
 	uint32_t bounces; // of light between surfaces, 0…
 	uint32_t cones; // the least number of diffuse cones; 0: by the resolution
+	uint32_t gather; // enum vct_gather: how diffuse light is found
+	uint32_t rays; // of a pixel that traces
 	uint32_t grid; // enum vct_grid
 	uint32_t emitters; // enum vct_emitters
 	uint32_t detail; // enum vct_detail

@@ -37,7 +37,7 @@ static void darken(struct plan *plan, struct vct_volume_options *o)
 	plan->effects &= ~(1u << candil_Effect_EFFECT_LIGHTS | 1u << candil_Effect_EFFECT_ENVIRONMENT |
 			   1u << candil_Effect_EFFECT_BOUNCES);
 	o->effects = plan->effects;
-	o->bounces = 0;
+	o->bounces = o->rays = 0;
 	o->volume_shadows = VCT_SHADOWS_RAYS;
 	o->map_side = 0;
 	o->marching.ambient = o->marching.falloff = 0;

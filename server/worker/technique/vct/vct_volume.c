@@ -18,7 +18,9 @@ static void volume_destroy(struct shelved *shelved, bool scene_goes)
 	gl_buffer_finish(&v->cells, v->device);
 	gl_buffer_finish(&v->direct, v->device);
 	gl_buffer_finish(&v->total, v->device);
+	gl_buffer_finish(&v->sent, v->device);
 	gl_buffer_finish(&v->job, v->device);
+	vct_landed_finish(&v->landed);
 	gl_texture_finish(&v->pyramid, v->device);
 	gl_texture_finish(&v->shares, v->device);
 	if (!scene_goes) {
@@ -35,8 +37,8 @@ static bool volume_is_finished(const struct shelved *shelved)
 
 static uint64_t volume_bytes(const struct vct_volume *v)
 {
-	return v->params_block.bytes + v->cells.bytes + v->direct.bytes + v->total.bytes + v->job.bytes + v->pyramid.bytes +
-	       v->shares.bytes;
+	return v->params_block.bytes + v->cells.bytes + v->direct.bytes + v->total.bytes + v->sent.bytes + v->job.bytes +
+	       v->pyramid.bytes + v->shares.bytes;
 }
 
 static bool shares_voxels(const struct shelved *shelved, const struct vct_volume *with)
@@ -89,6 +91,10 @@ void vct_define(struct gl_defines *d, const struct vct_volume_options *o)
 	gl_define(d, "VCT_AMBIENT", "%s", o->marching.ambient > 0 ? "true" : "false");
 	if (o->sky)
 		gl_define(d, "VCT_SKY", "true");
+	if (o->rays) {
+		gl_define(d, "VCT_REFLECTS", "%s", o->bounces > 0 ? "true" : "false");
+		gl_define(d, "VCT_EMITS", "%s", o->emission ? "true" : "false");
+	}
 	gl_define(d, "VCT_WEIGHTED", "%s", o->lambert ? "true" : "false");
 	if (!vct_shadows_in_volume(o->volume_shadows))
 		return;
@@ -119,7 +125,11 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	    ~(1u << candil_Effect_EFFECT_GLOSSY | 1u << candil_Effect_EFFECT_NORMAL_MAPS | 1u << candil_Effect_EFFECT_GLASS);
 	if (v->options.emission)
 		of_light.effects &= ~(1u << candil_Effect_EFFECT_EMITTERS);
+	struct plan of_rays = of_light; // they pass through clear surfaces
+	of_rays.effects |= plan->effects & 1u << candil_Effect_EFFECT_GLASS;
 	v->bindings = scene_bindings_shade(&of_light) | TRACE_BINDINGS;
+	if (v->options.rays)
+		v->bindings |= scene_bindings_shade(&of_rays);
 	v->emission_most = brightest(v->scene);
 	scene_define(&v->light_defines, v->scene, of_light.effects);
 	lighting_define(&v->light_defines, &of_light, v->scene, &wish);
@@ -128,7 +138,10 @@ static enum status prepare_light(struct vct_volume *v, const struct plan *plan, 
 	struct vct_volume_options of_bounces = v->options;
 	of_bounces.marching.ambient = 0;
 	vct_define(&v->cone_defines, &of_bounces);
-	gl_define(&v->cone_defines, "VCT_REFLECTS", "%s", v->options.bounces > 0 ? "true" : "false");
+	if (!v->options.rays)
+		gl_define(&v->cone_defines, "VCT_REFLECTS", "%s", v->options.bounces > 0 ? "true" : "false");
+	scene_define(&v->ray_defines, v->scene, of_rays.effects);
+	vct_define(&v->ray_defines, &of_bounces);
 	scene_params_fill(&of_light, &v->scene->view, false, &job);
 	return gl_buffer_init(&v->job, v->device, sizeof job, &job, err);
 }
@@ -162,6 +175,8 @@ static enum status volume_create(struct resident_scene *scene, struct gl_device 
 	uint64_t compile_us = 0; // not reported here: the picture's lighting uses the same maps, and reports it
 	if (s == STATUS_OK && shadow_maps_wanted(plan, scene, options->map_side))
 		s = shadow_maps_acquire(scene, device, plan, options->map_side, &compile_us, &v->maps, err);
+	if (s == STATUS_OK && options->rays)
+		s = vct_landed_init(&v->landed, device, &v->voxels->grid, err);
 	if (s == STATUS_OK)
 		*out = v;
 	else
@@ -188,10 +203,13 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 	struct shelf *shelf = shelf_of(scene, &kind);
 	enum status s = STATUS_OK;
 	const struct sky_map *sky = NULL;
+	const struct sky_table *table = NULL;
 	if (!shelf)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	if (options->sky)
 		s = sky_map_get(plan->environment.scene, device, &sky, err);
+	if (s == STATUS_OK && options->sky && options->rays)
+		s = sky_table_get(plan->environment.scene, device, &table, err);
 	if (s != STATUS_OK)
 		return s;
 	struct vct_volume *v = volume_find(shelf, scene, options);
@@ -206,6 +224,7 @@ enum status vct_volume_acquire(struct resident_scene *scene, struct gl_device *d
 		shelf_put(shelf, &v->shelved);
 	}
 	v->sky = sky;
+	v->landed.sky = table;
 	shelf_hold(&v->shelved);
 	*volume = v;
 	return STATUS_OK;
@@ -251,11 +270,14 @@ double vct_volume_fraction(const struct vct_volume *v)
 void vct_volume_bind(const struct vct_volume *v)
 {
 	glBindBufferBase(GL_UNIFORM_BUFFER, UNIFORM_VCT_PARAMS, v->params_block.name);
-	gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
+	if (v->pyramid.name)
+		gl_texture_bind(&v->pyramid, VCT_PYRAMID_UNIT);
 	if (v->shares.name)
 		gl_texture_bind(&v->shares, VCT_SHARES_UNIT);
 	if (v->sky)
 		sky_map_bind(v->sky);
+	if (v->options.rays)
+		vct_landed_bind(&v->landed, v->voxels);
 }
 
 uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct vct_volume_options *options)
@@ -263,6 +285,7 @@ uint64_t vct_volume_bytes_guess(const struct resident_scene *scene, const struct
 	struct voxel_grid grid;
 	voxel_grid_make(&scene->view, &options->voxels, &grid);
 	const uint64_t entries = voxel_entries_guess(&scene->view, &grid);
-	return voxels_bytes_guess(scene, &options->voxels) + vct_pyramid_bytes(&grid, options->pyramid) +
-	       2 * entries * VCT_ENTRY_FLOATS * sizeof(float);
+	const uint64_t pyramid = options->unmarched ? 0 : vct_pyramid_bytes(&grid, options->pyramid);
+	return voxels_bytes_guess(scene, &options->voxels) + pyramid +
+	       (options->rays ? 3 : 2) * entries * VCT_ENTRY_FLOATS * sizeof(float);
 }

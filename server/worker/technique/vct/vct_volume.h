@@ -5,7 +5,8 @@
 //
 // The stages, in this order: compile every program that is needed and run it over nothing; voxelise; light every entry, with
 // shadow rays; make the pyramid. Then, for the background's light and for every bounce but the first, gather irradiance by
-// cones from every entry, and make the pyramid again.
+// cones from every entry, and make the pyramid again. By rays it is gathered without a pyramid, which is then made last, if
+// anything reads it.
 //
 //   vct_volume_acquire (vct_volume_step)* vct_volume_bind* vct_volume_release
 #ifndef CANDIL_WORKER_TECHNIQUE_VCT_VOLUME_H
@@ -15,6 +16,7 @@
 #include "server/worker/gl/texture.h"
 #include "server/worker/technique/common/sky_map.h"
 #include "server/worker/technique/direct/shadow_maps.h"
+#include "server/worker/technique/vct/vct_landed.h"
 #include "server/worker/technique/vct/vct_options.h"
 #include "server/worker/technique/voxel/voxels.h"
 #include "shaders/shared/vct.h"
@@ -25,6 +27,8 @@ struct vct_volume_options {
 	uint32_t effects; // of the plan
 	uint32_t bounces; // of light between surfaces; 0: direct light alone
 	uint32_t cones; // diffuse ones: 6, 9, 16 or 32
+	uint32_t rays; // of each side of an entry, in the bounces; 0: cones
+	uint32_t unmarched; // 1: with rays, nobody reads the pyramid, and none is made
 	uint32_t points; // direct.samples: shadow rays from an entry to emissive triangles
 	uint32_t shadows; // 1: lights throw shadows
 	uint32_t map_side; // texels of the shadow maps; 0: none
@@ -49,12 +53,15 @@ struct vct_volume {
 	struct gl_buffer params_block; // struct vct_params
 	struct gl_buffer cells; // BIND_VCT_CELLS, until the voxels have it: occupied cells of the pyramid's finest level
 	struct gl_buffer direct, total; // BIND_VCT_DIRECT, BIND_VCT_TOTAL
+	struct gl_buffer sent; // with rays, while entries gather: what they look up, the total before
+	struct vct_landed landed; // with rays: what they look up
 	struct gl_buffer job; // struct scene_params, for the lights
 	struct gl_texture pyramid;
 	struct gl_texture shares; // with VCT_SHADOWS_VOLUME: VCT_SHARES_UNIT
 	struct shadow_maps *maps; // held until the light stage is over; NULL: none are wanted
 	struct gl_defines light_defines, cone_defines; // of the light stage, and of the gather stage
-	uint32_t bindings; // of the scene, that the light stage reads
+	struct gl_defines ray_defines; // of the gather stage by rays
+	uint32_t bindings; // of the scene, that the light stage reads, and the gather stage by rays
 	float emission_most; // emitted radiance of the brightest surface, W/(m² sr)
 	// Where its making stands.
 	uint32_t stage; // enum vct_stage
