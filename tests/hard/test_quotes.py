@@ -3,6 +3,7 @@ said. Nothing here goes by the clock."""
 import json
 import math
 import os
+import time
 import unittest
 
 import gallery
@@ -80,6 +81,45 @@ class Quotes(unittest.TestCase):
                 self.assertLessEqual(frame["relmse_high"], 0.02)
         self.assertIsNone(rendered("auto", "--spp", "2")["quote"])
         self.assertEqual(rendered("auto", "--spp", "2")["technique"], "pt")
+
+    def test_radiosity_takes_what_is_left_to_be_made(self):
+        """Of few patches less than of many; of a scene that is solved next to nothing, from another camera, too, but not with other lights
+        or rays."""
+        daemon.candil("load", make.cornell(daemon.folder), "--name", "patches")
+
+        def asked(patches, *more):
+            return ["--technique", "radiosity", "--set", f"radiosity.patches={patches}", "--spp", "1", *more]
+
+        def said(*arguments):
+            """Once the worker has told what is left."""
+            answer = ask("patches", *arguments)
+            for _ in range(600):
+                if answer["records"] > 0 and not any("not back" in note for note in answer["notes"]):
+                    return answer
+                time.sleep(0.1)
+                answer = ask("patches", *arguments)
+            self.fail(answer)
+
+        few, many = said(*asked(64)), said(*asked(3000))
+        self.assertLess(few["time_ms"], many["time_ms"])
+        self.assertEqual((few["relmse"], many["relmse"]), (None, None))
+        rendered("patches", *asked(3000))
+        solved = said(*asked(3000))
+        self.assertLess(solved["time_ms"], many["time_ms"] / 2)
+        away = ["--camera", "0.2,1,3,0,1,0,0,1,0,40"]
+        self.assertLess(said(*asked(3000, *away))["time_ms"], many["time_ms"] / 2)
+        for other in (asked(3000, "--set", "radiosity.rays=4096"), asked(3000, "--light", "point:at=0,1,0,intensity=1")):
+            self.assertGreater(said(*other)["time_ms"], 1.5 * solved["time_ms"], other)
+
+    def test_the_error_of_radiosity_is_that_of_its_light_and_patches(self):
+        daemon.candil("load", make.cornell(daemon.folder, radiance=5, name="lit.gltf"), "--name", "lit")
+        asked = ["--technique", "radiosity", "--set", "radiosity.patches=500", "--spp", "1"]
+        said = ask("lit", *asked, "--pilot", "200")
+        self.assertTrue(0 < said["relmse_low"] < said["relmse"] < said["relmse_high"] < 1, said)
+        self.assertIsNone(ask("lit", *asked, "--effects", "auto,-emitters")["relmse"])
+        self.assertIsNone(ask("lit", *asked[:2], "--set", "radiosity.patches=2000", "--spp", "1")["relmse"])
+        # Of its defaults nothing is known, neither what they would take nor how good they would be.
+        self.assertNotEqual(ask("lit", "--time", "300")["technique"], "radiosity")
 
     def test_a_request_that_its_technique_refuses(self):
         path = make.cornell(daemon.folder)

@@ -422,6 +422,7 @@ struct quote_prediction quote_predict(const struct quote_model *m, const struct 
 		const double us = exp(g.mean) * times[part];
 		const double doubt = is_work((enum quote_part)part) ? q->doubt[part - QUOTE_CUT] : 0;
 		out.us += us;
+		out.work_us += is_work((enum quote_part)part) ? us : 0;
 		variance += us * us * (g.variance + doubt * doubt);
 		if (part == QUOTE_SAMPLE)
 			out.nearest[0] = g.nearest;

@@ -110,6 +110,7 @@ struct quote_query {
 
 struct quote_prediction {
 	double us, us_low, us_high; // on an idle device, without cold_us
+	double work_us; // of `us`: the parts of the work that is made once for a scene
 	double cold_us; // 0 unless query->cold
 	struct estimate error; // unknown where errors of other settings and lights tell nothing of it
 	double measured_high; // upper end of what a frame by noise will measure of its own error, likely

@@ -15,6 +15,7 @@
 #include "server/front/session.h"
 #include "server/front/share.h"
 
+#define WORK_TOLD 0.1 // share of the time from which on it is told that so much is made once
 #define QUOTE_PATIENCE_MS 900u // from a quote's arrival, or its scene's, to its answer
 
 // ---- the answer ------------------------------------------------------------------------------------------------------
@@ -60,6 +61,8 @@ static void add_notes(const struct quotes *quotes, const struct quote *quote, co
 			 quotes->known.model->count > 0 ? "other scenes" : "nothing but the size");
 	else if ((quote->budget_us > 0 || untold) && !quote->piloted)
 		add_note(reply, "the pilot is not back yet, so the interval is wide: ask again in a while");
+	if (said->work_us > WORK_TOLD * said->us && !untold)
+		add_note(reply, "%.2g s of it are made once and kept with the scene, for any camera", said->work_us / 1e6);
 	if (said->error.relmse < 0)
 		add_note(reply,
 			 "how wrong it is with these options and this light is not known: --pilot looks, if what it has to "

@@ -261,7 +261,9 @@ static enum status find_wanted(struct trial *t, uint32_t budget_us, struct error
 	for (uint32_t i = 0; i < t->elements.count; i++)
 		wanted += is_wanted(t, i);
 	t->found->wanted = wanted;
-	t->found->doubt = DOUBT_LEAST + DOUBT_ROWS / sqrt(1.0 + t->tried);
+	// More rows would at most find that all are wanted.
+	const double more = wanted > 0 ? log((double)t->elements.count / wanted) / 1.645 : INFINITY;
+	t->found->doubt = DOUBT_LEAST + fmin(DOUBT_ROWS / sqrt(1.0 + t->tried), more);
 	return s;
 }
 
