@@ -15,7 +15,7 @@ import statistics
 import time
 
 import make
-from render import Daemon
+from render import Daemon, Failed
 
 SIZE = "160x160"
 OTHER = "--camera=0.2,0.9,2.6,0,0.9,0,0,1,0,50"
@@ -65,7 +65,13 @@ class Bench:
         self.daemon.candil("load", path, "--name", name)
         options = self.options(case)
         said = self.quote(name, options)
-        self.row(scene, "first picture", case, said, self.render(name, options))
+        try:
+            frame = self.render(name, options)
+        except Failed as failure:
+            print(f"| {scene} | {', '.join(f'{k} {v}' for k, v in case.items())} | first picture | {said['time_ms']:.0f} | none | | "
+                  f"{str(failure).split(':')[1]} | |", flush=True)
+            return
+        self.row(scene, "first picture", case, said, frame)
         said = self.quote(name, [*options, camera])
         self.row(scene, "another camera", case, said, self.render(name, [*options, camera]))
         # A file asks for the same solution, which is there.

@@ -162,20 +162,21 @@ static bool has_work(uint32_t technique)
 	return technique_traits(technique) & TECHNIQUE_PATCHES;
 }
 
-// Does a record that knows a part know it of what was made the same way?
+// Does a record that knows a part tell anything of it? Rows that are made another way cost something else altogether.
 static bool tells(const struct quote_record *r, const struct quote_key *key, enum quote_part part)
 {
 	if (!knows(r, part))
 		return false;
 	if (part == QUOTE_ROWS)
 		return r->key.rows == key->rows;
-	if (part == QUOTE_PIXEL || part == QUOTE_SAMPLE)
-		return r->key.picture == key->picture;
 	return part != QUOTE_ERROR || !has_work(r->technique) || same_light(&r->key, key);
 }
 
+// Pictures that are made another way are as far as those of another scene.
 static enum quote_group group_in(const struct quote_record *r, const struct quote_key *key, enum quote_part part)
 {
+	if ((part == QUOTE_PIXEL || part == QUOTE_SAMPLE) && r->key.picture != key->picture)
+		return QUOTE_OTHERS;
 	if (is_work(part) ? same_light(&r->key, key) : same_view(&r->key, key))
 		return r->pilot ? QUOTE_PILOTS : QUOTE_FRAMES;
 	return r->key.scene == key->scene ? QUOTE_SCENE : QUOTE_OTHERS;

@@ -4,8 +4,8 @@
 // A record holds parts, each of them a logarithm: of a time divided by what it grows with, or of an error. A part of a
 // request is predicted from five groups of records, the nearest first: frames of the same view and settings, pilots of
 // them, anything else of the same scene and technique, other scenes, and a guess that needs none. Work that is made once for
-// a scene knows no view, and what its rows and its pixels cost is heard of records alone that made them the same way. Errors
-// of a technique with such work are those of its settings and of the scene's light: others tell nothing, and the error is
+// a scene knows no view. What its rows cost is heard of records alone that made them the same way, and pictures that were
+// made another way speak as those of other scenes. Errors of a technique with such work are those of its settings and of the scene's light: others tell nothing, and the error is
 // unknown. A group's members are
 // first carried to the size and samples of the request by the drift, which is learned: what a part changes by with each
 // doubling. Of other scenes each speaks once, however many records it has, and so does each view of the same scene. A
