@@ -14,9 +14,17 @@ enum work_part {
 	WORK_PARTS
 };
 
+// How well is known what is left.
+enum work_told {
+	WORK_UNTOLD, // all else is zero
+	WORK_COUNTED, // nothing is there yet
+	WORK_TRIED, // likewise, but some was tried out
+	WORK_KEPT // some or all is there, or the work was done
+};
+
 // Times are microseconds, amounts at least 0.
 struct work {
-	uint32_t told; // 0: nothing is told, and all else is zero
+	uint32_t told; // enum work_told
 	// What a part's cost depends on beside the scene and the device, hashed: of a row, and of a sample of a pixel.
 	uint64_t way_of_rows, way_of_pictures;
 	double picture; // units that a sample of a pixel counts as, above 0

@@ -357,7 +357,8 @@ static void tell_work(const struct ipc_pilot *message, struct work *work)
 	for (pb_size_t i = 0; i < message->render.options_count; i++)
 		if (!strcmp(message->render.options[i].name, "radiosity.patches"))
 			thousands = strtoul(message->render.options[i].value, NULL, 10);
-	*work = (struct work){.told = 1, .way_of_rows = 1, .way_of_pictures = 1, .picture = 1};
+	*work = (struct work){
+	    .told = message->try_us > 0 ? WORK_TRIED : WORK_COUNTED, .way_of_rows = 1, .way_of_pictures = 1, .picture = 1};
 	work->left[WORK_ROWS] = getenv("FAKE_SOLVED") ? 0 : 1000.0 * (double)thousands;
 	work->made[WORK_ROWS] = work->us[WORK_ROWS] = message->try_us > 0 ? 1000 : 0;
 }

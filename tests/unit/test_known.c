@@ -314,7 +314,7 @@ static void a_black_picture_has_no_error_and_says_nothing_of_others(void **state
 // So many rows are left, and so many took 2 µs each.
 static struct work rows(double left, double made)
 {
-	return (struct work){.told = 1,
+	return (struct work){.told = WORK_KEPT,
 			     .way_of_rows = 5,
 			     .way_of_pictures = 6,
 			     .picture = 2,
@@ -366,8 +366,25 @@ static void what_is_left_of_the_work_is_told_by_the_worker(void **state)
 	const struct quote_query q = quote_known_query(&known, &in_hall, RADIOSITY, 4, NULL);
 	const struct quote_prediction p = quote_predict(known.model, &q);
 	assert_true(p.us_high > 10 * p.us && p.us > 5 * picture);
-	known.warm_count = 0; // the worker is another
+	worker.starts++; // it is another
 	assert_true(predicted_us(&room, NULL) > 5 * picture);
+}
+
+static void what_was_tried_is_known_better_than_what_is_counted(void **state)
+{
+	const struct rendered f = of(&room);
+	struct work tried = rows(500000, 1000), counted = rows(300000, 0), none = rows(0, 0);
+	(void)state;
+	tried.told = WORK_TRIED;
+	counted.told = WORK_COUNTED;
+	assert_true(quote_known_told(&known, &f, RADIOSITY, &counted).left[WORK_ROWS] < 300001);
+	assert_true(quote_known_told(&known, &f, RADIOSITY, &tried).left[WORK_ROWS] > 499999);
+	assert_true(quote_known_told(&known, &f, RADIOSITY, &counted).left[WORK_ROWS] > 499999);
+	// Not once it was there, and is gone.
+	assert_true(quote_known_told(&known, &f, RADIOSITY, &none).left[WORK_ROWS] < 1);
+	assert_true(quote_known_told(&known, &f, RADIOSITY, &counted).left[WORK_ROWS] < 300001);
+	worker.starts++;
+	assert_true(quote_known_told(&known, &f, RADIOSITY, &counted).left[WORK_ROWS] < 300001);
 }
 
 static void files_and_pilots_tell_of_rows(void **state)
@@ -451,6 +468,7 @@ int main(void)
 	    TEST(a_black_picture_has_no_error_and_says_nothing_of_others),
 	    TEST(a_job_that_waits_for_a_pilot_is_not_alone),
 	    TEST(what_is_left_of_the_work_is_told_by_the_worker),
+	    TEST(what_was_tried_is_known_better_than_what_is_counted),
 	    TEST(files_and_pilots_tell_of_rows),
 	    TEST(samples_of_pictures_count_as_many_rays),
 	    TEST(a_technique_that_could_not_is_remembered_until_it_can),

@@ -91,7 +91,7 @@ static const struct work anything = {
 // What was told last of such a request's work.
 static const struct work *known_work(const struct quote_known *known, uint64_t what)
 {
-	for (uint32_t i = 0; known->warm_count > 0 && i < QUOTE_WORKS && i < known->work_count; i++)
+	for (uint32_t i = 0; known->works_of == known->worker->starts && i < QUOTE_WORKS && i < known->work_count; i++)
 		if (known->works[i].what == what)
 			return &known->works[i].work;
 	return &anything;
@@ -100,14 +100,27 @@ static const struct work *known_work(const struct quote_known *known, uint64_t w
 static void keep_work(struct quote_known *known, uint64_t what, const struct work *work)
 {
 	uint32_t at = 0;
-	if (!work->told)
+	// What was tried out is known better than what is counted.
+	if (!work->told || (work->told == WORK_COUNTED && known_work(known, what)->told == WORK_TRIED))
 		return;
-	known->work_count = known->warm_count > 0 ? known->work_count : 0;
+	known->work_count = known->works_of == known->worker->starts ? known->work_count : 0;
+	known->works_of = known->worker->starts;
 	while (at < QUOTE_WORKS && at < known->work_count && known->works[at].what != what)
 		at++;
 	if (at == QUOTE_WORKS || at == known->work_count)
 		at = known->work_count++ % QUOTE_WORKS;
 	known->works[at] = (struct quote_work){what, *work};
+}
+
+struct work quote_known_told(struct quote_known *known, const struct rendered *f, candil_Technique technique,
+			     const struct work *work)
+{
+	const struct quote_key key = quote_known_key(known, f, technique);
+	const uint64_t what = warmth_of(f, &key).setup;
+	if (!work->told)
+		return *work;
+	keep_work(known, what, work);
+	return *known_work(known, what);
 }
 
 struct quote_query quote_known_query(const struct quote_known *known, const struct rendered *f, candil_Technique technique,
@@ -353,7 +366,6 @@ void quote_known_pilot(struct quote_known *known, const struct rendered *f, cand
 		 name, technique_name(technique), p->pixels, p->samples, p->cold_us, p->setup_us, p->pixel_us / p->pixels,
 		 p->sample_us / ((double)p->pixels * p->samples), p->error.relmse, p->error.low, p->error.high);
 	set_warm(known, f, technique, &q.key);
-	keep_work(known, warmth_of(f, &q.key).setup, &p->work);
 	quote_learn(known->model, &r, NULL, 0);
 	for (unsigned i = 0; i < sizeof p->bias / sizeof *p->bias; i++)
 		keep_bias(known, &r, &p->bias[i]);

@@ -26,7 +26,8 @@ struct quote_known {
 		uint64_t what; // it is about
 		struct work work;
 	} works[QUOTE_WORKS];
-	uint32_t work_count; // ever; nothing if warm_count is 0
+	uint32_t work_count; // ever
+	uint32_t works_of; // starts of the worker that told them
 	uint64_t lost[QUOTE_LOST];
 	uint32_t lost_count; // ever
 };
@@ -54,6 +55,11 @@ void quote_known_bar(struct quote_known *known, const struct rendered *f, candil
 
 // The techniques, bits 1 << candil_Technique, that could not render the scene of a request when it was looked at last.
 uint32_t quote_known_refused(const struct quote_known *known, const struct rendered *f);
+
+// Remember what a worker told of a technique's work for a request, and tell the best that is known of it by then: of what is
+// counted alone, what was tried out before.
+struct work quote_known_told(struct quote_known *known, const struct rendered *f, candil_Technique technique,
+			     const struct work *work);
 
 // Learn what a pilot of that request says of a technique: one that is refused, that it could not render it, and one without
 // pixels what its work takes alone.

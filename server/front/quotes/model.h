@@ -5,14 +5,14 @@
 // request is predicted from five groups of records, the nearest first: frames of the same view and settings, pilots of
 // them, anything else of the same scene and technique, other scenes, and a guess that needs none. Work that is made once for
 // a scene knows no view. What its rows cost is heard of records alone that made them the same way, and pictures that were
-// made another way speak as those of other scenes. Errors of a technique with such work are those of its settings and of the scene's light: others tell nothing, and the error is
-// unknown. A group's members are
-// first carried to the size and samples of the request by the drift, which is learned: what a part changes by with each
-// doubling. Of other scenes each speaks once, however many records it has, and so does each view of the same scene. A
-// group's mean counts by the inverse of its variance, which is that of its members and that of the group: how far frames
-// have lain from what the group said (Cochran, Problems arising in the analysis of a series of similar experiments, 1937);
-// but one that is further than that from what nearer groups say counts by that distance. Variances and drift are learned
-// from frames, for each device, technique and part: of how far scenes and views are apart from the first frame of each.
+// made another way speak as those of other scenes. Errors of a technique with such work are those of its settings and of the
+// scene's light: others tell nothing, and the error is unknown. A group's members are first carried to the size and samples
+// of the request by the drift, which is learned: what a part changes by with each doubling. Of other scenes each speaks
+// once, however many records it has, and so does each view of the same scene. A group's mean counts by the inverse of its
+// variance, which is that of its members and that of the group: how far frames have lain from what the group said (Cochran,
+// Problems arising in the analysis of a series of similar experiments, 1937); but one that is further than that from what
+// nearer groups say counts by that distance. Variances and drift are learned from frames, for each device, technique and
+// part: of how far scenes and views are apart from the first frame of each.
 //
 // Intervals. The logarithm of a time or an error is taken as normal. 1.645 deviations hold 90 %, times a stretch, which is
 // learned apart by the nearest group that knew something: each frame corrects it by exp(0.2 · 0.9) if what came out lay

@@ -245,7 +245,7 @@ void quotes_piloted(struct quotes *quotes, uint32_t id, const struct ipc_piloted
 	const struct rendered f = quote_frame(quote);
 	for (unsigned t = 0; t < TECHNIQUE_COUNT && piloted->error.code == STATUS_OK; t++) {
 		const struct pilot_result *r = &piloted->results[t];
-		quote->work[t] = r->work;
+		quote->work[t] = quote_known_told(&quotes->known, &f, (candil_Technique)t, &r->work);
 		if ((r->pixels > 0 || r->refused || r->work.told) && technique_traits(t) & TECHNIQUE_RENDERS)
 			quote_known_pilot(&quotes->known, &f, (candil_Technique)t, r);
 	}

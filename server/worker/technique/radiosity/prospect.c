@@ -15,6 +15,7 @@
 #define ENTRIES_DOUBT 0.5 // likewise, of the entries of a row
 #define SOLVE_FIXED 1e6 // entries
 #define COUNT_DOUBT 0.1 // of what is counted
+#define ROW_DOUBT 1.0 // of what a row takes, by one row
 #define MOVED_DOUBT 1.0 // of rows that are taken over where something has moved
 
 // Numbers that do not mean the same by chance: FNV-1a, by words.
@@ -64,7 +65,7 @@ static void set_ways(const struct plan *plan, const struct resident_scene *scene
 	const uint32_t rows[] = {r->way, r->mirrors, r->bounces, r->portals};
 	const uint32_t light[] = {d.light.points, d.light.shadows, d.light.map_side, d.light.dome, d.light.lamps};
 	const uint32_t picture[] = {d.gather > 0, d.plain, d.corners, d.bounces, d.once};
-	w->told = 1;
+	w->told = WORK_KEPT;
 	w->way_of_rows = hash_words(rows, sizeof rows / sizeof *rows);
 	w->way_of_pictures = hash_words(picture, sizeof picture / sizeof *picture);
 	if (d.gather > 0)
@@ -139,6 +140,8 @@ enum status radiosity_foresee(struct devices *devices, struct resident_scene *sc
 	count_all(plan, scene, &options, elements, w);
 	if (there)
 		count_there(there, w);
+	else
+		w->told = WORK_COUNTED;
 	count_imported(plan, w);
 	if (budget_us == 0 || elements <= 0 || imported_solution(plan))
 		return STATUS_OK;
@@ -164,10 +167,11 @@ enum status radiosity_foresee(struct devices *devices, struct resident_scene *sc
 	w->us[WORK_LIGHT] = found.light_us;
 	if (!of.rows)
 		return STATUS_OK;
+	w->told = there ? WORK_KEPT : WORK_TRIED;
 	w->made[WORK_ROWS] = found.rows * units;
 	w->us[WORK_ROWS] = found.rows_us;
 	w->left[WORK_ROWS] = found.wanted * units * (there ? 1 - share_there(there) : 1);
-	w->doubt[WORK_ROWS] = found.doubt;
+	w->doubt[WORK_ROWS] = hypot(found.doubt, ROW_DOUBT / sqrt(fmax(found.rows, 1)));
 	const double entries = found.rows > 0 ? found.entries : row_entries(&options.factors.rows, found.elements);
 	w->left[WORK_SOLVE] = solve_units(found.wanted * entries);
 	w->doubt[WORK_SOLVE] = hypot(found.doubt, found.rows > 0 ? COUNT_DOUBT : ENTRIES_DOUBT);

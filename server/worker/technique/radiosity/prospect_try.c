@@ -13,6 +13,8 @@
 #define LIGHT_SHARE 4u // one part of the budget in so many is for light, and likewise for corners
 #define FIRST_SHARE 4u // one part of what rows have in so many finds out which groups see each other
 #define FIRST_MOST 256u // rows for that
+#define ROWS_LEAST 16u // against the clock, for which the budget is overrun where rows are slow
+#define ROWS_ROOM 3u // by so many times
 #define DOUBT_LEAST 0.1 // of the rows that are wanted
 #define DOUBT_ROWS 1.0 // over the root of the rows that have told which groups see each other
 
@@ -272,6 +274,7 @@ static enum status time_rows(struct trial *t, uint32_t budget_us, struct error *
 {
 	const uint64_t begin = clock_us();
 	const uint64_t before = t->factors.entries;
+	uint64_t spent = 0;
 	enum status s = STATUS_OK;
 	do {
 		const uint32_t n = next_elements(t, row_maker_batch(t->maker, SLICE_US), true);
@@ -283,7 +286,8 @@ static enum status time_rows(struct trial *t, uint32_t budget_us, struct error *
 			s = join_seen(t, n, err); // as a job does
 		t->found->rows += n;
 		t->found->rows_us += (double)(clock_us() - start);
-	} while (s == STATUS_OK && clock_us() - begin < budget_us);
+		spent = clock_us() - begin;
+	} while (s == STATUS_OK && spent < (t->found->rows < ROWS_LEAST ? ROWS_ROOM * (uint64_t)budget_us : budget_us));
 	t->found->entries = t->found->rows > 0 ? (double)(t->factors.entries - before) / t->found->rows : 0;
 	return s;
 }
