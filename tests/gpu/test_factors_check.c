@@ -306,6 +306,49 @@ static void windows_have_the_rows_of_the_matrix(void **state)
 	system_free(&s);
 }
 
+// Every third row, backwards: they are the same to the bit, and no other is there.
+static void rows_are_taken_over_from_another_matrix(void **state)
+{
+	(void)state;
+	model_seed(16);
+	struct factors from, to;
+	struct system s = noisy(150);
+	uint32_t list[50], n = 0;
+	uint64_t entries = 0;
+	system_put(&s, device, 4000, &from);
+	hide(&from);
+	assert_int_equal(factors_init(&to, device, 150, &err), STATUS_OK);
+	to.block_entries = 2000;
+	for (uint32_t i = 150; i-- > 0;)
+		if (i % 3 == 1 && from.rows[i].block != NONE)
+			list[n++] = i;
+	assert_int_equal(factors_take(&to, &from, list, n, &err), STATUS_OK);
+	hide(&to);
+	for (uint32_t i = 0; i < 150; i++) {
+		uint32_t *columns[2];
+		float *values[2];
+		const bool taken = i % 3 == 1 && from.rows[i].block != NONE;
+		assert_true((to.rows[i].block != NONE) == taken);
+		if (!taken)
+			continue;
+		assert_int_equal(factors_read_row(&from, i, &columns[0], &values[0], &err), STATUS_OK);
+		assert_int_equal(factors_read_row(&to, i, &columns[1], &values[1], &err), STATUS_OK);
+		assert_int_equal(to.rows[i].count, from.rows[i].count);
+		assert_true(to.rows[i].escaped == from.rows[i].escaped && to.rows[i].cut == from.rows[i].cut);
+		entries += to.rows[i].count;
+		for (uint32_t k = 0; k < to.rows[i].count; k++)
+			assert_true(columns[0][k] == columns[1][k] && values[0][k] == values[1][k]);
+		for (int k = 0; k < 2; k++) {
+			free(columns[k]);
+			free(values[k]);
+		}
+	}
+	assert_true(to.entries == entries && to.block_count > 1);
+	factors_finish(&from);
+	factors_finish(&to);
+	system_free(&s);
+}
+
 static void memory_that_the_host_does_not_see_is_copied(void **state)
 {
 	(void)state;
@@ -352,6 +395,7 @@ int main(void)
 					   cmocka_unit_test(averaging_makes_it_reciprocal),
 					   cmocka_unit_test(slices_of_some_rows_while_others_come),
 					   cmocka_unit_test(windows_have_the_rows_of_the_matrix),
+					   cmocka_unit_test(rows_are_taken_over_from_another_matrix),
 					   cmocka_unit_test(memory_that_the_host_does_not_see_is_copied)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	devices_finish(&(struct devices){.vk = device});

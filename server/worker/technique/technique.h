@@ -122,13 +122,14 @@ struct technique {
 
 	// ---- a job ----
 
-	// An estimate of the device memory that a job of this plan takes beside its scene, in bytes. Asked before `begin`.
-	uint64_t (*bytes)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
+	// An estimate of the device memory that a job of this plan takes beside its scene, in bytes. Asked before `begin`,
+	// and more than once: what takes long to find out is kept with the scene (resident_derive).
+	uint64_t (*bytes)(const struct devices *devices, struct resident_scene *scene, const struct plan *plan);
 
 	// What to ask for in place of a job that takes more than `budget` bytes: the end of a sentence, in
 	// TECHNIQUE_ADVICE_BYTES. `advice` holds "render smaller" before the call, which may stay. NULL: it stays.
-	void (*advise)(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
-		       uint64_t budget, char *advice);
+	void (*advise)(const struct devices *devices, struct resident_scene *scene, const struct plan *plan, uint64_t budget,
+		       char *advice);
 
 	// Tell in *work what is still to be made once for the scene before a picture of this plan, and what its pictures'
 	// times depend on. With a budget some of it is tried out for about so long, beside compiling: what that took is

@@ -44,15 +44,15 @@ static struct lighting_wish wish_of(const struct plan *plan)
 	return wish;
 }
 
-static uint64_t direct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
+static uint64_t direct_bytes(const struct devices *devices, struct resident_scene *scene, const struct plan *plan)
 {
 	const struct lighting_wish wish = wish_of(plan);
 	return deferred_bytes(devices, plan, wish.rows) + lighting_bytes(devices, scene, plan, &wish);
 }
 
-void direct_advise_map(uint64_t (*bytes)(const struct devices *devices, const struct resident_scene *scene,
+void direct_advise_map(uint64_t (*bytes)(const struct devices *devices, struct resident_scene *scene,
 					 const struct plan *plan),
-		       bool maps, const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+		       bool maps, const struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 		       uint64_t budget, char *advice)
 {
 	struct plan smaller = *plan;
@@ -65,7 +65,7 @@ void direct_advise_map(uint64_t (*bytes)(const struct devices *devices, const st
 		snprintf(advice, TECHNIQUE_ADVICE_BYTES, "direct.map=%u would fit", s->map);
 }
 
-static void direct_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
+static void direct_advise(const struct devices *devices, struct resident_scene *scene, const struct plan *plan,
 			  uint64_t budget, char *advice)
 {
 	const bool maps = shadow_maps_wanted(plan, scene, wish_of(plan).map_side);

@@ -74,7 +74,7 @@ struct technique_job {
 #define PT_TILES_PER_DISPATCH 4096u
 
 // struct technique's `bytes`.
-uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
+uint64_t pt_job_bytes(const struct devices *devices, struct resident_scene *scene, const struct plan *plan);
 
 // struct technique's `begin`.
 enum status pt_job_create(struct devices *devices, struct resident_scene *scene, const struct plan *plan,

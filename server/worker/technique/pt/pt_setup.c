@@ -98,7 +98,7 @@ static uint64_t paths_bytes(const struct plan *plan)
 	return (uint64_t)tiles * TILE_PIXELS * sizeof(struct path_state);
 }
 
-uint64_t pt_job_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
+uint64_t pt_job_bytes(const struct devices *devices, struct resident_scene *scene, const struct plan *plan)
 {
 	uint64_t bytes = sizeof(struct scene_params) + 2 * sizeof(struct pass_counters);
 	bytes += met_bytes(plan->width, plan->height);

@@ -7,7 +7,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/radiosity/element_shape.h"
 
-#define ROWS_AT_ONCE 64u // between two looks at the clock
+#define ROWS_AT_ONCE 256u // that are taken over together, between two looks at the clock
 
 static bool same_elements(const struct elements *a, const struct elements *b)
 {
@@ -46,7 +46,7 @@ bool factor_moves_init(struct factor_moves *m, const struct factor_build *from, 
 		       const struct resident_scene *scene)
 {
 	const struct edited *e = &scene->edited;
-	*m = (struct factor_moves){.from = from};
+	*m = (struct factor_moves){.from = from, .window = {.columns_only = true}};
 	if (b->options.rows.mirrors || !same_elements(&from->elements, &b->elements))
 		return false;
 	m->moved = calloc(b->elements.patches.count + 1, sizeof *m->moved);
@@ -62,6 +62,7 @@ bool factor_moves_init(struct factor_moves *m, const struct factor_build *from, 
 
 void factor_moves_finish(struct factor_moves *m)
 {
+	factors_window_finish(&m->window);
 	free(m->moved);
 	free(m->boxes);
 	*m = (struct factor_moves){0};
@@ -92,41 +93,49 @@ static bool is_apart(const struct factor_moves *m, const struct elements *e, uin
 	return apart;
 }
 
-static enum status take_row(const struct factor_moves *m, struct factor_build *b, uint32_t element, struct error *err)
+// Whether a row is there and is the same here.
+static enum status stays(struct factor_moves *m, const struct factor_build *b, uint32_t element, bool *stay,
+			 struct error *err)
 {
-	const struct factors *from = &m->from->factors;
-	const struct factors_row *row = &from->rows[element];
-	uint32_t *columns;
-	float *values;
-	if (row->block == NONE || !is_apart(m, &b->elements, element))
+	struct row_view row;
+	*stay = m->from->factors.rows[element].block != NONE && b->factors.rows[element].block == NONE &&
+		is_apart(m, &b->elements, element);
+	if (!*stay)
 		return STATUS_OK;
-	enum status s = factors_read_row(from, element, &columns, &values, err);
+	const enum status s = factors_window_row(&m->window, &m->from->factors, element, &row, err);
+	for (uint32_t i = 0; s == STATUS_OK && *stay && i < row.count; i++)
+		*stay = !m->moved[row.columns[i] % b->elements.patches.count];
+	return s;
+}
+
+// Look at the next rows, and take over those that stay.
+static enum status take_some(struct factor_moves *m, struct factor_build *b, struct error *err)
+{
+	uint32_t elements[ROWS_AT_ONCE], count = 0, next = m->next;
+	enum status s = STATUS_OK;
+	for (; s == STATUS_OK && next < b->elements.count && next - m->next < ROWS_AT_ONCE; next++) {
+		bool stay;
+		s = stays(m, b, next, &stay, err);
+		if (s == STATUS_OK && stay)
+			elements[count++] = next;
+	}
+	if (s == STATUS_OK && count > 0)
+		s = factors_take(&b->factors, &m->from->factors, elements, count, err);
 	if (s != STATUS_OK)
 		return s;
-	bool saw = false;
-	for (uint32_t i = 0; i < row->count; i++)
-		saw = saw || m->moved[columns[i] % b->elements.patches.count];
-	if (!saw) {
-		const struct factors_put put = {element, row->escaped, row->cut};
-		s = factors_put_row(&b->factors, &put, columns, values, row->count, err);
-		b->taken += s == STATUS_OK;
-	}
-	free(columns);
-	free(values);
-	return s;
+	b->taken += count;
+	m->next = next;
+	return STATUS_OK;
 }
 
 enum status factor_moves_step(struct factor_moves *m, struct factor_build *b, uint32_t budget_us, bool *done,
 			      struct error *err)
 {
 	const uint64_t start = clock_us();
-	enum status s = STATUS_OK;
-	do {
-		for (uint32_t i = 0; s == STATUS_OK && i < ROWS_AT_ONCE && m->next < b->elements.count; i++) {
-			s = take_row(m, b, m->next, err);
-			m->next += s == STATUS_OK;
-		}
-	} while (s == STATUS_OK && m->next < b->elements.count && clock_us() - start < budget_us);
+	enum status s;
+	do
+		s = take_some(m, b, err);
+	while (s == STATUS_OK && m->next < b->elements.count && clock_us() - start < budget_us);
 	*done = m->next == b->elements.count;
 	return s;
 }

@@ -13,6 +13,7 @@ struct factor_moves {
 	double (*boxes)[2][3]; // around the patches of each node that has moved, at their new places
 	uint32_t box_count;
 	uint32_t next; // row
+	struct factors_window window; // of `from`
 };
 
 // Begin to take rows over from `from` into `build`, whose scene has the edits. False: nothing can be taken over, since the
@@ -21,7 +22,7 @@ bool factor_moves_init(struct factor_moves *moves, const struct factor_build *fr
 		       const struct resident_scene *scene);
 void factor_moves_finish(struct factor_moves *moves);
 
-// Take over rows for about budget_us. *done: no row is left. Fails as factors_read_row and factors_put_row.
+// Take over rows for about budget_us. *done: no row is left. Fails as factors_window_row and factors_take.
 enum status factor_moves_step(struct factor_moves *moves, struct factor_build *build, uint32_t budget_us, bool *done,
 			      struct error *err);
 

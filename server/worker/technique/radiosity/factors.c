@@ -277,8 +277,8 @@ void factors_remove_row(struct factors *f, uint32_t i)
 	*r = no_row;
 }
 
-// ---- compaction
-// -----------------------------------------------------------------------------------------------------------
+// ---- rows that move
+// -------------------------------------------------------------------------------------------------------
 
 static void move(const struct factors *f, const struct buffer *from, uint32_t first, const struct buffer *to,
 		 uint32_t to_first, uint32_t count)
@@ -289,14 +289,15 @@ static void move(const struct factors *f, const struct buffer *from, uint32_t fi
 	vkCmdCopyBuffer(f->device->commands, from->handle, to->handle, 1, &region);
 }
 
-static enum status move_rows(const struct factors *f, const struct factors *to, const struct factors_place *places,
-			     struct error *err)
+// Record and run the copies of n rows to their places in a matrix, in one submission. `elements` NULL: all rows in order.
+static enum status copy_rows(const struct factors *f, const struct factors *to, const uint32_t *elements, uint32_t n,
+			     const struct factors_place *places, struct error *err)
 {
 	enum status s = command_begin(f->device, err);
 	if (s != STATUS_OK)
 		return s;
-	for (uint32_t i = 0; i < f->side; i++) {
-		const struct factors_row *r = &f->rows[i];
+	for (uint32_t i = 0; i < n; i++) {
+		const struct factors_row *r = &f->rows[elements ? elements[i] : i];
 		if (r->block == NONE || r->count == 0)
 			continue;
 		const struct factors_block *a = &f->blocks[r->block], *b = &to->blocks[places[i].block];
@@ -305,6 +306,34 @@ static enum status move_rows(const struct factors *f, const struct factors *to, 
 	}
 	command_barrier(f->device);
 	return command_finish(f->device, err);
+}
+
+enum status factors_take(struct factors *f, const struct factors *from, const uint32_t *elements, uint32_t n,
+			 struct error *err)
+{
+	struct factors_mark before;
+	uint32_t *counts = malloc((n + 1) * sizeof *counts);
+	struct factors_place *places = malloc((n + 1) * sizeof *places);
+	enum status s = counts && places ? STATUS_OK : error_set(err, STATUS_MEMORY, "out of memory");
+	for (uint32_t i = 0; s == STATUS_OK && i < n; i++)
+		counts[i] = from->rows[elements[i]].count;
+	if (s == STATUS_OK)
+		s = factors_find(f, counts, n, places, &before, err);
+	if (s == STATUS_OK) {
+		s = copy_rows(from, f, elements, n, places, err);
+		if (s != STATUS_OK)
+			factors_undo(f, &before);
+	}
+	for (uint32_t i = 0; s == STATUS_OK && i < n; i++) {
+		struct factors_row *row = &f->rows[elements[i]];
+		*row = from->rows[elements[i]];
+		row->block = places[i].block;
+		row->first = places[i].first;
+		f->entries += row->count;
+	}
+	free(counts);
+	free(places);
+	return s;
 }
 
 enum status factors_compact(struct factors *f, struct error *err)
@@ -319,7 +348,7 @@ enum status factors_compact(struct factors *f, struct error *err)
 	if (s == STATUS_OK)
 		s = factors_find(&next, counts, f->side, places, &before, err);
 	if (s == STATUS_OK)
-		s = move_rows(f, &next, places, err);
+		s = copy_rows(f, &next, NULL, f->side, places, err);
 	if (s != STATUS_OK)
 		goto done;
 	for (uint32_t i = 0; i < f->side; i++)

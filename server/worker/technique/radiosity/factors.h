@@ -75,6 +75,11 @@ enum status factors_put_dense(struct factors *factors, const struct buffer *dens
 enum status factors_put_row(struct factors *factors, const struct factors_put *row, const uint32_t *columns,
 			    const float *values, uint32_t count, struct error *err);
 
+// Take rows over from another matrix on the device, all in one submission. They must be there, and empty here.
+// STATUS_MEMORY, STATUS_DEVICE: none was taken.
+enum status factors_take(struct factors *factors, const struct factors *from, const uint32_t *elements, uint32_t count,
+			 struct error *err);
+
 // Copy a row to host memory: *columns and *values, which the caller frees, have factors->rows[i].count elements (NULL:
 // none).
 enum status factors_read_row(const struct factors *factors, uint32_t i, uint32_t **columns, float **values,

@@ -29,8 +29,8 @@ struct technique_job {
 	struct survey *survey; // NULL: nothing of form factors is shown
 	struct patch_file *file; // NULL: a picture is made, or the file is not begun
 	uint64_t survey_us, file_us; // host time of them
-	bool placed; // `field` has the solution's values
-	struct display_field field;
+	bool placed; // what is shown is on OpenGL
+	struct display_field field; // of a view
 	struct display display;
 	struct deferred *deferred;
 };
@@ -145,21 +145,20 @@ static enum status fill_view(const struct technique_job *j, float *values, struc
 	return STATUS_OK;
 }
 
-// Bring what is shown of the solution to OpenGL.
+// Bring what is shown to OpenGL: light is there if another picture of the solution was made.
 static enum status place_field(struct technique_job *j, struct error *err)
 {
 	const struct elements *e = &j->solution->factors->elements;
-	const bool corners = j->display.options.corners;
-	float *own = NULL;
-	enum status s = STATUS_OK;
+	enum status s;
 	if (j->display.options.plain) {
-		own = malloc(3 * sizeof *own * e->count + 1);
-		s = own ? fill_view(j, own, err) : error_set(err, STATUS_MEMORY, "out of memory");
+		float *values = malloc(3 * sizeof *values * e->count + 1);
+		s = values ? fill_view(j, values, err) : error_set(err, STATUS_MEMORY, "out of memory");
+		if (s == STATUS_OK && e->count > 0)
+			s = display_field_init(&j->field, j->gl, e, values, false, err);
+		free(values);
+	} else {
+		s = solution_field(j->solution, j->gl, j->display.options.corners, &j->display.field, err);
 	}
-	const float *values = own ? own : corners ? j->solution->corners : j->solution->irradiance;
-	if (s == STATUS_OK && e->count > 0)
-		s = display_field_init(&j->field, j->gl, e, values, corners, err);
-	free(own);
 	j->placed = s == STATUS_OK;
 	return s;
 }

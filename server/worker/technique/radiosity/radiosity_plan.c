@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "protocol/names.h"
@@ -102,16 +103,12 @@ static double side_of(const struct vertex *a, const struct vertex *b)
 }
 
 // Triangles count as halves of quads.
-double radiosity_patches_guess(const struct plan *plan, const struct resident_scene *scene)
+static double count_patches(const struct resident_scene *scene, double edge)
 {
-	const struct radiosity_settings *s = radiosity_settings(plan);
 	const struct triangle *triangles = scene_section(scene, BLOB_TRIANGLES);
 	const struct vertex *vertices = scene_section(scene, BLOB_VERTICES);
-	const uint32_t count = scene_count(scene, BLOB_TRIANGLES);
 	double sum = 0;
-	if (!(s->edge > 0))
-		return fmax(s->patches, 0.5 * count);
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = 0; i < scene_count(scene, BLOB_TRIANGLES); i++) {
 		const struct vertex *v[3];
 		double side[3], longest = 0, parts = 0.5;
 		for (int k = 0; k < 3; k++)
@@ -121,10 +118,43 @@ double radiosity_patches_guess(const struct plan *plan, const struct resident_sc
 			longest = fmax(longest, side[k]);
 		}
 		for (int k = 0; k < 3; k++)
-			parts *= side[k] < longest ? ceil(side[k] / (double)s->edge) : 1;
+			parts *= side[k] < longest ? ceil(side[k] / edge) : 1;
 		sum += parts;
 	}
 	return fmin(sum, PATCHES_MOST);
+}
+
+// What was counted last of a scene: it is asked for several times a job, and a scene may have millions of triangles.
+struct patch_guess {
+	struct derived derived;
+	double edge; // 0: nothing was counted
+	double patches;
+};
+
+static void guess_destroy(struct derived *derived)
+{
+	free(derived);
+}
+
+double radiosity_patches_guess(const struct plan *plan, struct resident_scene *scene)
+{
+	static const char kind;
+	const struct radiosity_settings *s = radiosity_settings(plan);
+	const double edge = (double)s->edge;
+	if (!(edge > 0))
+		return fmax(s->patches, 0.5 * scene_count(scene, BLOB_TRIANGLES));
+	struct patch_guess *guess = (struct patch_guess *)resident_derived(scene, &kind);
+	if (!guess && (guess = calloc(1, sizeof *guess))) {
+		guess->derived = (struct derived){.kind = &kind, .destroy = guess_destroy};
+		resident_derive(scene, &guess->derived);
+	}
+	// Without memory for it, it is counted again.
+	if (!guess)
+		return count_patches(scene, edge);
+	if (guess->edge != edge)
+		*guess =
+		    (struct patch_guess){.derived = guess->derived, .edge = edge, .patches = count_patches(scene, edge)};
+	return guess->patches;
 }
 
 // Of `n` elements that are seen, so many are met by some of the rays of a row, if all are met alike.
@@ -133,7 +163,7 @@ static double entries_guess(double n, double rays)
 	return n > 0 ? n * -expm1(-rays / n) : 0;
 }
 
-uint64_t radiosity_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
+uint64_t radiosity_bytes(const struct devices *devices, struct resident_scene *scene, const struct plan *plan)
 {
 	const struct display_options display = radiosity_display_options(plan, scene);
 	const uint32_t triangles = scene_count(scene, BLOB_TRIANGLES);
@@ -156,8 +186,8 @@ uint64_t radiosity_bytes(const struct devices *devices, const struct resident_sc
 	       factors_bytes_most((uint64_t)entries, patches);
 }
 
-void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
-		      uint64_t budget, char *advice)
+void radiosity_advise(const struct devices *devices, struct resident_scene *scene, const struct plan *plan, uint64_t budget,
+		      char *advice)
 {
 	struct plan smaller = *plan;
 	struct radiosity_settings *s = radiosity_settings_of(&smaller);

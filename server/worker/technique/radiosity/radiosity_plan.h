@@ -13,12 +13,12 @@ void radiosity_solution_options(const struct plan *plan, const struct resident_s
 struct display_options radiosity_display_options(const struct plan *plan, const struct resident_scene *scene);
 
 // How many patches there will be, about.
-double radiosity_patches_guess(const struct plan *plan, const struct resident_scene *scene);
+double radiosity_patches_guess(const struct plan *plan, struct resident_scene *scene);
 
 // struct technique's functions of the same names.
-uint64_t radiosity_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan);
-void radiosity_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
-		      uint64_t budget, char *advice);
+uint64_t radiosity_bytes(const struct devices *devices, struct resident_scene *scene, const struct plan *plan);
+void radiosity_advise(const struct devices *devices, struct resident_scene *scene, const struct plan *plan, uint64_t budget,
+		      char *advice);
 uint32_t radiosity_depth(const struct plan *plan);
 const char *radiosity_cannot(const struct plan *plan, candil_Effect effect);
 const char *radiosity_simulates(const struct plan *plan, candil_Effect effect);

@@ -21,6 +21,8 @@ static void solution_destroy(struct shelved *shelved, bool scene_goes)
 	solution_finish_making(v);
 	if (!scene_goes)
 		factor_build_release(v->factors);
+	for (uint32_t i = 0; i < 2; i++)
+		display_field_finish(&v->fields[i]);
 	free(v->made_of);
 	free(v->direct);
 	free(v->irradiance);
@@ -34,11 +36,16 @@ static bool solution_is_finished(const struct shelved *shelved)
 	return solution_finished((const struct solution *)shelved);
 }
 
-// Once it is done it has no device memory of its own, but it holds the factors.
+// Once it is done it has what pictures are made of, and it holds the factors.
 static uint64_t solution_idle_bytes(const struct shelved *shelved)
 {
 	const struct solution *v = (const struct solution *)shelved;
-	return v->factors->shelved.users == 1 ? factors_bytes(&v->factors->factors) : 0;
+	const struct elements *e = &v->factors->elements;
+	uint64_t bytes = v->factors->shelved.users == 1 ? factors_bytes(&v->factors->factors) : 0;
+	for (uint32_t i = 0; i < 2; i++)
+		if (v->fields[i].patches > 0)
+			bytes += display_field_bytes(e->patches.faces.count, e->triangle_count, e->patches.count, i == 1);
+	return bytes;
 }
 
 static const struct shelf_kind kind = {
@@ -153,6 +160,18 @@ double solution_fraction(const struct solution *v)
 	else if (v->stage == SOLUTION_SOLVE && v->solver)
 		within = fmin(1, log(fmin(1, solver_residual(v->solver))) / log((double)v->options.residual));
 	return solution_finished(v) ? 1 : done + shares[v->stage] * (within > 0 ? within : 0);
+}
+
+enum status solution_field(struct solution *v, struct gl_device *gl, bool corners, const struct display_field **field,
+			   struct error *err)
+{
+	struct display_field *f = &v->fields[corners];
+	const struct elements *e = &v->factors->elements;
+	enum status s = STATUS_OK;
+	if (f->patches == 0 && e->count > 0)
+		s = display_field_init(f, gl, e, corners ? v->corners : v->irradiance, corners, err);
+	*field = f;
+	return s;
 }
 
 void solution_account(const struct solution *v, bool made, struct frame *f)

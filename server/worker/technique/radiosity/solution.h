@@ -5,6 +5,7 @@
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_SOLUTION_H
 
 #include "server/worker/image/frame.h"
+#include "server/worker/technique/radiosity/display_field.h"
 #include "server/worker/technique/radiosity/factor_build.h"
 #include "server/worker/technique/radiosity/factors_check.h"
 
@@ -63,6 +64,7 @@ struct solution {
 	float *corners; // irradiance at its four corners, 12 each
 	uint8_t
 	    *reached; // 1: its light reaches the element (reach.h), whatever other rows are kept; once its rows are there
+	struct display_field fields[2]; // for pictures (solution_field): by element, by corner; zeroed: not asked for
 	struct factors_report report; // on the rows of those elements
 	bool reported; // it is there
 	double residual;
@@ -96,6 +98,11 @@ double solution_fraction(const struct solution *solution);
 // Whether an element shines, or light straight from a lamp or the sky is on it. A background is behind anything. Of a
 // solution that knows its direct light.
 bool solution_is_lit(const struct solution *solution, uint32_t element);
+
+// The irradiance of a finished one for pictures, by element or at corners, uploaded when it is first asked for: another
+// camera finds it there. *field stays the solution's. STATUS_MEMORY, STATUS_DEVICE.
+enum status solution_field(struct solution *solution, struct gl_device *gl, bool corners, const struct display_field **field,
+			   struct error *err);
 
 // Add its figures to a frame's account, and its stages' times where the frame's job has made it.
 void solution_account(const struct solution *solution, bool made, struct frame *frame);

@@ -141,7 +141,7 @@ static void take_shadows(struct technique_job *j, struct deferred_pass *pass)
 	vct_define(&pass->defines, &j->volume->options);
 }
 
-static uint64_t vct_bytes(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan)
+static uint64_t vct_bytes(const struct devices *devices, struct resident_scene *scene, const struct plan *plan)
 {
 	struct vct_volume_options options;
 	uint64_t bytes = deferred_bytes(devices, plan, vct_settings(plan)->direct.rows);
@@ -155,8 +155,8 @@ static uint64_t vct_bytes(const struct devices *devices, const struct resident_s
 	return bytes;
 }
 
-static void vct_advise(const struct devices *devices, const struct resident_scene *scene, const struct plan *plan,
-		       uint64_t budget, char *advice)
+static void vct_advise(const struct devices *devices, struct resident_scene *scene, const struct plan *plan, uint64_t budget,
+		       char *advice)
 {
 	struct plan smaller = *plan;
 	struct vct_settings *s = vct_settings_of(&smaller);
