@@ -63,7 +63,7 @@ void row_subject_init(struct row_subject *s, struct devices *devices, const char
 	s->scene = (struct resident_scene){.blob = s->loaded.blob, .bytes = s->loaded.bytes, .fd = s->loaded.fd};
 	blob_view_init(&s->scene.view, s->loaded.blob);
 	need(elements_init(&s->elements, &s->scene.view, &(struct patch_options){.edge = edge}, &err));
-	need(element_buffers_init(&s->buffers, &s->elements, devices->vk, &err));
+	need(element_buffers_init(&s->buffers, &s->elements, true, devices->vk, &err));
 	make_surfaces(s);
 	const uint32_t patches = s->elements.patches.count;
 	s->rows = rows > 0 && rows < patches ? rows : patches;

@@ -138,7 +138,7 @@ void model_close(struct patch_model *m, double edge)
 	make_tree(m);
 	assert_int_equal(elements_init(&m->elements, &m->scene.view, &(struct patch_options){.edge = edge}, NULL),
 			 STATUS_OK);
-	assert_int_equal(element_buffers_init(&m->buffers, &m->elements, device, NULL), STATUS_OK);
+	assert_int_equal(element_buffers_init(&m->buffers, &m->elements, true, device, NULL), STATUS_OK);
 }
 
 void model_finish(struct patch_model *m)

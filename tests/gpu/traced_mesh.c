@@ -66,7 +66,7 @@ void traced_mesh_init(struct traced_mesh *t, struct device *device, const struct
 	make_view(t, m);
 	const struct patch_options options = {.edge = edge};
 	assert_int_equal(elements_init(&t->elements, &t->scene.view, &options, &err), STATUS_OK);
-	assert_int_equal(element_buffers_init(&t->buffers, &t->elements, device, &err), STATUS_OK);
+	assert_int_equal(element_buffers_init(&t->buffers, &t->elements, true, device, &err), STATUS_OK);
 	assert_int_equal(buffer_clear(&t->buffers.surfaces, device, &err), STATUS_OK);
 }
 

@@ -98,14 +98,14 @@ void buffer_finish(struct buffer *b, struct device *d)
 	memset(b, 0, sizeof *b);
 }
 
-// Copy between a device buffer and a host-visible one of the same size, and wait.
-static enum status copy(struct device *d, VkBuffer from, uint64_t from_offset, VkBuffer to, uint64_t bytes,
-			struct error *err)
+// Copy between a device buffer and a host-visible one, and wait.
+static enum status copy(struct device *d, VkBuffer from, uint64_t from_offset, VkBuffer to, uint64_t to_offset,
+			uint64_t bytes, struct error *err)
 {
 	enum status s = command_begin(d, err);
 	if (s != STATUS_OK)
 		return s;
-	const VkBufferCopy region = {.srcOffset = from_offset, .size = bytes};
+	const VkBufferCopy region = {.srcOffset = from_offset, .dstOffset = to_offset, .size = bytes};
 	vkCmdCopyBuffer(d->commands, from, to, 1, &region);
 	command_barrier(d);
 	return command_finish(d, err);
@@ -127,11 +127,28 @@ enum status buffer_init_with(struct buffer *b, struct device *d, const void *dat
 	s = buffer_init(&staging, d, bytes, BUFFER_STAGING, err);
 	if (s == STATUS_OK) {
 		memcpy(staging.map, data, bytes);
-		s = copy(d, staging.handle, 0, b->handle, bytes, err);
+		s = copy(d, staging.handle, 0, b->handle, 0, bytes, err);
 		buffer_finish(&staging, d);
 	}
 	if (s != STATUS_OK)
 		buffer_finish(b, d);
+	return s;
+}
+
+enum status buffer_write(struct buffer *b, struct device *d, uint64_t offset, uint64_t bytes, const void *data,
+			 struct error *err)
+{
+	if (b->map) {
+		memcpy((char *)b->map + offset, data, bytes);
+		return STATUS_OK;
+	}
+	struct buffer staging;
+	enum status s = buffer_init(&staging, d, bytes, BUFFER_STAGING, err);
+	if (s != STATUS_OK)
+		return s;
+	memcpy(staging.map, data, bytes);
+	s = copy(d, staging.handle, 0, b->handle, offset, bytes, err);
+	buffer_finish(&staging, d);
 	return s;
 }
 
@@ -160,7 +177,7 @@ enum status buffer_read(const struct buffer *b, struct device *d, uint64_t offse
 	enum status s = buffer_init(&back, d, bytes, BUFFER_READBACK, err);
 	if (s != STATUS_OK)
 		return s;
-	s = copy(d, b->handle, offset, back.handle, bytes, err);
+	s = copy(d, b->handle, offset, back.handle, 0, bytes, err);
 	if (s == STATUS_OK)
 		memcpy(out, back.map, bytes);
 	buffer_finish(&back, d);

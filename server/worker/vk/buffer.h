@@ -39,6 +39,11 @@ enum status buffer_init_with(struct buffer *buffer, struct device *device, const
 // Set all bytes to zero. Blocks; no recording may be open (command.h).
 enum status buffer_clear(struct buffer *buffer, struct device *device, struct error *err);
 
+// Copy `data` to bytes [offset, offset + bytes). Blocks; no recording may be open. STATUS_MEMORY if there is no room for a
+// staging buffer of `bytes` where the host cannot see this one.
+enum status buffer_write(struct buffer *buffer, struct device *device, uint64_t offset, uint64_t bytes, const void *data,
+			 struct error *err);
+
 // Copy bytes [offset, offset + bytes) to `out`. Blocks; no recording may be open. STATUS_MEMORY if there is no room for a
 // readback buffer of `bytes` where the host cannot see this one.
 enum status buffer_read(const struct buffer *buffer, struct device *device, uint64_t offset, uint64_t bytes, void *out,

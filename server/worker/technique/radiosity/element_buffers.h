@@ -12,9 +12,14 @@ struct element_buffers {
 	struct buffer surfaces; // struct radiosity_surface, by element; undefined until somebody writes them
 };
 
-// Upload. The buffers are the caller's, who finishes them. On failure nothing is left. STATUS_MEMORY, STATUS_DEVICE.
-enum status element_buffers_init(struct element_buffers *buffers, const struct elements *elements, struct device *device,
-				 struct error *err);
+// Upload, as far as the elements are made. `surfaces`: make room for them, too. The buffers are the caller's, who finishes
+// them. On failure nothing is left. STATUS_MEMORY, STATUS_DEVICE.
+enum status element_buffers_init(struct element_buffers *buffers, const struct elements *elements, bool surfaces,
+				 struct device *device, struct error *err);
+
+// Upload the patches that were made since `first` were. STATUS_MEMORY, STATUS_DEVICE.
+enum status element_buffers_send(struct element_buffers *buffers, const struct elements *elements, uint32_t first,
+				 struct device *device, struct error *err);
 void element_buffers_finish(struct element_buffers *buffers, struct device *device);
 
 // Put them in their places of binding_set_init's array, which has BIND_MOST.

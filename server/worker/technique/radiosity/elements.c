@@ -110,8 +110,8 @@ uint64_t elements_bytes(uint32_t triangles, uint32_t patches)
 	       (uint64_t)patches * sizeof(struct radiosity_patch) + 3;
 }
 
-enum status elements_init(struct elements *e, const struct blob_view *scene, const struct patch_options *options,
-			  struct error *err)
+enum status elements_begin(struct elements *e, const struct blob_view *scene, const struct patch_options *options,
+			   struct error *err)
 {
 	*e = (struct elements){0};
 	const enum status s = patches_init(&e->patches, scene, options, err);
@@ -132,9 +132,23 @@ enum status elements_init(struct elements *e, const struct blob_view *scene, con
 		shape_of(&e->patches, i, &e->faces[i]);
 		mark_triangles(e, i);
 	}
-	for (uint32_t i = 0; i < count; i++)
-		make_patch(e, i, &e->shapes[i]);
 	return STATUS_OK;
+}
+
+void elements_make(struct elements *e, uint32_t patches)
+{
+	const uint32_t left = e->patches.count - e->made;
+	for (uint32_t end = e->made + (patches < left ? patches : left); e->made < end; e->made++)
+		make_patch(e, e->made, &e->shapes[e->made]);
+}
+
+enum status elements_init(struct elements *e, const struct blob_view *scene, const struct patch_options *options,
+			  struct error *err)
+{
+	const enum status s = elements_begin(e, scene, options, err);
+	if (s == STATUS_OK)
+		elements_make(e, e->patches.count);
+	return s;
 }
 
 void elements_finish(struct elements *e)

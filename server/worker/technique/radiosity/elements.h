@@ -16,6 +16,7 @@ struct elements {
 	uint32_t *triangles; // by triangle: its word
 	uint32_t triangle_count;
 	struct radiosity_patch *shapes; // by patch
+	uint32_t made; // of `shapes`
 };
 
 // Memory that elements_init needs for a scene of so many triangles and patches, in bytes, at most.
@@ -25,6 +26,12 @@ uint64_t elements_bytes(uint32_t triangles, uint32_t patches);
 // patches_init; `elements` is empty then.
 enum status elements_init(struct elements *elements, const struct blob_view *scene, const struct patch_options *options,
 			  struct error *err);
+
+// The same in slices: begin, which works on faces alone, and make the shapes of as many more patches until `made` is their
+// number.
+enum status elements_begin(struct elements *elements, const struct blob_view *scene, const struct patch_options *options,
+			   struct error *err);
+void elements_make(struct elements *elements, uint32_t patches);
 
 // Free them. Elements that are all zero are fine.
 void elements_finish(struct elements *elements);

@@ -7,6 +7,8 @@
 #include "server/worker/technique/radiosity/corners.h"
 #include "server/worker/technique/radiosity/factor_moves.h"
 
+#define PATCHES_AT_ONCE 4096u // between two looks at the clock
+
 static void end_moves(struct factor_build *b, bool scene_goes)
 {
 	if (!b->moves)
@@ -83,13 +85,13 @@ static enum status build_create(struct resident_scene *scene, struct device *dev
 	b->options = *options;
 	b->keys = scene->keys;
 	b->device = device;
-	enum status s = elements_init(&b->elements, &scene->view, &options->cut, err);
+	enum status s = elements_begin(&b->elements, &scene->view, &options->cut, err);
 	if (s == STATUS_OK)
 		s = own_mesh(b, scene, err);
 	if (s == STATUS_OK)
 		s = element_groups_init(&b->groups, &scene->view, &b->elements, err);
 	if (s == STATUS_OK)
-		s = element_buffers_init(&b->buffers, &b->elements, device, err);
+		s = element_buffers_init(&b->buffers, &b->elements, false, device, err);
 	if (s == STATUS_OK)
 		s = factors_init(&b->factors, device, b->elements.count, err);
 	if (s == STATUS_OK)
@@ -171,6 +173,25 @@ void factor_build_release(struct factor_build *b)
 {
 	if (b)
 		shelf_release(&b->shelved);
+}
+
+// ---- patches ------------------------------------------------------------------------------------------------------------
+
+bool factor_build_ready(const struct factor_build *b)
+{
+	return b->sent == b->elements.patches.count;
+}
+
+enum status factor_build_prepare(struct factor_build *b, uint32_t budget_us, struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = STATUS_OK;
+	do {
+		elements_make(&b->elements, PATCHES_AT_ONCE);
+		s = element_buffers_send(&b->buffers, &b->elements, b->sent, b->device, err);
+		b->sent = s == STATUS_OK ? b->elements.made : b->sent;
+	} while (s == STATUS_OK && !factor_build_ready(b) && clock_us() - start < budget_us);
+	return s;
 }
 
 // ---- rows ---------------------------------------------------------------------------------------------------------------

@@ -33,6 +33,7 @@ struct factor_build {
 	struct device *device;
 	struct elements elements;
 	struct element_buffers buffers; // without surfaces
+	uint32_t sent; // of the patches, to the buffers
 	void *vertices,
 	    *triangles; // that the elements are of, where the scene is a variant, which may go before the factors
 	struct factors factors;
@@ -47,7 +48,8 @@ struct factor_build {
 	struct factor_moves *moves; // NULL: nothing is taken over, or all that can be has been
 };
 
-// Hold the factors of a scene by these options, beginning new ones if there are none for the same places. Pair with
+// Hold the factors of a scene by these options, beginning new ones if there are none for the same places: its faces are
+// found, and its patches counted. Pair with
 // factor_build_release. Fails as patches_init; STATUS_MEMORY, STATUS_DEVICE.
 enum status factor_build_acquire(struct resident_scene *scene, struct device *device, const struct factor_options *options,
 				 struct factor_build **build, struct error *err);
@@ -55,6 +57,11 @@ void factor_build_release(struct factor_build *build); // NULL is allowed
 
 // Those that are there, which acquiring would hold; NULL: none. Good until the next call that may acquire or release some.
 const struct factor_build *factor_build_find(struct resident_scene *scene, const struct factor_options *options);
+
+// Make its patches for about budget_us, at least some, until it is ready: before any pass over them runs. STATUS_MEMORY,
+// STATUS_DEVICE.
+enum status factor_build_prepare(struct factor_build *build, uint32_t budget_us, struct error *err);
+bool factor_build_ready(const struct factor_build *build);
 
 // Make the rows that a walk lacks, with `maker`, which must be of these elements and options, and go on with the walk, for
 // about budget_us, at least one piece. What another job's maker has begun is gone on with first. It is over when the walk

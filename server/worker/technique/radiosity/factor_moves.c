@@ -17,28 +17,38 @@ static bool same_elements(const struct elements *a, const struct elements *b)
 	       !memcmp(a->patches.faces.list, b->patches.faces.list, faces * sizeof *a->patches.faces.list);
 }
 
-static void enlarge(double box[2][3], const struct radiosity_patch *p)
+// The first face with a patch from this one on.
+static uint32_t face_from(const struct patches *p, uint32_t patch)
 {
-	for (int k = 0; k < 4; k++)
-		for (int c = 0; c < 3; c++) {
-			const double x = (double)p->corner[3 * k + c];
-			box[0][c] = fmin(box[0][c], x);
-			box[1][c] = fmax(box[1][c], x);
-		}
+	uint32_t low = 0, high = p->faces.count;
+	while (low < high) {
+		const uint32_t mid = low + (high - low) / 2;
+		if (p->cuts[mid].first < patch)
+			low = mid + 1;
+		else
+			high = mid;
+	}
+	return low;
 }
 
+// Patches lie between the corners of their faces.
 static void mark_node(struct factor_moves *m, const struct factor_build *b, uint32_t node)
 {
+	const struct patches *p = &b->elements.patches;
 	double(*box)[3] = m->boxes[m->box_count];
 	const uint32_t first = b->groups.first[node], end = b->groups.first[node + 1];
+	memset(m->moved + first, 1, end - first);
 	for (int c = 0; c < 3; c++) {
 		box[0][c] = INFINITY;
 		box[1][c] = -INFINITY;
 	}
-	for (uint32_t i = first; i < end; i++) {
-		m->moved[i] = 1;
-		enlarge(box, &b->elements.shapes[i]);
-	}
+	for (uint32_t i = face_from(p, first); i < p->faces.count && p->cuts[i].first < end; i++)
+		for (uint32_t k = 0; k < 4 && p->faces.list[i].corner[k] != NONE; k++)
+			for (int c = 0; c < 3; c++) {
+				const double x = (double)p->vertices[p->faces.list[i].corner[k]].position[c];
+				box[0][c] = fmin(box[0][c], x);
+				box[1][c] = fmax(box[1][c], x);
+			}
 	m->box_count += end > first;
 }
 

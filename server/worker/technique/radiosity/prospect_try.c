@@ -139,7 +139,7 @@ static enum status trial_init(struct trial *t, struct error *err)
 		s = elements_init(&t->elements, &t->of->scene->view, &t->of->factors->cut, err);
 	if (s != STATUS_OK || t->elements.count == 0)
 		return s;
-	s = element_buffers_init(&t->buffers, &t->elements, t->device, err);
+	s = element_buffers_init(&t->buffers, &t->elements, true, t->device, err);
 	if (s == STATUS_OK)
 		s = make_arrays(t, err);
 	if (s == STATUS_OK)

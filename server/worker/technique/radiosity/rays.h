@@ -20,7 +20,7 @@
 //	struct rays *rays;
 //	struct error err;
 //	assert(elements_init(&e, &scene->view, &(struct patch_options){.edge = 1}, &err) == STATUS_OK);
-//	assert(element_buffers_init(&b, &e, device, &err) == STATUS_OK);
+//	assert(element_buffers_init(&b, &e, true, device, &err) == STATUS_OK);
 //	assert(factors_init(&f, device, e.count, &err) == STATUS_OK);
 //	assert(rays_create(device, scene, &plan, &e, &b, &options, &rays, &err) == STATUS_OK);
 //	for (uint32_t done = 0; done < e.count;) {

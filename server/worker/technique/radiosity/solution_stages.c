@@ -52,6 +52,8 @@ bool solution_is_lit(const struct solution *v, uint32_t element)
 
 static enum status do_surfaces(struct solution *v, uint32_t budget_us, struct error *err)
 {
+	if (!factor_build_ready(v->factors))
+		return factor_build_prepare(v->factors, budget_us, err);
 	enum status s = surfaces_step(v->surfaces, budget_us, err);
 	if (s != STATUS_OK || !surfaces_finished(v->surfaces))
 		return s;
