@@ -37,7 +37,7 @@ RADIOSITY = """
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "server/worker/technique/radiosity/corners.h"
+#include "server/worker/technique/radiosity/corner_values.h"
 #include "server/worker/technique/radiosity/patches.h"
 #include "tests/support/load_scene.h"
 """

@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-#include "server/worker/technique/radiosity/corners.h"
+#include "server/worker/technique/radiosity/corner_values.h"
 
 // A mesh, its light and what is shown of it. The light is the caller's to fill; it is 0 at first.
 struct shown {
@@ -14,6 +14,7 @@ struct shown {
 	struct corners *corners;
 	float *light; // 3 floats for each element
 	float *values; // 12 floats for each element
+	uint32_t budget_us; // of slices
 };
 
 static inline void show_by(const struct mesh *m, double edge, uint32_t budget_us, struct shown *s)
@@ -28,6 +29,7 @@ static inline void show_by(const struct mesh *m, double edge, uint32_t budget_us
 		last = corners_progress(s->corners);
 	}
 	assert_true(last == 1);
+	s->budget_us = budget_us;
 	s->light = calloc(s->e.count * 3 + 1, sizeof *s->light);
 	s->values = malloc(s->e.count * 12 * sizeof *s->values + 1);
 	assert_true(s->light && s->values);
@@ -41,7 +43,12 @@ static inline void show(const struct mesh *m, double edge, struct shown *s)
 static inline void evaluate(struct shown *s, const uint8_t *reached)
 {
 	memset(s->values, 0xFF, s->e.count * 12 * sizeof *s->values); // NaN
-	corners_values(s->corners, s->light, reached, s->values);
+	struct corner_values *making;
+	struct error err;
+	assert_int_equal(corner_values_create(s->corners, s->light, reached, s->values, &making, &err), STATUS_OK);
+	while (!corner_values_finished(making))
+		corner_values_step(making, s->budget_us);
+	corner_values_destroy(making);
 }
 
 static inline void unshow(struct shown *s)

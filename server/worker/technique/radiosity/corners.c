@@ -7,43 +7,11 @@
 #include "server/base/angle.h"
 #include "server/base/clock.h"
 #include "server/base/vec3.h"
-#include "server/worker/technique/radiosity/corner_fit.h"
-#include "server/worker/technique/radiosity/corner_links.h"
+#include "server/worker/technique/radiosity/corners_parts.h"
 
 #define PIECE 1024u // of places, sides, edges or patches
 #define MOVES 16384u // of what is sorted
 #define LOOKS 1024u // points that may be looked at for each place and side, in the mean
-#define SWEEPS 64u // over corners on sides whose sides end in corners on sides
-#define AROUND (0.9 * 2 * PI) // radians: a corner with less about it is at a border
-#define STEPS_NEAR 1024u // members that may be looked at for one border corner
-
-enum corner_stage { LIST, FIND, WELD, LINK, SORT, CUT, JOIN, GROUP, MEASURE, FINISHED };
-
-struct corners {
-	const struct elements *elements;
-	enum corner_stage stage;
-	struct corner_places places;
-	struct corner_links links;
-	uint64_t left; // points that may be looked at
-	float *angle; // by patch corner, radians
-	float (*middle)[3]; // by patch, metres
-	uint32_t measured; // patches
-	uint32_t *group; // by element corner; NONE: a triangle's fourth
-	uint32_t groups;
-	uint32_t *first; // by group, and one more: its first member
-	uint32_t *members; // element corners
-	float (*at)[3]; // by group, metres
-	struct corner_hang *hangs; // the longest sides first; their `corner` is still one of an element
-	uint32_t hang_count;
-	float (*values)[3]; // by group, of the last call
-	uint32_t *held; // hangs that count, of the last call
-	uint8_t *decided; // by group
-};
-
-static uint32_t element_corners(const struct elements *e)
-{
-	return 4 * e->count;
-}
 
 uint64_t corners_bytes(uint32_t patches)
 {
@@ -55,7 +23,7 @@ uint64_t corners_bytes(uint32_t patches)
 
 enum status corners_create(const struct elements *elements, struct corners **out, struct error *err)
 {
-	const uint32_t count = element_corners(elements);
+	const uint32_t count = corners_of(elements);
 	struct corners *c = calloc(1, sizeof *c);
 	*out = c;
 	if (!c)
@@ -85,9 +53,6 @@ void corners_destroy(struct corners *c)
 	free(c->members);
 	free(c->at);
 	free(c->hangs);
-	free(c->values);
-	free(c->held);
-	free(c->decided);
 	free(c);
 }
 
@@ -117,7 +82,7 @@ static void measure(struct corners *c, uint32_t count)
 		for (uint32_t k = 0; k < 4; k++) {
 			c->angle[4 * i + k] = k < patch.shape.corners ? (float)angle_at(&patch.shape, k) : 0;
 			for (uint32_t side = 0; k < patch.shape.corners && side < 2; side++)
-				memcpy(c->at[c->group[4 * i + k + side * element_corners(c->elements) / 2]],
+				memcpy(c->at[c->group[4 * i + k + side * corners_of(c->elements) / 2]],
 				       shape->corner + 3 * k, sizeof *c->at);
 		}
 		for (int k = 0; k < 3; k++)
@@ -140,7 +105,7 @@ static int by_length(const void *a, const void *b)
 
 static void number_groups(struct corners *c)
 {
-	const uint32_t count = element_corners(c->elements), half = count / 2;
+	const uint32_t count = corners_of(c->elements), half = count / 2;
 	for (uint32_t i = 0; i < count; i++) {
 		const uint32_t place = c->places.of[i % half];
 		const uint32_t same = corner_links_same(&c->links, i); // never after i
@@ -150,7 +115,7 @@ static void number_groups(struct corners *c)
 
 static void list_members(struct corners *c)
 {
-	const uint32_t count = element_corners(c->elements);
+	const uint32_t count = corners_of(c->elements);
 	for (uint32_t i = 0; i < count; i++)
 		if (c->group[i] != NONE)
 			c->first[c->group[i] + 1]++;
@@ -170,17 +135,11 @@ static enum status make_groups(struct corners *c, struct error *err)
 	// An attempt without enough memory may have left some.
 	free(c->first);
 	free(c->at);
-	free(c->values);
-	free(c->held);
-	free(c->decided);
 	c->groups = 0;
 	number_groups(c);
 	c->at = calloc(c->groups + 1, sizeof *c->at);
 	c->first = calloc(c->groups + 1, sizeof *c->first);
-	c->values = malloc(c->groups * sizeof *c->values + 1);
-	c->held = malloc(c->groups * sizeof *c->held + 1);
-	c->decided = malloc(c->groups + 1);
-	if (!c->first || !c->at || !c->values || !c->held || !c->decided)
+	if (!c->first || !c->at)
 		return error_set(err, STATUS_MEMORY, "out of memory");
 	list_members(c);
 	c->hangs = c->links.hangs;
@@ -206,7 +165,7 @@ static enum status piece(struct corners *c, struct error *err)
 	case FIND:
 		s = corner_places_find(&c->places, MOVES, err);
 		done = c->places.found;
-		c->left = ((uint64_t)c->places.count + element_corners(c->elements)) * LOOKS;
+		c->left = ((uint64_t)c->places.count + corners_of(c->elements)) * LOOKS;
 		break;
 	case WELD:
 		corner_places_weld(&c->places, PIECE, &c->left);
@@ -266,137 +225,4 @@ double corners_progress(const struct corners *c)
 	else if (c->stage == JOIN)
 		part = (double)c->links.edges_joined / (c->links.edge_count + 1);
 	return ((double)c->stage + part) / FINISHED;
-}
-
-// ---- values -----------------------------------------------------------------------------------------------------------
-
-static bool is_reached(const uint8_t *reached, uint32_t corner)
-{
-	return !reached || reached[corner / 4];
-}
-
-// The mean of a group's irradiances, as the first one and the mean difference from it: that of equal ones is the same.
-static void take_mean(const struct corners *c, uint32_t group, const float *irradiance, const uint8_t *reached, float out[3])
-{
-	const uint32_t half = element_corners(c->elements) / 2;
-	const float *first = NULL;
-	double sum[3] = {0}, weights = 0;
-	for (uint32_t i = c->first[group]; i < c->first[group + 1]; i++) {
-		const uint32_t corner = c->members[i];
-		if (!is_reached(reached, corner))
-			continue;
-		const float *h = irradiance + 3 * (uint64_t)(corner / 4);
-		const double weight = (double)c->angle[corner % half];
-		first = first ? first : h;
-		weights += weight;
-		for (int k = 0; k < 3; k++)
-			sum[k] += weight * ((double)h[k] - (double)first[k]);
-	}
-	for (int k = 0; k < 3; k++)
-		out[k] = !first ? 0 : weights > 0 ? (float)((double)first[k] + sum[k] / weights) : first[k];
-}
-
-// Whether what light reaches about a group's corner is not all around it.
-static bool is_border(const struct corners *c, uint32_t group, const uint8_t *reached)
-{
-	const uint32_t half = element_corners(c->elements) / 2;
-	double around = 0;
-	for (uint32_t i = c->first[group]; i < c->first[group + 1]; i++)
-		around += is_reached(reached, c->members[i]) ? (double)c->angle[c->members[i] % half] : 0;
-	return around > 0 && around < AROUND;
-}
-
-static bool is_listed(const uint32_t *list, uint32_t count, uint32_t element)
-{
-	for (uint32_t i = 0; i < count; i++)
-		if (list[i] == element)
-			return true;
-	return false;
-}
-
-// The elements of a group, and those that share corners with them. Returns their number; 0: they are too many.
-static uint32_t list_near(const struct corners *c, uint32_t group, const uint8_t *reached, uint32_t *near)
-{
-	uint32_t n = 0, steps = 0;
-	for (uint32_t i = c->first[group]; i < c->first[group + 1]; i++) {
-		const uint32_t own = c->members[i] / 4;
-		for (uint32_t k = 4 * own; is_reached(reached, 4 * own) && k < 4 * own + 4; k++) {
-			const uint32_t of = c->group[k];
-			for (uint32_t m = of == NONE ? 0 : c->first[of]; of != NONE && m < c->first[of + 1]; m++) {
-				const uint32_t element = c->members[m] / 4;
-				if (++steps > STEPS_NEAR)
-					return 0;
-				if (!is_reached(reached, c->members[m]) || is_listed(near, n, element))
-					continue;
-				if (n == CORNER_FIT_MOST)
-					return 0;
-				near[n++] = element;
-			}
-		}
-	}
-	return n;
-}
-
-// Extrapolate what a group at a border has, if there is enough to go by.
-static void extrapolate(struct corners *c, uint32_t group, const float *irradiance, const uint8_t *reached)
-{
-	uint32_t near[CORNER_FIT_MOST];
-	struct corner_sample samples[CORNER_FIT_MOST];
-	const uint32_t n = list_near(c, group, reached, near);
-	for (uint32_t i = 0; i < n; i++)
-		samples[i] = (struct corner_sample){c->middle[near[i] % c->elements->patches.count],
-						    irradiance + 3 * (uint64_t)near[i]};
-	corner_fit(c->at[group], samples, n, c->values[group]);
-}
-
-// Of each group the hang with the longest side, of which light reaches both elements. Returns their number.
-static uint32_t choose_hangs(struct corners *c, const uint8_t *reached)
-{
-	uint32_t n = 0;
-	memset(c->decided, 0, c->groups);
-	for (uint32_t i = 0; i < c->hang_count; i++) {
-		const struct corner_hang *h = &c->hangs[i];
-		const uint32_t group = c->group[h->corner];
-		if (c->decided[group] || !is_reached(reached, h->corner) || !is_reached(reached, h->side))
-			continue;
-		c->decided[group] = 1;
-		c->held[n++] = i;
-	}
-	return n;
-}
-
-// Put a group's value where its side has it. Returns whether it was another.
-static bool put_on_side(struct corners *c, const struct corner_hang *h)
-{
-	const uint32_t quarter = h->side & ~3u, half = element_corners(c->elements) / 2;
-	const uint32_t corners = c->elements->faces[c->elements->shapes[h->side % half / 4].face].v ? 4 : 3;
-	const float *a = c->values[c->group[h->side]], *b = c->values[c->group[quarter + (h->side % 4 + 1) % corners]];
-	float *out = c->values[c->group[h->corner]], was[3];
-	memcpy(was, out, sizeof was);
-	for (int k = 0; k < 3; k++)
-		out[k] = (float)((double)a[k] + (double)h->t * ((double)b[k] - (double)a[k]));
-	return memcmp(was, out, sizeof was) != 0;
-}
-
-void corners_values(struct corners *c, const float *irradiance, const uint8_t *reached, float *out)
-{
-	const uint32_t count = element_corners(c->elements), held = choose_hangs(c, reached);
-	for (uint32_t g = 0; g < c->groups; g++) {
-		take_mean(c, g, irradiance, reached, c->values[g]);
-		if (!c->decided[g] && is_border(c, g, reached))
-			extrapolate(c, g, irradiance, reached);
-	}
-	// What depends on longer sides alone is right after one sweep. Sides in a ring approach the mean that satisfies them
-	// all.
-	bool changed = held > 0;
-	for (uint32_t sweep = 0; sweep < SWEEPS && changed; sweep++) {
-		changed = false;
-		for (uint32_t i = 0; i < held; i++)
-			changed |= put_on_side(c, &c->hangs[c->held[i]]);
-	}
-	for (uint32_t i = 0; i < count; i++) {
-		const uint32_t group = c->group[i] == NONE ? c->group[i - 1] : c->group[i];
-		for (uint32_t k = 0; k < 3; k++)
-			out[3 * (uint64_t)i + k] = is_reached(reached, i) ? c->values[group][k] : 0;
-	}
 }

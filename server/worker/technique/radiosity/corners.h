@@ -23,7 +23,11 @@
 //		assert(corners_step(corners, 10000, &err) == STATUS_OK);
 //	float *irradiance = calloc(elements.count, 3 * sizeof *irradiance); // of a dark scene; else of solver_read
 //	float *values = malloc(elements.count * 12 * sizeof *values);
-//	corners_values(corners, irradiance, NULL, values);
+//	struct corner_values *making;
+//	assert(corner_values_create(corners, irradiance, NULL, values, &making, &err) == STATUS_OK);
+//	while (!corner_values_finished(making))
+//		corner_values_step(making, 10000);
+//	corner_values_destroy(making);
 //	printf("%g W/m²\n", values[0]);
 //	free(values);
 //	free(irradiance);
@@ -53,9 +57,5 @@ enum status corners_step(struct corners *corners, uint32_t budget_us, struct err
 // How far it is.
 bool corners_finished(const struct corners *corners);
 double corners_progress(const struct corners *corners); // 0…1
-
-// The values: 4 times 3 floats for each element, which the caller has room for, from 3 floats for each element. `reached` is
-// a byte for each element, or NULL: light reaches all. Only once it is finished. Cannot fail.
-void corners_values(struct corners *corners, const float *irradiance, const uint8_t *reached, float *out);
 
 #endif

@@ -12,6 +12,7 @@
 struct surfaces;
 struct light;
 struct solver;
+struct corner_values;
 
 // What it depends on beside the scene. Compared byte by byte: zero it before filling it in.
 struct solution_options {
@@ -56,7 +57,8 @@ struct solution {
 	struct row_maker *rows_by; // until it is done
 	struct reach reach; // until its rows are there
 	bool lamps; // light of emissive surfaces comes straight from them, and not by form factors
-	struct solver *solver;
+	struct solver *solver; // until it is done
+	struct corner_values *at_corners; // until it is done
 	// By element, in host memory.
 	struct radiosity_surface *made_of;
 	float *direct; // irradiance straight from lights and sky, W/m², 3 each

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "server/base/angle.h"
-#include "server/worker/technique/radiosity/corners.h"
+#include "server/worker/technique/radiosity/corner_values.h"
 #include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/light.h"
 #include "server/worker/technique/radiosity/row_maker.h"
@@ -14,6 +14,7 @@
 void solution_finish_making(struct solution *v)
 {
 	solver_destroy(v->solver);
+	corner_values_destroy(v->at_corners);
 	if (v->rows_by)
 		factor_build_pause(v->factors, v->rows_by);
 	row_maker_destroy(v->rows_by);
@@ -22,6 +23,7 @@ void solution_finish_making(struct solution *v)
 	surfaces_destroy(v->surfaces);
 	buffer_finish(&v->buffers.surfaces, v->device);
 	v->solver = NULL;
+	v->at_corners = NULL;
 	v->rows_by = NULL;
 	v->light = NULL;
 	v->surfaces = NULL;
@@ -171,7 +173,15 @@ static enum status do_corners(struct solution *v, uint32_t budget_us, struct err
 	struct corners *corners = v->factors->corners;
 	if (!corners_finished(corners))
 		return corners_step(corners, budget_us, err);
-	corners_values(corners, v->irradiance, v->reached, v->corners);
+	if (!v->at_corners) {
+		const enum status s =
+		    corner_values_create(corners, v->irradiance, v->reached, v->corners, &v->at_corners, err);
+		if (s != STATUS_OK)
+			return s;
+	}
+	corner_values_step(v->at_corners, budget_us);
+	if (!corner_values_finished(v->at_corners))
+		return STATUS_OK;
 	v->stage = SOLUTION_DONE;
 	solution_finish_making(v);
 	return STATUS_OK;
