@@ -5,11 +5,15 @@
 // The rays of all elements are one low-discrepancy set in four dimensions, of which each element has its own Cranley-Patterson
 // rotation (1976: each dimension is shifted, modulo 1, by a hash of the element). Neighbours in the table have neighbouring
 // directions, and but for those that a shift wraps round the rotation leaves them neighbours.
+//
+// No ray starts on what another body covers of an element (cover.glsl). The area from which F is then taken is the one at which
+// others look, so that reciprocity holds by it.
 #ifndef RADIOSITY_FACTOR_SOURCE_GLSL
 #define RADIOSITY_FACTOR_SOURCE_GLSL
 
 #include "common/sampling.glsl"
 #include "common/surface.glsl"
+#include "radiosity/cover.glsl"
 #include "shared/factor_rays.h"
 
 layout(constant_id = SPEC_FACTOR_BARYCENTRE) const bool BARYCENTRE = false;
@@ -27,6 +31,8 @@ struct factor_source {
 	vec3 normal;      // unit, on the element's side
 	vec3 x, y;        // with the normal, a frame
 	float share;      // of the triangle of corners 0 1 2 in the area
+	uint covered;     // parts from which no ray starts: covers_part
+	bool quad;
 	uvec4 shift;
 	corners first;    // the triangles of its face; of a face of one the same
 	corners second;
@@ -55,14 +61,28 @@ factor_source source_make(uint element, uint patch_count)
 	s.normal = front ? s.first.normal : -s.first.normal;
 	frame_make(s.normal, s.x, s.y);
 	s.share = p.share;
+	s.covered = front ? covers_part(p.covered) : 0u;
+	s.quad = s.corner[3] != s.corner[2];
 	for (uint i = 0u; i < 4u; i++)
 		s.shift[i] = hash_combine(hash(element), i);
 	return s;
 }
 
+// The same where parts are covered, by the map of patch_point_at. Of a quad that is no parallelogram places are somewhat closer
+// to each other where it is narrow.
+vec3 source_uncovered(factor_source s, vec2 u)
+{
+	u = cover_avoid(s.covered, u);
+	vec2 b = s.quad ? u : sample_triangle(u);
+	vec3 triangle = (1.0 - b.x - b.y) * s.corner[0] + b.x * s.corner[1] + b.y * s.corner[2];
+	return s.quad ? mix(mix(s.corner[0], s.corner[1], u.x), mix(s.corner[3], s.corner[2], u.x), u.y) : triangle;
+}
+
 // The place for two numbers of [0, 1): the first also chooses between the two triangles that the patch is of.
 vec3 source_place(factor_source s, vec2 u)
 {
+	if (s.covered != 0u)
+		return source_uncovered(s, u);
 	bool second = u.x >= s.share;
 	u.x = second ? (u.x - s.share) / (1.0 - s.share) : u.x / s.share;
 	u = sample_triangle(u);

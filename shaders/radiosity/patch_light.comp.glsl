@@ -53,6 +53,7 @@ struct receiver {
 	vec3 normal;   // unit, the front's
 	float offset;  // metres along it at which rays start
 	float weight;  // area that it stands for, over the patch's, as far as masks leave it there
+	float open;    // the same on the front, where no other body covers it
 };
 
 // What a ray brings if nothing stops it. t_max is -1 if there is no ray.
@@ -85,31 +86,35 @@ vec2 place_of(uint i, uint point)
 	return sample_2d(sampler_make(i, 0u, point, job.seed[0], job.seed[1]), SET_PIXEL);
 }
 
-// The sum of the points' weights.
-float weights_of(uint i, radiosity_patch p)
+// The sums of the points' weights on the back and on the front.
+vec2 weights_of(uint i, radiosity_patch p)
 {
-	if (!may_lack(materials[triangles[p.triangle].material]))
-		return float(push.all);
-	float sum = 0.0;
+	bool lacks = may_lack(materials[triangles[p.triangle].material]);
+	if (!lacks && covers_part(p.covered) == 0u)
+		return vec2(float(push.all));
+	vec2 sum = vec2(0.0);
 	for (uint k = 0u; k < push.all; k++) {
-		patch_point at = patch_point_at(i, p.face, place_of(i, k));
-		sum += at.weight * cover_of(at);
+		vec2 place = place_of(i, k);
+		patch_point at = patch_point_at(i, p.face, place);
+		float weight = at.weight * (lacks ? cover_of(at) : 1.0);
+		sum += vec2(weight, cover_has(p.covered, place) ? 0.0 : weight);
 	}
 	return sum;
 }
 
-receiver receiver_at(uint i, uint face, uint point, float sum)
+receiver receiver_at(uint i, radiosity_patch of, uint point, vec2 sum)
 {
-	patch_point p = patch_point_at(i, face, place_of(i, point));
+	vec2 place = place_of(i, point);
+	patch_point p = patch_point_at(i, of.face, place);
 	triangle tri = triangles[p.id];
 	corners k = corners_of(tri);
 	receiver r;
 	r.at = point_inside(k, p.uv, position_error(k));
 	r.normal = k.normal;
 	r.offset = start_offset(k, r.at);
-	r.weight = p.weight / max(sum, 1e-30);
-	if (may_lack(materials[tri.material]))
-		r.weight *= cover_of(p);
+	float weight = p.weight * (may_lack(materials[tri.material]) ? cover_of(p) : 1.0);
+	r.weight = weight / max(sum.x, 1e-30);
+	r.open = cover_has(of.covered, place) ? 0.0 : weight / max(sum.y, 1e-30);
 	return r;
 }
 
@@ -125,7 +130,7 @@ lit lit_by(uint number, receiver r, vec2 u)
 	l.from = r.at + (l.back ? -r.offset : r.offset) * r.normal;
 	if (light.kind != LIGHT_DIRECTIONAL)
 		l.irradiance = punctual_irradiance(light, l.from, w, l.segment, l.t_max);
-	l.irradiance *= abs(dot(r.normal, w)) * r.weight;
+	l.irradiance *= abs(dot(r.normal, w)) * (l.back ? r.weight : r.open);
 	l.t_max = l.irradiance != vec3(0.0) ? l.t_max : -1.0;
 	return l;
 }
@@ -258,14 +263,16 @@ void main()
 	bool mine = gl_GlobalInvocationID.x < push.count;
 	uint i = push.first + (mine ? gl_GlobalInvocationID.x : 0u);
 	radiosity_patch p = radiosity_patches[i];
-	float sum = weights_of(i, p);
+	vec2 sum = weights_of(i, p);
 	bool lamps = LAMPS && push.light == PATCH_LAMPS;
 	bool sky = SKY != PATCH_SKY_NONE && push.light == NONE;
 	vec3 front = vec3(0.0), back = vec3(0.0);
 	for (uint k = 0u; k < push.points; k++) {
 		uint point = push.point + k;
 		sampler_state rnd = sampler_make(i, 1u + push.back, point, job.seed[0], job.seed[1] ^ push.light);
-		receiver r = receiver_at(i, p.face, point, sum);
+		receiver r = receiver_at(i, p, point, sum);
+		if (push.back == 0u && (sky || lamps))
+			r.weight = r.open;
 		if (EFFECT_ALPHA_BLEND) {
 			trace_chance = hash_combine(rnd.scramble, SET_ALPHA);
 			trace_index = point;

@@ -4,7 +4,15 @@
 #define RADIOSITY_PATCH_POINT_GLSL
 
 #include "common/sampling.glsl"
+#include "radiosity/cover.glsl"
 #include "shared/patch_pass.h"
+
+// The pass that finds what is covered writes it into the patches.
+#ifdef PATCHES_WRITTEN
+#define PATCHES_ACCESS
+#else
+#define PATCHES_ACCESS readonly
+#endif
 
 layout(std430, set = 0, binding = BIND_RADIOSITY_FACES) readonly buffer Faces {
 	radiosity_face radiosity_faces[];
@@ -12,7 +20,7 @@ layout(std430, set = 0, binding = BIND_RADIOSITY_FACES) readonly buffer Faces {
 layout(std430, set = 0, binding = BIND_RADIOSITY_TRIANGLES) readonly buffer FaceWords {
 	uint radiosity_triangles[];
 };
-layout(std430, set = 0, binding = BIND_RADIOSITY_PATCHES) readonly buffer Patches {
+layout(std430, set = 0, binding = BIND_RADIOSITY_PATCHES) PATCHES_ACCESS buffer Patches {
 	radiosity_patch radiosity_patches[];
 };
 layout(std430, set = 0, binding = BIND_PATCH_TRIANGLES) readonly buffer FaceTriangles {

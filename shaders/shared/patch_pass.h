@@ -25,6 +25,8 @@
 #define PATCH_SKY_COSINE 1
 #define PATCH_SKY_BOTH 2 // also by its table
 
+#define PATCH_COVER_RAYS 16u // that tell whether a part of a patch is inside of another body
+
 #define PATCH_GROUP 64 // invocations of a workgroup, a patch each
 
 // A metal whose microfacets have an α (the square of the perceptual roughness) of at most this is a mirror.
@@ -44,7 +46,7 @@ struct patch_push {
 	uint first;
 	uint count;
 	uint light; // light: its number; NONE: the sky; PATCH_LAMPS
-	uint point; // light: the first of the points in this dispatch
+	uint point; // light: the first of the points in this dispatch; cover: the part
 	uint points; // light: how many
 	uint all; // light: of all dispatches
 	uint back; // light, sky and lamps: which side, 0 or 1

@@ -186,17 +186,6 @@ static void advance(struct light *l, uint32_t patches, uint32_t points)
 		l->pass.item_us = 0;
 }
 
-static enum status check_cut(const struct light *l, struct error *err)
-{
-	struct pass_counters counters;
-	const enum status s = buffer_read(&l->pass.counters, l->pass.device, 0, sizeof counters, &counters, err);
-	if (s == STATUS_OK && counters.cut > 0)
-		return error_set(err, STATUS_TRAVERSAL_CUT,
-				 "one patch's rays visit more of this scene than the driver lets a loop run: use a GPU or a "
-				 "newer driver");
-	return s;
-}
-
 enum status light_step(struct light *l, uint32_t budget_us, struct error *err)
 {
 	const uint64_t start = clock_us();
@@ -219,7 +208,7 @@ enum status light_step(struct light *l, uint32_t budget_us, struct error *err)
 		if (clock_us() - start >= budget_us)
 			break;
 	}
-	return s == STATUS_OK ? check_cut(l, err) : s;
+	return s == STATUS_OK ? patch_pass_check(&l->pass, err) : s;
 }
 
 bool light_finished(const struct light *l)

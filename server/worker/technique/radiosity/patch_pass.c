@@ -108,6 +108,17 @@ enum status patch_pass_run(struct patch_pass *p, const struct patch_push *push, 
 	return s;
 }
 
+enum status patch_pass_check(const struct patch_pass *p, struct error *err)
+{
+	struct pass_counters counters;
+	const enum status s = buffer_read(&p->counters, p->device, 0, sizeof counters, &counters, err);
+	if (s == STATUS_OK && counters.cut > 0)
+		return error_set(err, STATUS_TRAVERSAL_CUT,
+				 "one patch's rays visit more of this scene than the driver lets a loop run: use a GPU or a "
+				 "newer driver");
+	return s;
+}
+
 uint32_t patch_pass_fit(const struct patch_pass *p, uint32_t left, uint32_t budget_us)
 {
 	uint32_t count = FIRST_PATCHES;

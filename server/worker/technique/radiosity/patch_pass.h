@@ -53,6 +53,9 @@ enum status patch_pass_compile(struct patch_pass *pass, struct error *err);
 // Run one dispatch over push->count patches, and measure it. Fails likewise.
 enum status patch_pass_run(struct patch_pass *pass, const struct patch_push *push, struct error *err);
 
+// Whether all rays so far came to their ends. STATUS_TRAVERSAL_CUT: the driver ended loops too early.
+enum status patch_pass_check(const struct patch_pass *pass, struct error *err);
+
 // How many of the patches that are left a dispatch of budget_us takes: at least one workgroup.
 uint32_t patch_pass_fit(const struct patch_pass *pass, uint32_t left, uint32_t budget_us);
 

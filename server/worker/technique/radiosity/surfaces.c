@@ -5,7 +5,13 @@
 #include "server/base/clock.h"
 #include "server/scene/ranges.h"
 #include "server/worker/technique/common/scene_traits.h"
+#include "server/worker/trace/trace.h"
+#include "shaders/patch_cover_comp.h"
 #include "shaders/patch_surface_comp.h"
+
+_Static_assert(PATCH_COVER_SIDE *PATCH_COVER_SIDE <= 32 &&
+		   PATCH_COVER_ALL == (1ull << PATCH_COVER_SIDE * PATCH_COVER_SIDE) - 1,
+	       "a part has a bit");
 
 static const struct shader surface_shader = {.name = "patch_surface",
 					     .code = shader_patch_surface_comp,
@@ -13,8 +19,19 @@ static const struct shader surface_shader = {.name = "patch_surface",
 					     .bindings = BIND_RADIOSITY_COUNT,
 					     .push_bytes = sizeof(struct patch_push)};
 
+static const struct shader cover_shader = {.name = "patch_cover",
+					   .code = shader_patch_cover_comp,
+					   .bytes = sizeof shader_patch_cover_comp,
+					   .bindings = BIND_RADIOSITY_COUNT,
+					   .texels = TRACE_TEXELS,
+					   .push_bytes = sizeof(struct patch_push)};
+
+#define TURNS (1 + PATCH_COVER_SIDE * PATCH_COVER_SIDE)
+
 struct surfaces {
 	struct patch_pass pass;
+	struct patch_pass cover;
+	uint32_t turn; // 0: what they are made of; from 1 on a part's cover
 	uint32_t next; // patch
 };
 
@@ -27,21 +44,54 @@ static uint32_t effects_of(const struct plan *plan)
 				1u << candil_Effect_EFFECT_UNLIT);
 }
 
-enum status surfaces_create(const struct patch_scene *of, struct device *device, struct surfaces **out, struct error *err)
+static enum status make_pass(struct patch_pass *pass, const struct patch_scene *of, struct device *device, struct error *err)
 {
-	struct surfaces *s = calloc(1, sizeof *s);
 	const uint32_t effects = effects_of(of->plan);
 	const struct buffer *const own[3] = {NULL};
 	struct constants c = {0};
+	pass->device = device;
+	scene_set_constants(&c, of->scene, effects);
+	constants_set(&c, SPEC_PATCH_COUNT, of->elements->patches.count);
+	enum status s = patch_pass_init(pass, of, effects, false, err);
+	return s == STATUS_OK ? patch_pass_bind(pass, of, &surface_shader, &c, own, err) : s;
+}
+
+// Of the plan's effects, those that change what a ray meets.
+static uint32_t effects_of_rays(const struct plan *plan)
+{
+	const uint32_t alpha = 1u << candil_Effect_EFFECT_ALPHA_MASK | 1u << candil_Effect_EFFECT_ALPHA_BLEND;
+	const uint32_t from = 1u << candil_Effect_EFFECT_TEXTURES | 1u << candil_Effect_EFFECT_VERTEX_COLORS;
+	return plan->effects & alpha ? plan->effects & (alpha | from) : 0;
+}
+
+static enum status make_cover(struct patch_pass *pass, const struct patch_scene *of, struct device *device,
+			      struct error *err)
+{
+	const uint32_t effects = effects_of_rays(of->plan);
+	const struct buffer *const own[3] = {NULL};
+	struct constants c = {0};
+	pass->device = device;
+	enum status s = resident_upload(of->scene, device, TRACE_BINDINGS, err);
+	if (s == STATUS_OK)
+		s = patch_pass_init(pass, of, effects, false, err);
+	if (s != STATUS_OK)
+		return s;
+	const struct trace trace = trace_choose(device, of->scene, TRACE_AUTO);
+	scene_set_constants(&c, of->scene, effects);
+	trace_set_constants(&trace, &c);
+	constants_set(&c, SPEC_PATCH_COUNT, of->elements->patches.count);
+	return patch_pass_bind(pass, of, &cover_shader, &c, own, err);
+}
+
+enum status surfaces_create(const struct patch_scene *of, struct device *device, struct surfaces **out, struct error *err)
+{
+	struct surfaces *s = calloc(1, sizeof *s);
 	*out = NULL;
 	if (!s)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	s->pass.device = device;
-	scene_set_constants(&c, of->scene, effects);
-	constants_set(&c, SPEC_PATCH_COUNT, of->elements->patches.count);
-	enum status status = patch_pass_init(&s->pass, of, effects, false, err);
+	enum status status = make_pass(&s->pass, of, device, err);
 	if (status == STATUS_OK)
-		status = patch_pass_bind(&s->pass, of, &surface_shader, &c, own, err);
+		status = make_cover(&s->cover, of, device, err);
 	if (status != STATUS_OK) {
 		surfaces_destroy(s);
 		return status;
@@ -52,50 +102,59 @@ enum status surfaces_create(const struct patch_scene *of, struct device *device,
 
 void surfaces_destroy(struct surfaces *s)
 {
-	if (s)
-		patch_pass_finish(&s->pass);
+	if (!s)
+		return;
+	patch_pass_finish(&s->pass);
+	if (s->cover.device)
+		patch_pass_finish(&s->cover);
 	free(s);
 }
 
 bool surfaces_compiled(const struct surfaces *s)
 {
-	return patch_pass_compiled(&s->pass);
+	return patch_pass_compiled(&s->pass) && patch_pass_compiled(&s->cover);
 }
 
 enum status surfaces_compile(struct surfaces *s, struct error *err)
 {
-	return patch_pass_compile(&s->pass, err);
+	const enum status status = patch_pass_compile(&s->pass, err);
+	return status == STATUS_OK ? patch_pass_compile(&s->cover, err) : status;
 }
 
 enum status surfaces_step(struct surfaces *s, uint32_t budget_us, struct error *err)
 {
 	const uint64_t start = clock_us();
 	enum status status = STATUS_OK;
-	do {
+	while (status == STATUS_OK && !surfaces_finished(s)) {
+		struct patch_pass *pass = s->turn == 0 ? &s->pass : &s->cover;
 		const uint64_t spent = clock_us() - start;
 		const uint32_t left = spent < budget_us ? budget_us - (uint32_t)spent : 0;
 		const struct patch_push push = {.first = s->next,
-						.count = patch_pass_fit(&s->pass, s->pass.patches - s->next, left)};
-		if (push.count > 0)
-			status = patch_pass_run(&s->pass, &push, err);
+						.count = patch_pass_fit(pass, pass->patches - s->next, left),
+						.point = s->turn == 0 ? 0 : s->turn - 1};
+		status = patch_pass_run(pass, &push, err);
 		s->next += push.count;
-	} while (status == STATUS_OK && !surfaces_finished(s) && clock_us() - start < budget_us);
-	return status;
+		s->turn += s->next == pass->patches;
+		s->next = s->next == pass->patches ? 0 : s->next;
+		if (clock_us() - start >= budget_us)
+			break;
+	}
+	return status == STATUS_OK ? patch_pass_check(&s->cover, err) : status;
 }
 
 bool surfaces_finished(const struct surfaces *s)
 {
-	return s->next >= s->pass.patches;
+	return s->pass.patches == 0 || s->turn == TURNS;
 }
 
 float surfaces_progress(const struct surfaces *s)
 {
-	return s->pass.patches ? (float)s->next / (float)s->pass.patches : 1.0f;
+	return surfaces_finished(s) ? 1 : ((float)s->turn + (float)s->next / (float)s->pass.patches) / TURNS;
 }
 
 uint64_t surfaces_bytes(uint32_t faces)
 {
-	return sizeof(struct scene_params) + sizeof(struct pass_counters) + (uint64_t)faces * 2 * sizeof(uint32_t);
+	return 2 * (sizeof(struct scene_params) + sizeof(struct pass_counters) + (uint64_t)faces * 2 * sizeof(uint32_t));
 }
 
 bool surfaces_may_mirror(const struct blob_view *scene)

@@ -13,6 +13,10 @@
 // - other metals are diffuse, of their base colour, and so is everything where EFFECT_GLOSSY is not among the effects;
 // - dielectrics are diffuse, of their base colour, and their specular lobe is left out; glass is opaque;
 // - what is unlit is black, and does not emit: it only hides what is behind it.
+//
+// Of each patch it also finds what other bodies cover, as a block does of the floor that it stands on: of PATCH_COVER_SIDE²
+// parts those from whose middle all of PATCH_COVER_RAYS rays meet backs. No light gets there. So what a front receives, from
+// lights and by rows of rays, is a mean over the rest of it alone.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_SURFACES_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_SURFACES_H
 
@@ -26,11 +30,12 @@ enum status surfaces_create(const struct patch_scene *of, struct device *device,
 			    struct error *err);
 void surfaces_destroy(struct surfaces *surfaces);
 
-// Compile its code, unless that has been done. It is a second on a software device.
+// Compile its code, unless that has been done. It takes seconds on a software device.
 bool surfaces_compiled(const struct surfaces *surfaces);
 enum status surfaces_compile(struct surfaces *surfaces, struct error *err);
 
-// Work for about budget_us, at least one dispatch. What comes out does not depend on the budgets.
+// Work for about budget_us, at least one dispatch. What comes out does not depend on the budgets. STATUS_TRAVERSAL_CUT: the
+// driver ended loops too early, and what is covered is not known.
 enum status surfaces_step(struct surfaces *surfaces, uint32_t budget_us, struct error *err);
 
 // Whether it is over, and the share of it that is done.
