@@ -90,6 +90,7 @@ def requests():
             "describe": (6, pb.Describe(name="box").SerializeToString()),
             "render": (7, render()),
             "edited": (7, edited()),
+            "imported": (7, imported()),
             "auto": (7, auto()),
             "cancel": (8, pb.Cancel(request=7).SerializeToString()),
             "stats": (9, b""),
