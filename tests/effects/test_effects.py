@@ -91,7 +91,19 @@ class Off(unittest.TestCase):
 
     def test_direct_sees_through_no_glass(self):
         direct = daemon.render(make.cornell_glass(daemon.folder), spp=1, arguments=["--technique", "direct"])
-        self.assertEqual([states(direct)[e] for e in ("glass", "alpha-blend", "caustics")], ["unsupported"] * 3)
+        self.assertEqual([states(direct)[e] for e in ("glass", "caustics")], ["unsupported"] * 2)
+
+    def test_what_the_scene_lacks_is_absent_whoever_could(self):
+        """Of glass in a scene without any nobody is told that another technique can; with it, and where it is asked for, they are."""
+        scene = make.lit_floor(daemon.folder, "spot")
+        for technique in ("direct", "radiosity", "vct", "pt"):
+            none, asked = (daemon.render(scene, size=(8, 8), spp=1, arguments=["--technique", technique, *more])
+                           for more in ((), ("--effects=+glass",)))
+            for effect in ("glass", "alpha-blend", "clearcoat", "caustics"):
+                told = {e["name"]: e for e in none.report["effects"]}[effect]
+                self.assertEqual(told["state"], "absent", (technique, effect))
+                self.assertNotIn("can", told["why"])
+            self.assertEqual(states(asked)["glass"], "forced" if technique in ("pt", "vct") else "unsupported")
 
     def test_lights_off_is_black(self):
         off = daemon.render(make.lit_floor(daemon.folder, "spot"), spp=4, arguments=["--effects", "-lights"])

@@ -166,6 +166,19 @@ static uint32_t facts_here(const candil_Render *r, const struct blob_view *scene
 	return facts_given(scene, hidden, forced);
 }
 
+// The scene's facts and a plan where some technique does this request that can do everything, and no effect but `effect` is
+// switched off.
+static uint32_t facts_elsewhere(candil_Effect effect, const candil_Render *r, const struct blob_view *scene, struct plan *p)
+{
+	uint32_t hidden = 0, forced = 0;
+	for (unsigned i = 0; i < EFFECT_COUNT; i++) {
+		hidden |= i != effect && !allowed((candil_Effect)i, r) ? calling_facts[i] : 0;
+		forced |= i != effect && allowed((candil_Effect)i, r) && r->effects_on >> i & 1u ? calling_facts[i] : 0;
+	}
+	p->depth = LIMIT_DEPTH;
+	return facts_given(scene, hidden, forced);
+}
+
 // Why a scene does not call for an effect. `named`: what it has by name.
 static const char *why_absent(candil_Effect effect, const candil_Render *r, const struct plan *p, uint32_t facts,
 			      uint32_t named)
@@ -176,14 +189,28 @@ static const char *why_absent(candil_Effect effect, const candil_Render *r, cons
 	return named & calling_facts[effect] ? words->inert : words->absent;
 }
 
+// Why a technique lacks an effect that a scene or the request calls for, as cannot(). What nothing calls for is not lacking;
+// NULL then, too.
+static const char *lacks(candil_Effect effect, const candil_Render *r, const struct blob_view *scene,
+			 const struct technique *technique, const struct plan *p)
+{
+	struct plan elsewhere = *p;
+	const char *why = cannot(technique, p, effect);
+	if (!why || r->effects_on >> effect & 1u)
+		return why;
+	const uint32_t facts = facts_elsewhere(effect, r, scene, &elsewhere);
+	return called_for(effect, r, &elsewhere, facts) ? why : NULL;
+}
+
 // Decide what becomes of an effect, and the reason to report.
-static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t facts, uint32_t named,
-		   const struct technique *technique, const struct plan *p)
+static void decide(candil_EffectReport *report, const candil_Render *r, const struct blob_view *scene, uint32_t facts,
+		   uint32_t named, const struct technique *technique, const struct plan *p)
 {
 	const candil_Effect effect = report->effect;
 	const struct effect_words *words = effect_words(effect);
 	const uint32_t bit = 1u << effect;
-	const char *why_not = cannot(technique, p, effect);
+	const bool can = !cannot(technique, p, effect);
+	const char *why_not = lacks(effect, r, scene, technique, p);
 	if (why_not) {
 		explain(report, candil_EffectState_EFFECT_STATE_UNSUPPORTED, why_not);
 		if (!*why_not)
@@ -192,14 +219,14 @@ static void decide(candil_EffectReport *report, const candil_Render *r, uint32_t
 		explain(report, candil_EffectState_EFFECT_STATE_SWITCHED_OFF, words->substitute);
 	} else if (effect == candil_Effect_EFFECT_ENVIRONMENT && p->default_light) {
 		explain(report, candil_EffectState_EFFECT_STATE_SIMULATED, "nothing else gives light: a neutral sky does");
-	} else if (called_for(effect, r, p, facts)) {
+	} else if (can && called_for(effect, r, p, facts)) {
 		const char *how = technique->simulates ? technique->simulates(p, effect) : NULL;
 		explain(report, candil_EffectState_EFFECT_STATE_SIMULATED, how ? how : words->simulated);
 	} else {
 		explain(report,
 			r->effects_on & bit ? candil_EffectState_EFFECT_STATE_FORCED
 					    : candil_EffectState_EFFECT_STATE_ABSENT,
-			why_absent(effect, r, p, facts, named));
+			why_absent(effect, r, p, can ? facts : 0, named));
 	}
 }
 
@@ -215,7 +242,7 @@ void plan_effects(const candil_Render *r, const struct blob_view *scene, const s
 		candil_EffectReport *report = &p->reports[p->report_count++];
 		*report = (candil_EffectReport)candil_EffectReport_init_zero;
 		report->effect = (candil_Effect)i;
-		decide(report, r, facts, named, technique, p);
+		decide(report, r, scene, facts, named, technique, p);
 		if (report->state == candil_EffectState_EFFECT_STATE_SIMULATED ||
 		    report->state == candil_EffectState_EFFECT_STATE_FORCED)
 			p->effects |= 1u << i;
