@@ -9,6 +9,7 @@
 #include "server/worker/devices.h"
 #include "server/worker/plan/effects.h"
 #include "server/worker/plan/make.h"
+#include "server/worker/plan/needs.h"
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/vk/device.h"
 
@@ -43,6 +44,7 @@ void job_accept(const struct stock *s, const struct job *job, candil_Accepted *o
 		snprintf(out->notes[out->notes_count++], sizeof out->notes[0], "%s", job->scene->edited.note);
 	if (job->technique->notes)
 		job->technique->notes(job->scene, &job->plan, out);
+	needs_note(&job->request, job->technique, &job->plan, out);
 }
 
 uint64_t stock_left(const struct stock *s)

@@ -46,6 +46,7 @@
 #include "candil.pb.h"
 #include "server/base/error.h"
 #include "server/base/estimate.h"
+#include "server/worker/plan/needs.h"
 #include "server/worker/plan/option.h"
 
 struct devices; // worker/devices.h
@@ -88,6 +89,10 @@ struct technique {
 	// Refuse options that contradict each other: STATUS_BAD_ARGUMENT. plan->settings holds all of them; of the rest of
 	// the plan only what is copied from the request is set. NULL: any combination is fine.
 	enum status (*check)(const struct plan *plan, struct error *err);
+
+	// What options need of others to do anything, ended by one without an option. What is given in vain is told in a
+	// note. NULL: every option does something.
+	const struct option_need *needs;
 
 	// The most scattering events of a path from camera to light, by the settings. 1: direct light alone.
 	uint32_t (*depth)(const struct plan *plan);

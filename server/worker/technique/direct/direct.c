@@ -117,6 +117,7 @@ static enum status direct_read(struct technique_job *job, struct frame **frame, 
 
 const struct technique technique_direct = {.number = candil_Technique_TECHNIQUE_DIRECT,
 					   .options = options,
+					   .needs = direct_needs,
 					   .defaults = direct_options_default,
 					   .depth = direct_depth,
 					   .effects = DEFERRED_EFFECTS,

@@ -14,6 +14,13 @@ const struct option_rule direct_rules[DIRECT_RULE_COUNT] = {
     OPTION_WHOLE("direct.rows", 0, LIMIT_SIDE, struct direct_settings, rows),
 };
 
+static bool maps(const struct plan *plan)
+{
+	return direct_settings(plan)->shadows == DIRECT_SHADOWS_MAP;
+}
+
+const struct option_need direct_needs[] = {{"direct.map", "direct.shadows=map", maps}, {0}};
+
 void direct_options_default(void *settings)
 {
 	struct direct_settings *s = settings;

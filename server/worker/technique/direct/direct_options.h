@@ -2,6 +2,7 @@
 #ifndef CANDIL_WORKER_DIRECT_OPTIONS_H
 #define CANDIL_WORKER_DIRECT_OPTIONS_H
 
+#include "server/worker/plan/needs.h"
 #include "server/worker/plan/option.h"
 #include "server/worker/plan/plan.h"
 
@@ -21,6 +22,9 @@ struct direct_settings {
 // The rules of the options, for an option_table in the technique's list.
 #define DIRECT_RULE_COUNT 4u
 extern const struct option_rule direct_rules[DIRECT_RULE_COUNT];
+
+// What they need: struct technique's `needs` of direct itself.
+extern const struct option_need direct_needs[];
 
 // Fill in the defaults: struct technique's `defaults`.
 void direct_options_default(void *settings);

@@ -264,6 +264,7 @@ static enum status radiosity_read(struct technique_job *j, struct frame **frame,
 
 const struct technique technique_radiosity = {.number = candil_Technique_TECHNIQUE_RADIOSITY,
 					      .options = radiosity_options,
+					      .needs = radiosity_needs,
 					      .defaults = radiosity_options_default,
 					      .check = radiosity_options_check,
 					      .depth = radiosity_depth,

@@ -48,6 +48,79 @@ const struct option_table radiosity_options[] = {
     {direct_rules, DIRECT_RULE_COUNT, offsetof(struct radiosity_settings, direct)},
     {0}};
 
+// ---- what they need ----------------------------------------------------------------------------------------------------
+
+static bool makes_a_picture(const struct plan *plan)
+{
+	return format_is_picture(plan->format);
+}
+
+static bool shows_light(const struct plan *plan)
+{
+	return radiosity_settings(plan)->show == RADIOSITY_SHOW_NONE;
+}
+
+static bool gathers(const struct plan *plan)
+{
+	return radiosity_settings(plan)->display == RADIOSITY_DISPLAY_GATHER;
+}
+
+static bool has_maps(const struct plan *plan)
+{
+	return direct_settings(plan)->shadows == DIRECT_SHADOWS_MAP;
+}
+
+static bool has_rays(const struct plan *plan)
+{
+	return radiosity_settings(plan)->factors != ROWS_BY_HEMICUBE;
+}
+
+static bool has_hemicubes(const struct plan *plan)
+{
+	return radiosity_settings(plan)->factors == ROWS_BY_HEMICUBE;
+}
+
+static bool may_mirror(const struct plan *plan)
+{
+	return radiosity_settings(plan)->factors != ROWS_BY_CONTOUR;
+}
+
+static bool mirrors(const struct plan *plan)
+{
+	return radiosity_has_mirrors(radiosity_settings(plan)) && plan_has(plan, candil_Effect_EFFECT_GLOSSY);
+}
+
+static bool is_cut_by_count(const struct plan *plan)
+{
+	return !(radiosity_settings(plan)->edge > 0);
+}
+
+#define GATHERED(option) \
+	{option, "a picture", makes_a_picture}, {option, "radiosity.show=none", shows_light}, \
+	{ \
+		option, "radiosity.display=gather", gathers \
+	}
+
+const struct option_need radiosity_needs[] = {{"radiosity.patches", "radiosity.edge=0", is_cut_by_count},
+					      {"radiosity.rays", "radiosity.factors=hemisphere or analytic", has_rays},
+					      {"radiosity.hemicube", "radiosity.factors=hemicube", has_hemicubes},
+					      {"radiosity.origins", "radiosity.factors=hemicube", has_hemicubes},
+					      {"radiosity.mirrors", "radiosity.factors=hemisphere or hemicube", may_mirror},
+					      {"radiosity.bounces", "mirrors", mirrors},
+					      {"radiosity.display", "a picture", makes_a_picture},
+					      {"radiosity.display", "radiosity.show=none", shows_light},
+					      {"radiosity.show", "a picture", makes_a_picture},
+					      {"radiosity.row", "a picture", makes_a_picture},
+					      GATHERED("radiosity.gather"),
+					      GATHERED("direct.samples"),
+					      GATHERED("direct.shadows"),
+					      GATHERED("direct.map"),
+					      {"direct.map", "direct.shadows=map", has_maps},
+					      {"direct.rows", "a picture", makes_a_picture},
+					      {0}};
+
+// ---- the rest -----------------------------------------------------------------------------------------------------------
+
 void radiosity_options_default(void *settings)
 {
 	struct radiosity_settings *s = settings;

@@ -52,8 +52,9 @@ struct radiosity_settings {
 	uint32_t row; // the element whose row is shown; NONE: the one in the picture's middle
 };
 
-// struct technique's `options`, `defaults` and `check`.
+// struct technique's `options`, `needs`, `defaults` and `check`.
 extern const struct option_table radiosity_options[];
+extern const struct option_need radiosity_needs[];
 void radiosity_options_default(void *settings);
 enum status radiosity_options_check(const struct plan *plan, struct error *err);
 

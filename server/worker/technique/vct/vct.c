@@ -314,6 +314,7 @@ static void vct_settle(struct plan *plan, uint32_t allowed)
 
 const struct technique technique_vct = {.number = candil_Technique_TECHNIQUE_VCT,
 					.options = vct_options,
+					.needs = vct_needs,
 					.defaults = vct_options_default,
 					.check = vct_options_check,
 					.depth = vct_depth,

@@ -53,6 +53,45 @@ static const struct option_rule rules[] = {
 const struct option_table vct_options[] = {
     {rules, sizeof rules / sizeof *rules, 0}, {direct_rules, DIRECT_RULE_COUNT, offsetof(struct vct_settings, direct)}, {0}};
 
+static bool shadows_by_rays(const struct plan *plan)
+{
+	return vct_settings(plan)->shadows == VCT_SHADOWS_RAYS;
+}
+
+static bool shadows_by_maps(const struct plan *plan)
+{
+	return vct_settings(plan)->shadows == VCT_SHADOWS_MAP ||
+	       (shadows_by_rays(plan) && direct_settings(plan)->shadows == DIRECT_SHADOWS_MAP);
+}
+
+static bool shadows_by_cones(const struct plan *plan)
+{
+	return vct_settings(plan)->shadows == VCT_SHADOWS_CONES;
+}
+
+static bool is_ambient(const struct plan *plan)
+{
+	return vct_settings(plan)->marching.ambient > 0;
+}
+
+static bool shows_a_slice(const struct plan *plan)
+{
+	return vct_settings(plan)->slice != NONE;
+}
+
+static bool shows_no_voxels(const struct plan *plan)
+{
+	return vct_settings(plan)->show == VCT_SHOW_NONE;
+}
+
+const struct option_need vct_needs[] = {{"vct.shadow_aperture", "vct.shadows=cones", shadows_by_cones},
+					{"vct.ao", "vct.ambient", is_ambient},
+					{"vct.axis", "vct.slice", shows_a_slice},
+					{"vct.detail", "vct.show=none", shows_no_voxels},
+					{"direct.shadows", "vct.shadows=rays", shadows_by_rays},
+					{"direct.map", "vct.shadows=map", shadows_by_maps},
+					{0}};
+
 void vct_options_default(void *settings)
 {
 	struct vct_settings *s = settings;

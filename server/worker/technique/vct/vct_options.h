@@ -40,8 +40,9 @@ struct vct_settings {
 	uint32_t slice; // its cell along that axis; NONE: the camera's view
 };
 
-// struct technique's `options`, `defaults` and `check`.
+// struct technique's `options`, `needs`, `defaults` and `check`.
 extern const struct option_table vct_options[];
+extern const struct option_need vct_needs[];
 void vct_options_default(void *settings);
 enum status vct_options_check(const struct plan *plan, struct error *err);
 
