@@ -43,6 +43,7 @@
 #define LIMIT_SAMPLES 16777216u // per pixel, first_sample + samples: 2^24
 #define LIMIT_SAMPLES_TIMES_PIXELS (1ull << 44)
 #define LIMIT_DEPTH 4096u // pt.depth
+#define DEPTH_UNBOUNDED 65535u // an Accepted's `depth` where light scatters on until next to nothing is left
 #define LIMIT_DIRECT_SAMPLES 64u // direct.samples
 #define LIMIT_MAP_LIGHTS 16u // lights of a scene that have shadow maps, the strongest; the others' shadows are by rays
 #define LIMIT_VCT_BOUNCES 8u // vct.bounces

@@ -360,6 +360,10 @@ static const char *settle_format(struct render_options *options, const struct gi
 		return NULL;
 	if (which != BY_RENDER)
 		return "ply and mtx are no pictures: candil render makes them, and candil inspect beside its pictures";
+	if (options->request.progressive || options->request.deadline_ms > 0)
+		return "a file of patches comes whole, when it is ready: leave --progressive and --time out";
+	if (options->request.technique == CANDIL_TECHNIQUE_AUTO)
+		options->request.technique = (enum candil_technique)technique_with(TECHNIQUE_PATCHES);
 	return given->exposure || given->view ? "--exposure and --view are for PNG" : NULL;
 }
 

@@ -98,8 +98,11 @@ void report_print(const struct report *r, FILE *stream)
 	if (r->made_width != request->width || r->made_height != request->height)
 		fprintf(stream, "made of    %" PRIu32 "x%" PRIu32 " pixels, scaled: --time left none for more\n",
 			r->made_width, r->made_height);
-	fprintf(stream, "technique  %s, %" PRIu32 " sample%s, depth %" PRIu32 ", on %s\n",
-		candil_technique_name(r->accepted.technique), done->samples, cli_s(done->samples), r->accepted.depth,
+	char depth[16] = "unbounded";
+	if (r->accepted.depth != DEPTH_UNBOUNDED)
+		snprintf(depth, sizeof(depth), "%" PRIu32, r->accepted.depth);
+	fprintf(stream, "technique  %s, %" PRIu32 " sample%s, depth %s, on %s\n",
+		candil_technique_name(r->accepted.technique), done->samples, cli_s(done->samples), depth,
 		done->device[0] ? done->device : r->accepted.device);
 	report_print_stages(done, stream);
 	print_effects(&r->accepted, true, stream);

@@ -21,7 +21,8 @@ struct report {
 	"\"first_sample\", \"seed\",\n" \
 	"\"scene\", \"scene_hash\", \"camera\": {\"source\": \"scene\"|\"given\"|\"framed\", " \
 	"\"name\", \"eye\",\n" \
-	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\", \"device\", \"job_bytes\",\n" \
+	"\"target\", \"up\", \"vfov_degrees\"}, \"technique\", \"depth\" (how often light scatters at most;\n" \
+	"65535: until next to nothing is left), \"device\", \"job_bytes\",\n" \
 	"\"effects\": [{\"name\", \"state\", \"why\", where measured \"cost_us\", \"share\"}],\n" \
 	"\"warnings\": [] (about the scene), \"warnings_more\", \"notes\": [], \"default_light\" (whether it was given),\n" \
 	"\"verdict\": {\"black\", \"clipped\", \"missed\"} (shares of the pixels; null: it is no picture), \"stages\": " \

@@ -77,7 +77,7 @@ enum status request_load(const uint8_t *body, size_t bytes, candil_Load *load, s
 		load->metres_per_unit = 1;
 	if (!isfinite(load->metres_per_unit) || load->metres_per_unit < 1 / METRES_PER_UNIT_MAX ||
 	    load->metres_per_unit > METRES_PER_UNIT_MAX)
-		return error_set(err, STATUS_BAD_ARGUMENT, "metres_per_unit is between 1e-9 and 1e9, or 0 for 1");
+		return error_set(err, STATUS_BAD_ARGUMENT, "a unit is between 1e-9 and 1e9 metres, or 0 for 1");
 	return STATUS_OK;
 }
 
@@ -131,7 +131,8 @@ static enum status check_size(candil_Render *r, struct error *err)
 	if (r->samples == 0)
 		r->samples = default_samples(r);
 	if ((uint64_t)r->first_sample + r->samples > LIMIT_SAMPLES)
-		return error_set(err, STATUS_LIMIT, "first_sample + samples is at most %u", LIMIT_SAMPLES);
+		return error_set(err, STATUS_LIMIT, "the first sample's number and the samples are at most %u together",
+				 LIMIT_SAMPLES);
 	if (r->samples * pixels > LIMIT_SAMPLES_TIMES_PIXELS)
 		return error_set(err, STATUS_LIMIT, "samples times pixels is at most %llu: split the samples over requests",
 				 LIMIT_SAMPLES_TIMES_PIXELS);
@@ -194,7 +195,7 @@ static enum status check_camera(candil_Camera *c, const candil_Lens *lens, struc
 				 LIMIT_COORDINATE);
 	const bool needs_angle = lens->projection == candil_Projection_PROJECTION_CAMERA;
 	if (needs_angle && !(c->vfov_degrees > 0 && c->vfov_degrees < 180))
-		return error_set(err, STATUS_BAD_ARGUMENT, "vfov_degrees is above 0 and below 180");
+		return error_set(err, STATUS_BAD_ARGUMENT, "a camera's angle of view is above 0 and below 180 degrees");
 	return check_directions(c, err);
 }
 
@@ -265,8 +266,8 @@ static enum status check_environment(candil_Render *r, struct error *err)
 	if (check_name(e->scene, "picture", err) != STATUS_OK)
 		return err->code;
 	if (!(fabs(e->rotation_degrees) <= LIMIT_TURN_DEGREES))
-		return error_set(err, STATUS_BAD_ARGUMENT, "rotation_degrees is between -%g and %g", LIMIT_TURN_DEGREES,
-				 LIMIT_TURN_DEGREES);
+		return error_set(err, STATUS_BAD_ARGUMENT, "a picture of surroundings is turned by -%g to %g degrees",
+				 LIMIT_TURN_DEGREES, LIMIT_TURN_DEGREES);
 	if (e->scale == 0)
 		e->scale = 1;
 	if (!(e->scale >= 1 / LIMIT_ENVIRONMENT_SCALE && e->scale <= LIMIT_ENVIRONMENT_SCALE))
@@ -292,7 +293,7 @@ static enum status check_file(const candil_Render *r, struct error *err)
 	if (r->progressive || r->deadline_ms > 0)
 		return error_set(
 		    err, STATUS_BAD_ARGUMENT,
-		    "a file of patches comes whole, when it is ready: leave `progressive` and `deadline_ms` out");
+		    "a file of patches comes whole, when it is ready: leave intermediate images and the deadline out");
 	return STATUS_OK;
 }
 
@@ -309,14 +310,14 @@ static enum status check_output(candil_Render *r, struct error *err)
 	if (r->aovs && r->format != candil_Format_FORMAT_EXR_HALF && r->format != candil_Format_FORMAT_EXR_FLOAT)
 		return error_set(err, STATUS_BAD_ARGUMENT, "AOVs need an EXR: other files have no place for them");
 	if (!(fabs(r->exposure_ev) <= LIMIT_EXPOSURE_EV))
-		return error_set(err, STATUS_BAD_ARGUMENT, "exposure_ev is between -%g and %g", LIMIT_EXPOSURE_EV,
+		return error_set(err, STATUS_BAD_ARGUMENT, "an exposure is between -%g and %g stops", LIMIT_EXPOSURE_EV,
 				 LIMIT_EXPOSURE_EV);
 	if (r->has_background && !within(&r->background, 0, LIMIT_RADIANCE))
 		return error_set(err, STATUS_BAD_ARGUMENT, "a background's components are between 0 and %g", LIMIT_RADIANCE);
 	if (r->progress_ms == 0)
 		r->progress_ms = DEFAULT_PROGRESS_MS;
 	if (r->progress_ms > LIMIT_PROGRESS_MS)
-		return error_set(err, STATUS_LIMIT, "progress_ms is at most %u", LIMIT_PROGRESS_MS);
+		return error_set(err, STATUS_LIMIT, "progress is told every %u ms at least", LIMIT_PROGRESS_MS);
 	return STATUS_OK;
 }
 

@@ -22,7 +22,7 @@ static enum status check_spot(const candil_Light *l, struct error *err)
 	if (l->inner_degrees >= 0 && l->outer_degrees > l->inner_degrees && l->outer_degrees <= 90)
 		return STATUS_OK;
 	return error_set(err, STATUS_BAD_ARGUMENT,
-			 "a spot's inner_degrees are from 0 to below its outer_degrees, and those at most 90");
+			 "a spot's inner angle is from 0 to below its outer one, and that at most 90 degrees");
 }
 
 static enum status check_light(const candil_Light *l, struct error *err)
@@ -52,7 +52,7 @@ static enum status check_light(const candil_Light *l, struct error *err)
 	}
 	if (traits & LIGHT_HAS_DISC && !(l->angle_degrees >= 0 && l->angle_degrees < 180))
 		return error_set(err, STATUS_BAD_ARGUMENT,
-				 "a directional light's angle_degrees are from 0 to below 180, across its disc");
+				 "a directional light's angle is from 0 to below 180 degrees, across its disc");
 	return traits & LIGHT_HAS_CONE ? check_spot(l, err) : STATUS_OK;
 }
 

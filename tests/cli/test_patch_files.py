@@ -291,10 +291,20 @@ class Command(unittest.TestCase):
         flux = (ply.of["area"][:, None] * ply.colour("b")).sum(axis=0, dtype=numpy.float64)
         numpy.testing.assert_allclose(flux, 24 * numpy.pi, rtol=1e-4)
 
+    def test_the_technique_that_writes_them_is_taken(self):
+        scene = rooms.uniform_room(daemon.folder, .5)
+        for more in ([], ["--technique", "auto"]):
+            path = os.path.join(daemon.folder, "auto.ply")
+            _, out, _ = daemon.candil("render", scene, "-o", path, "--json", "--set", "radiosity.patches=54",
+                                      "--set", "radiosity.rays=16", *more)
+            self.assertEqual(json.loads(out)["technique"], "radiosity")
+            with open(path, "rb") as file:
+                self.assertEqual(len(Ply(file.read()).faces), 108)
+
     def test_what_cannot_be(self):
         scene = make.cornell(daemon.folder)
-        for arguments, word in ((["-o", "x.ply"], "radiosity"), (["-o", "x.mtx", "--technique", "vct"], "radiosity"),
-                                (["-o", "x.ply", "--technique", "radiosity", "--time", "1000"], "deadline_ms"),
+        for arguments, word in ((["-o", "x.ply", "--technique", "pt"], "needs radiosity"), (["-o", "x.mtx", "--technique", "vct"], "needs radiosity"),
+                                (["-o", "x.ply", "--technique", "radiosity", "--time", "1000"], "leave --progressive and --time out"),
                                 (["-o", "x.ply", "--technique", "radiosity", "--aov", "id"], "--aov"),
                                 (["-o", "x.ply", "--technique", "radiosity", "--exposure", "1"], "PNG"),
                                 (["-o", "x.obj", "--technique", "radiosity"], ".mtx")):

@@ -103,8 +103,10 @@ static enum status choose_row(const struct technique_job *j, uint32_t *element, 
 	if (e->count == 0)
 		return error_set(err, STATUS_BAD_ARGUMENT, "the scene has no surface, and so no row to show");
 	if (asked != NONE && asked >= e->count)
-		return error_set(err, STATUS_BAD_ARGUMENT, "radiosity.row is %u: the elements are 0 to %u", asked,
-				 e->count - 1);
+		return error_set(err, STATUS_BAD_ARGUMENT,
+				 "there is no element %u for radiosity.row: the scene has %u patches by these options, so "
+				 "elements 0 to %u, first all fronts and then all backs",
+				 asked, e->patches.count, e->count - 1);
 	*element = asked != NONE
 		       ? asked
 		       : display_element_seen(e, &j->scene->view, &j->plan, 0.5 * j->plan.width, 0.5 * j->plan.height);

@@ -40,7 +40,7 @@ static const struct option_rule rules[] = {
     OPTION_WORD("radiosity.display", displays, struct radiosity_settings, display),
     OPTION_WHOLE("radiosity.gather", 1, LIMIT_RADIOSITY_GATHER, struct radiosity_settings, gather),
     OPTION_WORD("radiosity.show", shows, struct radiosity_settings, show),
-    OPTION_WHOLE("radiosity.row", 0, 2 * PATCHES_MOST - 1, struct radiosity_settings, row),
+    OPTION_WHOLE("radiosity.row", 0, NONE - 1, struct radiosity_settings, row),
 };
 
 const struct option_table radiosity_options[] = {

@@ -18,7 +18,6 @@
 #include "server/worker/technique/technique.h"
 
 #define SKY_POINTS 16u // of a patch for one of those that look at lights
-#define DEPTH 65535u // light scatters on until the solver ends
 
 // ---- what is asked for --------------------------------------------------------------------------------------------------
 
@@ -209,7 +208,7 @@ void radiosity_advise(const struct devices *devices, struct resident_scene *scen
 uint32_t radiosity_depth(const struct plan *plan)
 {
 	(void)plan;
-	return DEPTH;
+	return DEPTH_UNBOUNDED; // the solver ends it
 }
 
 const char *radiosity_cannot(const struct plan *plan, candil_Effect effect)
