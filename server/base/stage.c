@@ -19,7 +19,8 @@ enum stage_kind stage_kind(const char *name)
 	    {"wait", STAGE_FIXED},         {"encoder", STAGE_FIXED},     {"host", STAGE_PIXEL},
 	    {"surfaces", STAGE_SETUP},     {"patch-light", STAGE_SETUP}, {"factors", STAGE_SETUP},
 	    {"solve", STAGE_SETUP},        {"corners", STAGE_SETUP},     {"preview", STAGE_PIXEL},
-	    {"size", STAGE_QUEUE},         {"import", STAGE_SETUP},
+	    {"size", STAGE_QUEUE},         {"residual", STAGE_SETUP},    {"project", STAGE_SETUP},
+	    {"import", STAGE_SETUP},
 	};
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
 		if (strcmp(name, kinds[i].name) == 0)

@@ -9,6 +9,7 @@
 #include "server/base/clock.h"
 #include "server/worker/devices.h"
 #include "server/worker/technique/radiosity/factors_check.h"
+#include "server/worker/technique/radiosity/factors_project.h"
 #include "server/worker/technique/radiosity/solver.h"
 #include "server/worker/vk/device.h"
 
@@ -198,12 +199,14 @@ static void bench_solve(struct device *device, uint32_t patches, uint32_t entrie
 	const double start = processor_us();
 	need(factors_check(&f, area, &report, &err));
 	const double checked = processor_us();
-	need(factors_average(&f, area, &err));
-	const double averaged = processor_us();
-	need(factors_close(&f, &err));
-	fprintf(stderr, "%u patches: processors' ms to check %.0f, to average %.0f, to close %.0f; reciprocity %.2g, %.2g\n",
-		patches, (checked - start) * 1e-3, (averaged - checked) * 1e-3, (processor_us() - averaged) * 1e-3,
-		report.reciprocity_most, report.reciprocity_mean);
+	struct factors_projection projection;
+	need(factors_projection_init(&projection, &f, area, NULL, &(struct factors_wish){true, true}, &err));
+	while (!factors_projection_finished(&projection))
+		need(factors_projection_step(&projection, 20000, &err));
+	factors_projection_finish(&projection);
+	fprintf(stderr, "%u patches: processors' ms to check %.0f, to project %.0f; reciprocity %.2g, %.2g\n", patches,
+		(checked - start) * 1e-3, (processor_us() - checked) * 1e-3, report.reciprocity_most,
+		report.reciprocity_mean);
 	factors_finish(&f);
 	free(exitance);
 	free(albedo);

@@ -181,7 +181,9 @@ class Files(unittest.TestCase):
             matrix[i, entries["column"][first:first + count]] = entries["value"][first:first + count]
         self.assertEqual(matrix.tobytes(), self.matrix.tobytes())
         # Another program may sort them by columns.
-        head, lines = self.mtx_bytes.splitlines(True)[:5], self.mtx_bytes.splitlines(True)[5:]
+        lines = self.mtx_bytes.splitlines(True)
+        begin = sum(line.startswith(b"%") for line in lines) + 1
+        head, lines = lines[:begin], lines[begin:]
         sorted_path = self.saved("sorted.mtx", b"".join(head + sorted(lines, key=lambda line: int(line.split()[1]))))
         again = section_of(sorted_path, (ROWS, ROW), (ENTRIES, ENTRY))
         for was, now in zip((rows, entries), again):
@@ -252,6 +254,37 @@ class Files(unittest.TestCase):
         seen = {pixel.tobytes() for pixel in self.picture.radiance.reshape(-1, 3)}
         self.assertGreater(len(seen), 50)
         self.assertLessEqual(seen, known)
+
+    def test_the_residual_that_a_picture_shows(self):
+        """|B - M - rho (D + F (B - s M))| by the two files, element by element, of a solver that ended early; and less of it where
+        it goes on."""
+        most = []
+        for residual, emitters in ((1e-1, "factors"), (1e-3, "points"), (1e-5, "factors")):
+            options = dict(patches=200, rays=256, emitters=emitters, solver="jacobi", residual=residual)
+            ply = Ply(file_of(self.scene, "ply", **options)[0])
+            matrix = read_mtx(file_of(self.scene, "mtx", **options)[0].decode())[0].astype(numpy.float64)
+            b, m, d, rho = (ply.colour(name).astype(numpy.float64) for name in ("b", "m", "d", "rho"))
+            right = numpy.abs(b - m - rho * (d + matrix @ (b - ply.of["straight"][:, None] * m)))
+            seen = {what: daemon.render(self.scene, size=(48, 48), spp=1, arguments=["--technique", "radiosity"],
+                                        options={f"radiosity.{k}": v for k, v in {**options, "show": what}.items()})
+                    for what in ("b", "residual")}
+            self.assertIn("residual", {s["name"] for s in seen["residual"].report["stages"]})
+            self.assertNotIn("residual", {s["name"] for s in seen["b"].report["stages"]})
+            elements = {}
+            for element, row in enumerate(ply.colour("b")):
+                elements.setdefault(row.tobytes(), []).append(element)
+            compared = 0
+            for of, value in zip(seen["b"].radiance.reshape(-1, 3), seen["residual"].radiance.reshape(-1, 3)):
+                errors = [float(numpy.abs(right[element] - value).max()) for element in elements.get(of.tobytes(), ())]
+                if of.any() and errors:
+                    self.assertLess(min(errors), 1e-6 * float(b.max()))
+                    compared += 1
+            self.assertGreater(compared, 1000)
+            most.append(float(seen["residual"].radiance.max()) / float(b.max()))
+            self.assertLess(most[-1], residual)
+        self.assertGreater(most[0], 1e-4)
+        print("largest residual over the largest B:", most)
+        self.assertEqual(most, sorted(most, reverse=True))
 
     def test_the_same_bytes_whatever_was_asked_for_before(self):
         options = dict(patches=100, rays=64)

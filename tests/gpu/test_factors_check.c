@@ -13,6 +13,7 @@
 
 #include "server/worker/devices.h"
 #include "server/worker/technique/radiosity/factors_check.h"
+#include "server/worker/technique/radiosity/factors_project.h"
 #include "server/worker/vk/device.h"
 #include "tests/gpu/solver_model.h"
 
@@ -118,6 +119,21 @@ static void read_back(const struct factors *f, struct system *s)
 	}
 }
 
+// Put a projection in place of the matrix. By slices of `budget_us`.
+static void project(struct factors *f, const float *area, bool average, bool close, uint32_t budget_us)
+{
+	const struct factors_wish wish = {average, close};
+	struct factors_projection p;
+	struct factors made;
+	assert_int_equal(factors_projection_init(&p, f, area, NULL, &wish, &err), STATUS_OK);
+	while (!factors_projection_finished(&p))
+		assert_int_equal(factors_projection_step(&p, budget_us, &err), STATUS_OK);
+	factors_projection_take(&p, &made);
+	factors_projection_finish(&p);
+	factors_finish(f);
+	*f = made;
+}
+
 static void reports_are_right(void **state)
 {
 	(void)state;
@@ -146,8 +162,8 @@ static void a_matrix_without_rows_has_a_report(void **state)
 		assert_int_equal(factors_init(&f, device, side, &err), STATUS_OK);
 		assert_int_equal(factors_check(&f, area, &r, &err), STATUS_OK);
 		assert_true(r.rows == 0 && r.pairs == 0 && r.sum_mean == 0 && r.reciprocity_mean == 0);
-		assert_int_equal(factors_close(&f, &err), STATUS_OK);
-		assert_int_equal(factors_average(&f, area, &err), STATUS_OK);
+		project(&f, area, true, true, 0);
+		project(&f, area, false, true, 0);
 		factors_finish(&f);
 	}
 }
@@ -167,7 +183,7 @@ static void closing_makes_sums_one(void **state)
 		}
 	s = system_make(150);
 	memcpy(s.area, was.area, 150 * sizeof(float));
-	assert_int_equal(factors_close(&f, &err), STATUS_OK);
+	project(&f, s.area, false, true, 0);
 	read_back(&f, &s);
 	check_report(&s, &f);
 	assert_int_equal(factors_check(&f, s.area, &r, &err), STATUS_OK);
@@ -199,7 +215,7 @@ static void averaging_makes_it_reciprocal(void **state)
 	system_put(&was, device, 2000, &f);
 	f.rows[7].escaped = 0.25f;
 	f.rows[8].cut = 0.5f;
-	assert_int_equal(factors_average(&f, s.area, &err), STATUS_OK);
+	project(&f, s.area, true, false, 100000);
 	read_back(&f, &s);
 	check_report(&s, &f);
 	assert_int_equal(factors_check(&f, s.area, &r, &err), STATUS_OK);
@@ -349,6 +365,99 @@ static void rows_are_taken_over_from_another_matrix(void **state)
 	system_free(&s);
 }
 
+// Rows of a sphere, each by so many independent rays.
+static void sample_rows(struct system *s, uint32_t rays)
+{
+	double all = 0;
+	for (uint32_t i = 0; i < s->count; i++)
+		all += (double)s->area[i];
+	memset(s->matrix, 0, (size_t)s->count * s->count * sizeof(float));
+	for (uint32_t ray = 0; ray < rays * s->count; ray++) {
+		double left = model_draw_unit() * all;
+		uint32_t j = 0;
+		while (j + 1 < s->count && left >= (double)s->area[j])
+			left -= (double)s->area[j++];
+		s->matrix[(size_t)(ray / rays) * s->count + j] += 1.0f / (float)rays;
+	}
+}
+
+static void independent_rays_are_as_reciprocal_as_chance_has_it(void **state)
+{
+	(void)state;
+	static const uint32_t rays[4] = {40, 150, 1000, 5000};
+	model_seed(15);
+	for (int k = 0; k < 4; k++) {
+		struct factors f;
+		struct factors_check check;
+		struct system s = system_make(150);
+		system_add_sphere(&s, 0, 150);
+		sample_rows(&s, rays[k]);
+		system_put(&s, device, 0, &f);
+		assert_int_equal(factors_check_init(&check, &f, s.area, NULL, &err), STATUS_OK);
+		check.rays = rays[k];
+		while (!factors_check_finished(&check))
+			assert_int_equal(factors_check_step(&check, 100000, &err), STATUS_OK);
+		const struct factors_report *r = &check.report;
+		printf("%u rays: they differ by %.4f of the light exchanged, by chance %.4f\n", rays[k], r->reciprocity_mean,
+		       r->reciprocity_chance);
+		assert_true(fabs(r->reciprocity_mean / r->reciprocity_chance - 1) < 0.1);
+		factors_check_finish(&check);
+		factors_finish(&f);
+		system_free(&s);
+	}
+}
+
+// A projection of some rows is that of a matrix without the others, which stays as it is, and to which rows come meanwhile;
+// whatever the slices.
+static void projections_are_of_some_rows(void **state)
+{
+	(void)state;
+	static const struct factors_wish both = {true, true};
+	model_seed(16);
+	struct factors f, made[2];
+	struct system s = noisy(201), was = system_make(201), a = system_make(201), b = system_make(201);
+	const uint32_t columns[2] = {3, 9};
+	const float values[2] = {0.25f, 0.5f};
+	uint8_t *which = calloc(s.count, 1);
+	system_put(&s, device, 4000, &f);
+	for (uint32_t i = 0; i < 100; i++)
+		which[i] = i != 5;
+	for (int k = 0; k < 2; k++) {
+		struct factors_projection p;
+		assert_int_equal(factors_projection_init(&p, &f, s.area, which, &both, &err), STATUS_OK);
+		for (uint32_t steps = 0; !factors_projection_finished(&p); steps++) {
+			assert_int_equal(factors_projection_step(&p, k == 0 ? 0 : 100000, &err), STATUS_OK);
+			if (k == 0 && steps % 7 == 0) {
+				const struct factors_put put = {.element = 150 + steps};
+				assert_int_equal(factors_put_row(&f, &put, columns, values, 2, &err), STATUS_OK);
+				assert_int_equal(factors_compact(&f, &err), STATUS_OK);
+			}
+		}
+		factors_projection_take(&p, &made[k]);
+		factors_projection_finish(&p);
+	}
+	read_back(&f, &was);
+	for (uint32_t i = 0; i < 100; i++)
+		assert_memory_equal(was.matrix + (size_t)201 * i, s.matrix + (size_t)201 * i, 201 * sizeof(float));
+	read_back(&made[0], &a);
+	read_back(&made[1], &b);
+	assert_memory_equal(a.matrix, b.matrix, (size_t)201 * 201 * sizeof(float));
+	for (uint32_t i = 0; i < s.count; i++)
+		if (!which[i])
+			factors_remove_row(&f, i);
+	project(&f, s.area, true, true, 100000);
+	read_back(&f, &was);
+	assert_memory_equal(a.matrix, was.matrix, (size_t)201 * 201 * sizeof(float));
+	factors_finish(&f);
+	factors_finish(&made[0]);
+	factors_finish(&made[1]);
+	system_free(&s);
+	system_free(&was);
+	system_free(&a);
+	system_free(&b);
+	free(which);
+}
+
 static void memory_that_the_host_does_not_see_is_copied(void **state)
 {
 	(void)state;
@@ -365,11 +474,11 @@ static void memory_that_the_host_does_not_see_is_copied(void **state)
 		if (k == 1)
 			hide(f);
 		assert_int_equal(factors_put_row(f, &put, columns, values, 2, &err), STATUS_OK);
-		assert_int_equal(factors_close(f, &err), STATUS_OK);
-		assert_int_equal(factors_average(f, s.area, &err), STATUS_OK);
+		project(f, s.area, false, true, 100000);
+		project(f, s.area, true, false, 100000);
 		if (k == 1)
 			hide(f);
-		assert_int_equal(factors_close(f, &err), STATUS_OK);
+		project(f, s.area, false, true, 100000);
 		assert_int_equal(factors_compact(f, &err), STATUS_OK);
 		read_back(f, k == 0 ? &a : &b);
 	}
@@ -396,6 +505,8 @@ int main(void)
 					   cmocka_unit_test(slices_of_some_rows_while_others_come),
 					   cmocka_unit_test(windows_have_the_rows_of_the_matrix),
 					   cmocka_unit_test(rows_are_taken_over_from_another_matrix),
+					   cmocka_unit_test(projections_are_of_some_rows),
+					   cmocka_unit_test(independent_rays_are_as_reciprocal_as_chance_has_it),
 					   cmocka_unit_test(memory_that_the_host_does_not_see_is_copied)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	devices_finish(&(struct devices){.vk = device});

@@ -342,6 +342,87 @@ static void systems_without_elements_or_factors_end(void **state)
 	}
 }
 
+// B - M - ρ (D + F B) of a start, by the device in slices of `budget_us`.
+static void find_residual(const struct system *s, const struct factors *f, const float *start, uint32_t budget_us,
+			  float *found)
+{
+	const struct solver_problem p = {.factors = f,
+					 .exitance = s->exitance,
+					 .albedo = s->albedo,
+					 .irradiance = s->irradiance,
+					 .area = s->area,
+					 .residual = 1e-6,
+					 .iterations = 100,
+					 .start = start};
+	struct solver *solver;
+	assert_int_equal(solver_create(&p, device, &solver, &err), STATUS_OK);
+	while (!solver_finished(solver))
+		assert_int_equal(solver_step(solver, budget_us, &err), STATUS_OK);
+	assert_int_equal(solver_iterations(solver), 1);
+	assert_int_equal(solver_read_residual(solver, found, &err), STATUS_OK);
+	solver_destroy(solver);
+}
+
+// The same in double on the host. Returns the largest B.
+static double model_residual(const struct system *s, const float *start, double *residual)
+{
+	double most = 0;
+	for (uint32_t i = 0; i < s->count; i++)
+		for (uint32_t c = 0; c < 3; c++) {
+			double h = (double)s->irradiance[3 * i + c];
+			for (uint32_t j = 0; j < s->count; j++)
+				h += (double)s->matrix[(size_t)i * s->count + j] *
+				     ((double)s->exitance[3 * j + c] +
+				      (double)s->albedo[3 * j + c] * (double)start[3 * j + c]);
+			residual[3 * i + c] = (double)s->albedo[3 * i + c] * ((double)start[3 * i + c] - h);
+			most = fmax(most, (double)s->exitance[3 * i + c] +
+					      (double)s->albedo[3 * i + c] * (double)start[3 * i + c]);
+		}
+	return most;
+}
+
+// Returns the largest residual, relative to the largest B.
+static double check_residual(const struct system *s, const struct factors *f, const float *start)
+{
+	float found[900], again[900];
+	double right[900], worst = 0, largest = 0;
+	const double most = model_residual(s, start, right);
+	find_residual(s, f, start, 100000, found);
+	find_residual(s, f, start, 1, again);
+	for (uint32_t i = 0; i < 900; i++) {
+		worst = fmax(worst, fabs((double)found[i] - right[i]));
+		largest = fmax(largest, fabs(right[i]));
+	}
+	printf("residual %.3g of B at most, found to %.2g of it\n", largest / most, worst / largest);
+	assert_true(worst <= 1e-6 * largest + 1e-10 * most);
+	assert_memory_equal(found, again, sizeof found);
+	return largest / most;
+}
+
+static void the_residual_of_any_light_is_that_of_the_host(void **state)
+{
+	(void)state;
+	model_seed(9);
+	struct system s = system_make(300);
+	struct factors f;
+	float start[900];
+	system_fill(&s, 3, 0.95);
+	system_put(&s, device, 4000, &f);
+	for (uint32_t i = 0; i < 900; i++)
+		start[i] = (float)(3 * model_draw_unit());
+	double before = check_residual(&s, &f, start);
+	for (int digits = 2; digits <= 6; digits++) {
+		struct solved r = system_run(&s, &f, device, SOLVER_GRADIENT, pow(10, -digits), 1000, 100000);
+		assert_int_equal(r.status, STATUS_OK);
+		const double after = check_residual(&s, &f, r.irradiance);
+		assert_true(after <= pow(10, -digits) && after <= before);
+		before = after;
+		free(r.irradiance);
+	}
+	factors_finish(&f);
+	system_free(&s);
+}
+
 static void what_is_no_number_is_refused(void **state)
 {
 	(void)state;
@@ -372,6 +453,7 @@ int main(void)
 					   cmocka_unit_test(white_surfaces_are_solved_where_light_is_lost),
 					   cmocka_unit_test(the_limit_of_iterations_holds),
 					   cmocka_unit_test(systems_without_elements_or_factors_end),
+					   cmocka_unit_test(the_residual_of_any_light_is_that_of_the_host),
 					   cmocka_unit_test(what_is_no_number_is_refused)};
 	const int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	const bool valid = atomic_load(&device->validation_errors) == 0;

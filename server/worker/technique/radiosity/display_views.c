@@ -84,7 +84,7 @@ void display_view_fill(enum display_view view, const struct display_source *s, f
 		fill_normals(s->elements, values);
 		break;
 	case DISPLAY_VIEW_RESIDUAL:
-		spread(s->residual, s->elements->count, values);
+		memcpy(values, s->residual, 3 * (size_t)s->elements->count * sizeof *values);
 		break;
 	case DISPLAY_VIEW_ROW:
 		fill_row(s, values);

@@ -13,7 +13,7 @@ enum display_view {
 	DISPLAY_VIEW_ALBEDO, // diffuse reflectance
 	DISPLAY_VIEW_ID, // a colour that no other element has
 	DISPLAY_VIEW_NORMAL, // 0.5 + 0.5 × the normal of the side
-	DISPLAY_VIEW_RESIDUAL, // what the solver has left over, W/m², grey
+	DISPLAY_VIEW_RESIDUAL, // magnitude of what the solver has left over (residual.h), W/m²
 	DISPLAY_VIEW_ROW // form factors of one element to each, over the largest of them, grey
 };
 
@@ -22,7 +22,7 @@ struct display_source {
 	const struct elements *elements;
 	const struct radiosity_surface *surfaces; // B, E, ALBEDO
 	const float *irradiance; // B: 3 each, W/m²
-	const float *residual; // RESIDUAL: 1 each
+	const float *residual; // RESIDUAL: 3 each, W/m²
 	const uint32_t *columns; // ROW: of the row's entries
 	const float *factors; // ROW: their values
 	uint32_t entries; // ROW

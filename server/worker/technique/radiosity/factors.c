@@ -156,30 +156,6 @@ enum status factors_find(struct factors *f, const uint32_t *counts, uint32_t n, 
 // ---- rows
 // -----------------------------------------------------------------------------------------------------------------
 
-enum status factors_write(const struct factors *f, const struct buffer *b, uint32_t first, const void *data, uint32_t count,
-			  struct error *err)
-{
-	const uint64_t offset = (uint64_t)first * sizeof(uint32_t), bytes = (uint64_t)count * sizeof(uint32_t);
-	if (b->map) {
-		memcpy((char *)b->map + offset, data, bytes);
-		return STATUS_OK;
-	}
-	struct buffer staging;
-	enum status s = buffer_init(&staging, f->device, bytes, BUFFER_STAGING, err);
-	if (s != STATUS_OK)
-		return s;
-	memcpy(staging.map, data, bytes);
-	s = command_begin(f->device, err);
-	if (s == STATUS_OK) {
-		const VkBufferCopy region = {.dstOffset = offset, .size = bytes};
-		vkCmdCopyBuffer(f->device->commands, staging.handle, b->handle, 1, &region);
-		command_barrier(f->device);
-		s = command_finish(f->device, err);
-	}
-	buffer_finish(&staging, f->device);
-	return s;
-}
-
 static bool is_row(const uint32_t *columns, const float *values, uint32_t count, uint32_t side)
 {
 	for (uint32_t k = 0; k < count; k++)

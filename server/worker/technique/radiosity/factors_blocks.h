@@ -29,11 +29,6 @@ enum status factors_find(struct factors *factors, const uint32_t *counts, uint32
 // Take back what factors_find found, before any row was put there.
 void factors_undo(struct factors *factors, const struct factors_mark *before);
 
-// Write `count` words from the entry `first` on to a buffer of a block, which the host may not see. STATUS_MEMORY,
-// STATUS_DEVICE.
-enum status factors_write(const struct factors *factors, const struct buffer *buffer, uint32_t first, const void *data,
-			  uint32_t count, struct error *err);
-
 // Compact the matrix if so much of it is holes that it pays and there is room for it.
 void factors_tidy(struct factors *factors);
 

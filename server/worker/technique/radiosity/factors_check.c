@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "server/base/angle.h"
 #include "server/base/clock.h"
 
 #define ROWS_AT_ONCE 16u // between two looks at the clock
@@ -34,6 +35,16 @@ static void look_at_values(struct factors_report *r, const struct row_view *row)
 	}
 }
 
+// The mean difference of a pair's two fluxes A_i F_ij and A_j F_ji, which are the same in truth, where each is found by how
+// many of so many independent rays meet the other element, and their sum is known: `met` rays in all. Of equal areas each of
+// these is as likely the one's as the other's, so that a single ray makes a difference of the whole sum, and many that of a
+// normal distribution, sum sqrt(2 / (π met)). This goes from one to the other.
+static double difference_by_chance(double sum, double areas, uint32_t rays)
+{
+	const double met = areas > 0 ? 2 * sum * rays / areas : 0;
+	return sum / sqrt(1 + 0.5 * PI * fmax(met - 1, 0));
+}
+
 // Rows are gone through in order, so in each of the others what is looked for moves on, and one pass over all suffices:
 // `next` is for each row its first entry not before the column that was looked for last.
 static void look_at_pairs(struct factors_check *c, uint32_t i, const struct row_view *row)
@@ -57,6 +68,7 @@ static void look_at_pairs(struct factors_check *c, uint32_t i, const struct row_
 		if (most > 0)
 			r->reciprocity_most = fmax(r->reciprocity_most, fabs(a - b) / most);
 		c->differences += fabs(a - b);
+		c->by_chance += difference_by_chance(a + b, (double)c->area[i] + (double)c->area[j], c->rays);
 		c->fluxes += most;
 	}
 }
@@ -79,6 +91,9 @@ static void conclude(struct factors_check *c)
 		r->all_mean /= r->rows;
 	}
 	r->reciprocity_mean = c->fluxes > 0 ? c->differences / c->fluxes : 0;
+	// Of two numbers the larger is half of their sum and of their difference.
+	const double sums = 2 * c->fluxes - c->differences;
+	r->reciprocity_chance = c->rays > 0 && sums > 0 ? 2 * c->by_chance / (sums + c->by_chance) : 0;
 	c->concluded = true;
 }
 

@@ -1,6 +1,6 @@
 // What is known of form factors beforehand: the sum of a row with what escaped and what was cut off is 1, because all light
 // of an element goes somewhere, and A_i F_ij = A_j F_ji, reciprocity (Sillion and Puech 1994, "Radiosity and Global
-// Illumination", §2.3). How far a matrix keeps to it, and projections onto matrices that do. On the host: seven seconds of
+// Illumination", §2.3). How far a matrix keeps to it (factors_project.h makes one that does). On the host: seven seconds of
 // one processor for ninety million entries, and on a GPU memory of the host for all of them. Device's thread only.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_CHECK_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_FACTORS_CHECK_H
@@ -23,6 +23,7 @@ struct factors_report {
 	// the larger.
 	uint64_t pairs;
 	double reciprocity_most, reciprocity_mean;
+	double reciprocity_chance; // what the mean would be about if the rays of each row were independent; 0: not known
 	uint64_t decades[FACTORS_DECADES]; // entries of 10^-1 and more, of 10^-2 and more, …; the last: all below
 };
 
@@ -34,6 +35,8 @@ struct factors_check {
 	uint32_t row; // the next
 	uint32_t *next;
 	double differences, fluxes;
+	uint32_t rays; // that a row is a sample of; 0, as after factors_check_init: not known
+	double by_chance; // the differences that so many independent rays would make
 	bool concluded;
 	struct factors_report report; // once it is finished
 };
@@ -53,14 +56,5 @@ void factors_check_finish(struct factors_check *check);
 // All at once, of all rows.
 enum status factors_check(const struct factors *factors, const float *area, struct factors_report *report,
 			  struct error *err);
-
-// Scale every row so that Σ F + escaped + cut = 1. A row without entries stays as it is. STATUS_MEMORY, STATUS_DEVICE: some
-// rows may be scaled.
-enum status factors_close(struct factors *factors, struct error *err);
-
-// Replace A_i F_ij and A_j F_ji by their mean, wherever both rows were put. Rows get the entries that only the other had.
-// Their sums change: factors_close may follow, and undoes a part of it. Needs memory for the matrix old and new.
-// STATUS_MEMORY, STATUS_DEVICE: the matrix is as it was.
-enum status factors_average(struct factors *factors, const float *area, struct error *err);
 
 #endif

@@ -153,7 +153,7 @@ static struct imported_element element_of(const struct patch_file *f, uint32_t e
 {
 	const struct elements *e = elements_of(f);
 	const struct solution *v = f->solution;
-	const struct factors_row *row = &v->factors->factors.rows[element];
+	const struct factors_row *row = &solution_matrix(v)->rows[element];
 	const size_t three = 3 * (size_t)element;
 	const bool reached = v->reached[element];
 	const uint32_t patch = element % e->patches.count;
@@ -208,7 +208,7 @@ static enum status put_ply_item(struct patch_file *f, struct error *err)
 
 static enum status begin_matrix(struct patch_file *f, struct error *err)
 {
-	const struct factors *m = &f->solution->factors->factors;
+	const struct factors *m = solution_matrix(f->solution);
 	const struct blob_header *blob = f->scene->view.blob;
 	f->end = elements_of(f)->count;
 	for (uint32_t i = 0; i < f->end; i++)
@@ -223,6 +223,7 @@ static enum status begin_matrix(struct patch_file *f, struct error *err)
 				"%% candil: form factors of scene %016llx%016llx\n"
 				"%% row i, column j: share of the light of element i - 1 that arrives at element j - 1;\n"
 				"%% elements are the faces of the PLY, in its order\n"
+				"%% rows by rays are samples: single entries are noisy, sums of many are not\n"
 				"%u %u %llu\n",
 				(unsigned long long)blob->hash[1], (unsigned long long)blob->hash[0], f->end, f->end,
 				(unsigned long long)f->entries));
@@ -234,7 +235,7 @@ static enum status put_row(struct patch_file *f, uint32_t element, struct error 
 	if (!f->solution->reached[element])
 		return STATUS_OK;
 	struct row_view row;
-	const enum status s = factors_window_row(&f->window, &f->solution->factors->factors, element, &row, err);
+	const enum status s = factors_window_row(&f->window, solution_matrix(f->solution), element, &row, err);
 	if (s != STATUS_OK)
 		return s;
 	for (uint32_t k = 0; k < row.count; k++) {

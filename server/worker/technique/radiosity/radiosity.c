@@ -14,6 +14,7 @@
 #include "server/worker/technique/radiosity/prospect.h"
 #include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/radiosity_plan.h"
+#include "server/worker/technique/radiosity/residual.h"
 #include "server/worker/technique/radiosity/survey.h"
 #include "server/worker/trace/trace.h"
 
@@ -27,8 +28,9 @@ struct technique_job {
 	bool made; // some of the solution was made by this job
 	double fraction; // of the solution, told so far
 	struct survey *survey; // NULL: nothing of form factors is shown
+	struct residual *residual; // where radiosity.show shows it
 	struct patch_file *file; // NULL: a picture is made, or the file is not begun
-	uint64_t survey_us, file_us; // host time of them
+	uint64_t survey_us, residual_us, file_us; // host time of them
 	bool placed; // what is shown is on OpenGL
 	struct display_field field; // of a view
 	struct display display;
@@ -45,6 +47,7 @@ static void radiosity_end(struct technique_job *j)
 	display_finish(&j->display);
 	display_field_finish(&j->field);
 	patch_file_destroy(j->file);
+	residual_destroy(j->residual);
 	survey_destroy(j->survey);
 	solution_release(j->solution);
 	free(j);
@@ -123,7 +126,8 @@ static enum status fill_view(const struct technique_job *j, float *values, struc
 	static const enum display_view views[] = {
 	    [RADIOSITY_SHOW_B] = DISPLAY_VIEW_B,           [RADIOSITY_SHOW_E] = DISPLAY_VIEW_E,
 	    [RADIOSITY_SHOW_ALBEDO] = DISPLAY_VIEW_ALBEDO, [RADIOSITY_SHOW_ID] = DISPLAY_VIEW_ID,
-	    [RADIOSITY_SHOW_NORMAL] = DISPLAY_VIEW_NORMAL, [RADIOSITY_SHOW_ROW] = DISPLAY_VIEW_ROW};
+	    [RADIOSITY_SHOW_NORMAL] = DISPLAY_VIEW_NORMAL, [RADIOSITY_SHOW_RESIDUAL] = DISPLAY_VIEW_RESIDUAL,
+	    [RADIOSITY_SHOW_ROW] = DISPLAY_VIEW_ROW};
 	const struct solution *v = j->solution;
 	const uint32_t show = radiosity_settings(&j->plan)->show;
 	struct display_source source = {
@@ -131,15 +135,17 @@ static enum status fill_view(const struct technique_job *j, float *values, struc
 	uint32_t *columns = NULL, element;
 	float *factors = NULL;
 	enum status s = STATUS_OK;
+	if (j->residual)
+		source.residual = residual_values(j->residual);
 	if (show == RADIOSITY_SHOW_ROW) {
 		s = choose_row(j, &element, err);
 		if (s == STATUS_OK && v->reached[element])
-			s = factors_read_row(&v->factors->factors, element, &columns, &factors, err);
+			s = factors_read_row(solution_matrix(v), element, &columns, &factors, err);
 		if (s != STATUS_OK)
 			return s;
 		source.columns = columns;
 		source.factors = factors;
-		source.entries = columns ? v->factors->factors.rows[element].count : 0;
+		source.entries = columns ? solution_matrix(v)->rows[element].count : 0;
 	}
 	display_view_fill(views[show], &source, values);
 	free(columns);
@@ -179,6 +185,22 @@ static double fraction_of(const struct technique_job *j, double shown)
 	return j->made ? SOLVE_SHARE + (1 - SOLVE_SHARE) * shown : shown;
 }
 
+static bool lacks_residual(const struct technique_job *j)
+{
+	return radiosity_settings(&j->plan)->show == RADIOSITY_SHOW_RESIDUAL && !makes_file(&j->plan) &&
+	       !(j->residual && residual_finished(j->residual));
+}
+
+static enum status step_residual(struct technique_job *j, uint32_t budget_us, struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = j->residual ? STATUS_OK : residual_create(j->solution, &j->residual, err);
+	if (s == STATUS_OK)
+		s = residual_step(j->residual, budget_us, err);
+	j->residual_us += clock_us() - start;
+	return s;
+}
+
 static enum status step_file(struct technique_job *j, uint32_t budget_us, struct step_result *result, struct error *err)
 {
 	const uint64_t start = clock_us();
@@ -210,6 +232,8 @@ static enum status radiosity_step(struct technique_job *j, uint32_t budget_us, s
 	result->fraction = fraction_of(j, 0);
 	if (j->survey && !survey_finished(j->survey))
 		return step_survey(j, budget_us, err);
+	if (lacks_residual(j))
+		return step_residual(j, budget_us, err);
 	if (makes_file(&j->plan))
 		return step_file(j, budget_us, result, err);
 	if (!j->placed)
@@ -253,8 +277,12 @@ static enum status radiosity_read(struct technique_job *j, struct frame **frame,
 		radiosity_work(j->solution, j->scene, &j->plan, j->made, &(*frame)->work);
 	if (j->survey_us > 0)
 		frame_add_stage(*frame, "check", j->survey_us);
+	if (j->residual_us > 0)
+		frame_add_stage(*frame, "residual", j->residual_us);
 	if (j->display.options.plain)
 		survey_account(j->solution, *frame);
+	if (j->residual)
+		frame_add_figure(*frame, "residual.most", residual_most(j->residual), "W/m²");
 	return STATUS_OK;
 }
 

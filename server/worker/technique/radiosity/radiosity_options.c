@@ -17,12 +17,13 @@ static const char *const factor_ways[] = {"hemisphere", "hemicube", "analytic", 
 static const char *const mirror_ways[] = {"auto", "on", "off", "portal", NULL};
 static const char *const pixel_words[] = {"16", "32", "64", "128", "256", "512", "1024", NULL};
 static const uint32_t pixel_numbers[] = {16, 32, 64, 128, 256, 512, 1024};
+static const char *const projections[] = {"none", "sums", "both", NULL};
 static const char *const solvers[] = {"gradient", "jacobi", "gauss-seidel", NULL};
 static const char *const point_words[] = {"1", "4", "16", "64", "256", "1024", "4096", NULL};
 static const uint32_t point_numbers[] = {1, 4, 16, 64, 256, 1024, LIMIT_RADIOSITY_POINTS};
 static const char *const emitter_ways[] = {"auto", "points", "factors", NULL};
 static const char *const displays[] = {"vertex", "constant", "gather", NULL};
-static const char *const shows[] = {"none", "b", "e", "albedo", "id", "normal", "row", NULL};
+static const char *const shows[] = {"none", "b", "e", "albedo", "id", "normal", "residual", "row", NULL};
 
 static const struct option_rule rules[] = {
     OPTION_REAL("radiosity.edge", 0, 1e12, struct radiosity_settings, edge),
@@ -35,6 +36,7 @@ static const struct option_rule rules[] = {
     OPTION_WHOLE("radiosity.bounces", 0, LIMIT_RADIOSITY_BOUNCES, struct radiosity_settings, bounces),
     OPTION_NUMBER("radiosity.points", point_words, point_numbers, struct radiosity_settings, points),
     OPTION_WORD("radiosity.emitters", emitter_ways, struct radiosity_settings, emitters),
+    OPTION_WORD("radiosity.project", projections, struct radiosity_settings, project),
     OPTION_WORD("radiosity.solver", solvers, struct radiosity_settings, solver),
     OPTION_REAL("radiosity.residual", 1e-7, 0.1, struct radiosity_settings, residual),
     OPTION_WORD("radiosity.display", displays, struct radiosity_settings, display),
@@ -90,6 +92,11 @@ static bool mirrors(const struct plan *plan)
 	return radiosity_has_mirrors(radiosity_settings(plan)) && plan_has(plan, candil_Effect_EFFECT_GLOSSY);
 }
 
+static bool makes_factors(const struct plan *plan)
+{
+	return plan->imported.elements == 0;
+}
+
 static bool is_cut_by_count(const struct plan *plan)
 {
 	return !(radiosity_settings(plan)->edge > 0);
@@ -107,6 +114,7 @@ const struct option_need radiosity_needs[] = {{"radiosity.patches", "radiosity.e
 					      {"radiosity.origins", "radiosity.factors=hemicube", has_hemicubes},
 					      {"radiosity.mirrors", "radiosity.factors=hemisphere or hemicube", may_mirror},
 					      {"radiosity.bounces", "mirrors", mirrors},
+					      {"radiosity.project", "factors that are made, not imported", makes_factors},
 					      {"radiosity.display", "a picture", makes_a_picture},
 					      {"radiosity.display", "radiosity.show=none", shows_light},
 					      {"radiosity.show", "a picture", makes_a_picture},
@@ -139,7 +147,8 @@ void radiosity_options_default(void *settings)
 enum status radiosity_options_check(const struct plan *plan, struct error *err)
 {
 	const struct radiosity_settings *s = radiosity_settings(plan);
-	if (imported_solution(plan) && (s->show == RADIOSITY_SHOW_ROW || plan->format == candil_Format_FORMAT_MTX))
+	if (imported_solution(plan) && (s->show == RADIOSITY_SHOW_ROW || s->show == RADIOSITY_SHOW_RESIDUAL ||
+					plan->format == candil_Format_FORMAT_MTX))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "the imported file is a solution, and has no form factors: import those, a .mtx, or leave "
 				 "out " TECHNIQUE_OPTION_IMPORT);

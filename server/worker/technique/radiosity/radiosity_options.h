@@ -20,6 +20,9 @@ enum radiosity_emitters { RADIOSITY_EMITTERS_AUTO, RADIOSITY_EMITTERS_POINTS, RA
 // How light is shown: between the corners of patches, by patch, or by a gather.
 enum radiosity_display { RADIOSITY_DISPLAY_VERTEX, RADIOSITY_DISPLAY_CONSTANT, RADIOSITY_DISPLAY_GATHER };
 
+// What form factors are projected onto (factors_project.h): nothing; rows that sum up to 1; those, and pairs that agree.
+enum radiosity_project { RADIOSITY_PROJECT_NONE, RADIOSITY_PROJECT_SUMS, RADIOSITY_PROJECT_BOTH };
+
 // What is shown in place of light.
 enum radiosity_show {
 	RADIOSITY_SHOW_NONE,
@@ -28,6 +31,7 @@ enum radiosity_show {
 	RADIOSITY_SHOW_ALBEDO,
 	RADIOSITY_SHOW_ID,
 	RADIOSITY_SHOW_NORMAL,
+	RADIOSITY_SHOW_RESIDUAL,
 	RADIOSITY_SHOW_ROW
 };
 
@@ -44,6 +48,7 @@ struct radiosity_settings {
 	uint32_t bounces; // of a ray by mirrors, at most
 	uint32_t points; // of a patch, from which lights are looked at
 	uint32_t emitters; // enum radiosity_emitters
+	uint32_t project; // enum radiosity_project
 	uint32_t solver; // enum solver_way
 	float residual; // the solver ends there
 	uint32_t display; // enum radiosity_display

@@ -64,6 +64,9 @@ void radiosity_solution_options(const struct plan *plan, const struct resident_s
 	o->points = s->points;
 	o->sky_points = s->points < LIMIT_RADIOSITY_POINTS / SKY_POINTS ? SKY_POINTS * s->points : LIMIT_RADIOSITY_POINTS;
 	o->emitters = s->emitters;
+	// Light that mirrors pass on counts at each of them, so that sums of rows say nothing; imported rows may have met
+	// some.
+	o->project = o->factors.rows.mirrors || plan->imported.elements > 0 ? RADIOSITY_PROJECT_NONE : s->project;
 	o->solver = s->solver;
 	o->residual = s->residual;
 	if (plan_has_sky(plan)) {
@@ -182,7 +185,10 @@ uint64_t radiosity_bytes(const struct devices *devices, struct resident_scene *s
 	return (format_is_picture(plan->format) ? shown : 0) + element_buffers_bytes(triangles, triangles, patches) +
 	       surfaces_bytes(triangles) + (taken ? 0 : light_bytes(plan, triangles, patches)) +
 	       row_maker_bytes(&of, &rows) + (taken ? 0 : solver_bytes(2 * patches)) +
-	       factors_bytes_most((uint64_t)entries, patches);
+	       factors_bytes_most((uint64_t)entries, patches) +
+	       (radiosity_settings(plan)->project != RADIOSITY_PROJECT_NONE
+		    ? factors_bytes_most((uint64_t)(2 * entries), patches)
+		    : 0);
 }
 
 void radiosity_advise(const struct devices *devices, struct resident_scene *scene, const struct plan *plan, uint64_t budget,
@@ -251,6 +257,10 @@ void radiosity_notes(const struct resident_scene *scene, const struct plan *plan
 	if (imported_solution(plan))
 		technique_note(accepted,
 			       "the light on surfaces is that of the imported file, whatever lights this request has");
+	if (radiosity_settings(plan)->project != RADIOSITY_PROJECT_NONE && has_mirrors(plan, scene))
+		technique_note(accepted,
+			       "radiosity.project does nothing where mirrors pass on light: rows of form factors have no "
+			       "known sum there");
 	if (glossy > 0)
 		technique_note(accepted,
 			       "radiosity has no glossy surfaces but mirrors of polished metal: %u material%s drawn diffuse",

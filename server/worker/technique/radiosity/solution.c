@@ -9,11 +9,9 @@
 #include "server/worker/technique/radiosity/solver.h"
 
 // Share of the work that each stage counts for, for progress.
-static const double shares[SOLUTION_STAGES] = {[SOLUTION_SURFACES] = 0.02,
-					       [SOLUTION_LIGHT] = 0.08,
-					       [SOLUTION_FACTORS] = 0.7,
-					       [SOLUTION_SOLVE] = 0.18,
-					       [SOLUTION_CORNERS] = 0.02};
+static const double shares[SOLUTION_STAGES] = {
+    [SOLUTION_SURFACES] = 0.02, [SOLUTION_LIGHT] = 0.08, [SOLUTION_FACTORS] = 0.7,
+    [SOLUTION_PROJECT] = 0.03,  [SOLUTION_SOLVE] = 0.15, [SOLUTION_CORNERS] = 0.02};
 
 static void solution_destroy(struct shelved *shelved, bool scene_goes)
 {
@@ -27,6 +25,7 @@ static void solution_destroy(struct shelved *shelved, bool scene_goes)
 	free(v->direct);
 	free(v->irradiance);
 	free(v->corners);
+	factors_finish(&v->projected);
 	free(v->reached);
 	free(v);
 }
@@ -45,7 +44,7 @@ static uint64_t solution_idle_bytes(const struct shelved *shelved)
 	for (uint32_t i = 0; i < 2; i++)
 		if (v->fields[i].patches > 0)
 			bytes += display_field_bytes(e->patches.faces.count, e->triangle_count, e->patches.count, i == 1);
-	return bytes;
+	return bytes + factors_bytes(&v->projected);
 }
 
 static const struct shelf_kind kind = {
@@ -176,8 +175,8 @@ enum status solution_field(struct solution *v, struct gl_device *gl, bool corner
 
 void solution_account(const struct solution *v, bool made, struct frame *f)
 {
-	static const char *const names[SOLUTION_STAGES] = {"surfaces", "import", "patch-light",
-							   "factors",  "solve",  "corners"};
+	static const char *const names[SOLUTION_STAGES] = {"surfaces", "import", "patch-light", "factors",
+							   "project",  "solve",  "corners"};
 	const struct elements *e = &v->factors->elements;
 	const struct factors *m = &v->factors->factors;
 	for (unsigned i = 0; i < SOLUTION_DONE; i++)
@@ -189,7 +188,7 @@ void solution_account(const struct solution *v, bool made, struct frame *f)
 	frame_add_figure(f, v->options.factors.rows.way == ROWS_IMPORTED ? "rows.imported" : "rows.made",
 			 made ? (double)v->rows : 0, "");
 	frame_add_figure(f, "factors", (double)m->entries, "");
-	frame_add_figure(f, "bytes.factors", (double)factors_bytes(m), "bytes");
+	frame_add_figure(f, "bytes.factors", (double)(factors_bytes(m) + factors_bytes(&v->projected)), "bytes");
 	frame_add_figure(f, "iterations", v->iterations, "");
 	frame_add_figure(f, "residual", v->residual, "");
 }

@@ -20,6 +20,7 @@ struct solution_options {
 	uint32_t effects; // bits 1 << candil_Effect
 	uint32_t points, sky_points; // of a patch, from which lights and the sky are looked at
 	uint32_t emitters; // enum radiosity_emitters
+	uint32_t project; // enum radiosity_project; 0: not at all
 	uint32_t solver; // enum solver_way
 	float residual; // the solver ends there
 	float background[3]; // radiance, W/(m² sr)
@@ -33,6 +34,7 @@ enum solution_stage {
 	SOLUTION_IMPORT, // of one that is taken from a file, in place of light, factors and solving
 	SOLUTION_LIGHT,
 	SOLUTION_FACTORS,
+	SOLUTION_PROJECT,
 	SOLUTION_SOLVE,
 	SOLUTION_CORNERS,
 	SOLUTION_DONE,
@@ -57,6 +59,7 @@ struct solution {
 	struct row_maker *rows_by; // until it is done
 	struct reach reach; // until its rows are there
 	bool lamps; // light of emissive surfaces comes straight from them, and not by form factors
+	struct solution_projecting *projecting; // in its stage
 	struct solver *solver; // until it is done
 	struct corner_values *at_corners; // until it is done
 	// By element, in host memory.
@@ -64,11 +67,13 @@ struct solution {
 	float *direct; // irradiance straight from lights and sky, W/m², 3 each
 	float *irradiance; // all of it
 	float *corners; // irradiance at its four corners, 12 each
+	struct factors projected; // the rows that its light reaches, by options.project; zero without
 	uint8_t
 	    *reached; // 1: its light reaches the element (reach.h), whatever other rows are kept; once its rows are there
 	struct display_field fields[2]; // for pictures (solution_field): by element, by corner; zeroed: not asked for
 	struct factors_report report; // on the rows of those elements
-	bool reported; // it is there
+	double projected_reciprocity; // the mean of the projected rows
+	bool reported; // they are there
 	double residual;
 	uint32_t iterations;
 	uint64_t rows; // of form factors that were made for it
@@ -105,6 +110,17 @@ bool solution_is_lit(const struct solution *solution, uint32_t element);
 // camera finds it there. *field stays the solution's. STATUS_MEMORY, STATUS_DEVICE.
 enum status solution_field(struct solution *solution, struct gl_device *gl, bool corners, const struct display_field **field,
 			   struct error *err);
+
+// The form factors that it is solved with.
+static inline const struct factors *solution_matrix(const struct solution *solution)
+{
+	return solution->options.project ? &solution->projected : &solution->factors->factors;
+}
+
+// Begin to solve, once all but H is known; with a `start` as in struct solver_problem. The solver is the caller's, whose
+// solution must outlive it. Fails as solver_create.
+enum status solution_create_solver(const struct solution *solution, const float *start, struct solver **solver,
+				   struct error *err);
 
 // Add its figures to a frame's account, and its stages' times where the frame's job has made it.
 void solution_account(const struct solution *solution, bool made, struct frame *frame);

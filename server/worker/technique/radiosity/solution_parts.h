@@ -9,6 +9,14 @@
 // Make what the stages work with, and compile it. What there is on failure solution_finish_making frees.
 enum status solution_make_ready(struct solution *v, struct gl_device *gl, const struct plan *plan, struct error *err);
 
+// ---- solution_project.c -------------------------------------------------------------------------------------------------
+
+// Work for about budget_us on the projection of the form factors. STATUS_MEMORY, STATUS_DEVICE.
+enum status solution_project(struct solution *v, uint32_t budget_us, bool *done, struct error *err);
+
+// Free what it works with. Zeroed is fine.
+void solution_end_projecting(struct solution *v);
+
 // ---- solution_stages.c --------------------------------------------------------------------------------------------------
 
 // Work for about budget_us on the stage that it is in, at least one piece. Fails as solution_step.

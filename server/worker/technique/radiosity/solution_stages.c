@@ -6,6 +6,7 @@
 #include "server/worker/technique/radiosity/corner_values.h"
 #include "server/worker/technique/radiosity/imported.h"
 #include "server/worker/technique/radiosity/light.h"
+#include "server/worker/technique/radiosity/radiosity_options.h"
 #include "server/worker/technique/radiosity/row_maker.h"
 #include "server/worker/technique/radiosity/solution_parts.h"
 #include "server/worker/technique/radiosity/solver.h"
@@ -13,6 +14,7 @@
 
 void solution_finish_making(struct solution *v)
 {
+	solution_end_projecting(v);
 	solver_destroy(v->solver);
 	corner_values_destroy(v->at_corners);
 	if (v->rows_by)
@@ -110,7 +112,7 @@ static void add_background(struct solution *v)
 			v->direct[3 * i + c] += (float)PI * v->options.background[c] * v->factors->factors.rows[i].escaped;
 }
 
-static enum status begin_solving(struct solution *v, struct error *err)
+enum status solution_create_solver(const struct solution *v, const float *start, struct solver **solver, struct error *err)
 {
 	const struct elements *e = &v->factors->elements;
 	const bool bounces = v->options.effects >> candil_Effect_EFFECT_BOUNCES & 1u;
@@ -125,7 +127,7 @@ static enum status begin_solving(struct solution *v, struct error *err)
 		}
 		area[i] = e->shapes[i % e->patches.count].area;
 	}
-	const struct solver_problem problem = {.factors = &v->factors->factors,
+	const struct solver_problem problem = {.factors = solution_matrix(v),
 					       .which = v->reached,
 					       .exitance = exitance,
 					       .albedo = albedo,
@@ -133,8 +135,9 @@ static enum status begin_solving(struct solution *v, struct error *err)
 					       .area = area,
 					       .way = (enum solver_way)v->options.solver,
 					       .residual = (double)v->options.residual,
-					       .iterations = LIMIT_RADIOSITY_ITERATIONS};
-	const enum status s = solver_create(&problem, v->device, &v->solver, err);
+					       .iterations = LIMIT_RADIOSITY_ITERATIONS,
+					       .start = start};
+	const enum status s = solver_create(&problem, v->device, solver, err);
 	free(all);
 	return s;
 }
@@ -149,13 +152,22 @@ static enum status do_factors(struct solution *v, uint32_t budget_us, struct err
 	v->rows = v->factors->rows - v->rows;
 	if (has_background(v))
 		add_background(v);
-	v->stage = SOLUTION_SOLVE;
+	v->stage = v->options.project != RADIOSITY_PROJECT_NONE ? SOLUTION_PROJECT : SOLUTION_SOLVE;
 	return STATUS_OK;
+}
+
+static enum status do_project(struct solution *v, uint32_t budget_us, struct error *err)
+{
+	bool done;
+	const enum status s = solution_project(v, budget_us, &done, err);
+	if (s == STATUS_OK && done)
+		v->stage = SOLUTION_SOLVE;
+	return s;
 }
 
 static enum status do_solve(struct solution *v, uint32_t budget_us, struct error *err)
 {
-	enum status s = v->solver ? STATUS_OK : begin_solving(v, err);
+	enum status s = v->solver ? STATUS_OK : solution_create_solver(v, NULL, &v->solver, err);
 	if (s == STATUS_OK)
 		s = solver_step(v->solver, budget_us, err);
 	if (s != STATUS_OK || !solver_finished(v->solver))
@@ -198,6 +210,8 @@ enum status solution_work(struct solution *v, uint32_t budget_us, struct error *
 		return do_light(v, budget_us, err);
 	case SOLUTION_FACTORS:
 		return do_factors(v, budget_us, err);
+	case SOLUTION_PROJECT:
+		return do_project(v, budget_us, err);
 	case SOLUTION_SOLVE:
 		return do_solve(v, budget_us, err);
 	case SOLUTION_CORNERS:

@@ -33,7 +33,7 @@ static enum status check_problem(const struct solver_problem *p, struct error *e
 {
 	const uint64_t count = 3ull * p->factors->side;
 	if (!all_finite(p->exitance, count) || !all_finite(p->albedo, count) || !all_finite(p->irradiance, count) ||
-	    !all_finite(p->area, p->factors->side))
+	    !all_finite(p->area, p->factors->side) || (p->start && !all_finite(p->start, count)))
 		return error_set(err, STATUS_BAD_ARGUMENT,
 				 "some surface's emission, reflectance, light or area is negative or no number");
 
@@ -54,9 +54,9 @@ enum status solver_create(const struct solver_problem *problem, struct device *d
 	s->count = problem->factors->side;
 	s->way = problem->way;
 	s->target = problem->residual;
-	s->limit = problem->iterations;
+	s->limit = problem->start ? 1 : problem->iterations;
 	s->parts = s->way == SOLVER_GAUSS_SEIDEL ? SOLVER_PARTS : 1;
-	s->stage = s->count == 0 ? SOLVER_DONE : SOLVER_TEST;
+	s->stage = s->count == 0 ? SOLVER_DONE : problem->start ? SOLVER_OUTER : SOLVER_TEST;
 	s->told = s->count == 0 ? 0 : 1;
 	for (int c = 0; c < 3; c++)
 		s->scale[c] = 1;
@@ -113,6 +113,25 @@ enum status solver_read(const struct solver *s, float *irradiance, struct error 
 		}
 	free(field);
 	free(more);
+	return status;
+}
+
+enum status solver_read_residual(const struct solver *s, float *residual, struct error *err)
+{
+	const uint64_t bytes = s->count * 4ull * sizeof(float);
+	if (s->count == 0)
+		return STATUS_OK;
+	float *lacks = malloc(bytes), *albedo = malloc(bytes);
+	enum status status = lacks && albedo ? STATUS_OK : error_set(err, STATUS_MEMORY, "out of memory");
+	if (status == STATUS_OK)
+		status = buffer_read(&s->residual, s->device, 0, bytes, lacks, err);
+	if (status == STATUS_OK)
+		status = buffer_read(&s->albedo, s->device, 0, bytes, albedo, err);
+	for (uint64_t i = 0; status == STATUS_OK && i < s->count; i++)
+		for (uint64_t c = 0; c < 3; c++)
+			residual[3 * i + c] = -albedo[4 * i + c] * lacks[4 * i + c];
+	free(lacks);
+	free(albedo);
 	return status;
 }
 

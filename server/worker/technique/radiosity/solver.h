@@ -24,6 +24,7 @@ struct solver_problem {
 	enum solver_way way;
 	double residual; // end once ρ (D + F B - H), over the largest B, is at most this in every channel
 	uint32_t iterations; // that it may take: products with F, without those that test whether there is a solution
+	const float *start; // NULL; or an H, of which only the residual is found, by one product (solver_read_residual)
 };
 
 struct solver;
@@ -52,5 +53,9 @@ uint32_t solver_iterations(const struct solver *solver); // done
 
 // Copy H to host memory, 3 floats for each element. Before the end it is what has been found so far.
 enum status solver_read(const struct solver *solver, float *irradiance, struct error *err);
+
+// Copy B - M - ρ (D + F B) of the `start` that it began with, 3 floats for each element, once it has ended. It is right to
+// some 10⁻¹¹ of B.
+enum status solver_read_residual(const struct solver *solver, float *residual, struct error *err);
 
 #endif

@@ -162,6 +162,20 @@ static enum status cleared(struct solver *s, struct buffer *b, uint32_t vectors,
 	return status == STATUS_OK ? buffer_clear(b, s->device, err) : status;
 }
 
+// H as pairs, of which the second are 0.
+static enum status upload_field(struct solver *s, const float *start, struct error *err)
+{
+	const uint64_t bytes = s->count * 8ull * sizeof(float);
+	float *pairs = calloc(1, bytes);
+	if (!pairs)
+		return error_set(err, STATUS_MEMORY, "out of memory");
+	for (uint32_t i = 0; i < s->count; i++)
+		memcpy(pairs + 8ull * i, start + 3ull * i, 3 * sizeof *pairs);
+	const enum status status = buffer_init_with(&s->field, s->device, pairs, bytes, err);
+	free(pairs);
+	return status;
+}
+
 static enum status make_buffers(struct solver *s, const struct solver_problem *p, struct error *err)
 {
 	const uint64_t maxima = SOLVE_MAXIMA * 3 * sizeof(uint32_t);
@@ -177,7 +191,9 @@ static enum status make_buffers(struct solver *s, const struct solver_problem *p
 	struct buffer *const ones[] = {&s->residual, &s->change, &s->direction, &s->image};
 	for (size_t i = 0; status == STATUS_OK && i < sizeof ones / sizeof *ones; i++)
 		status = cleared(s, ones[i], 1, err);
-	struct buffer *const twos[] = {&s->field, &s->source, &s->sums};
+	if (status == STATUS_OK)
+		status = p->start ? upload_field(s, p->start, err) : cleared(s, &s->field, 2, err);
+	struct buffer *const twos[] = {&s->source, &s->sums};
 	for (size_t i = 0; status == STATUS_OK && i < sizeof twos / sizeof *twos; i++)
 		status = cleared(s, twos[i], 2, err);
 	if (status == STATUS_OK)
