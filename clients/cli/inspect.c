@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,10 +80,22 @@ static size_t add_cells(const struct inspect *inspect, const struct inspect_pict
 	return count;
 }
 
+// Choose the exposure of a PNG of patches' light, unless the user did. false: what it should be is not known.
+static bool settle_white(const struct inspect *inspect, struct inspect_picture *p, struct candil_render_request *request)
+{
+	const double white = inspect_white(&inspect->list, p);
+	if (request->format != CANDIL_FORMAT_PNG || !(white > 0))
+		return false;
+	if (fabs(request->exposure_ev) <= 0)
+		request->exposure_ev = fmax(fmin(-log2(white), LIMIT_EXPOSURE_EV), -LIMIT_EXPOSURE_EV);
+	p->white = exp2(-request->exposure_ev);
+	return true;
+}
+
 // Make the next picture of the list.
 static enum exit_code make_picture(struct inspect *inspect)
 {
-	const struct inspect_picture *p = &inspect->list.pictures[inspect->done];
+	struct inspect_picture *p = &inspect->list.pictures[inspect->done];
 	struct candil_render_request request = inspect->job.options.request;
 	struct candil_option options[INSPECT_SETTINGS];
 	char text[3][16];
@@ -94,7 +107,11 @@ static enum exit_code make_picture(struct inspect *inspect)
 	request.option_count = count;
 	request.width = p->width;
 	request.height = p->height;
+	(void)settle_white(inspect, p, &request);
 	enum exit_code code = inspect_see_through(inspect, &request);
+	// How large a residual is its own picture tells.
+	if (code == EXIT_DONE && !(p->white > 0) && settle_white(inspect, p, &request))
+		code = inspect_see_through(inspect, &request);
 	inspect->done += code == EXIT_DONE;
 	return code;
 }
@@ -281,9 +298,13 @@ const struct command inspect_command = {
 	"                             is a whole number of pixels\n"
 	"  PREFIX.json                figures and times; with --json they go to standard output instead\n\n"
 	"With --technique {patches} the patches between which light goes, each of one colour, and their form factors:\n\n"
+	"  PREFIX-albedo.png          diffuse albedo\n"
 	"  PREFIX-b.png               radiosity B = M + albedo H, W/m²\n"
 	"  PREFIX-e.png               of that M, what they emit\n"
-	"  PREFIX-albedo.png          diffuse albedo\n"
+	"  PREFIX-residual.png        what the solver has left over of B, W/m²: its magnitude\n"
+	"                             White in these three is the largest value (of B of what is no lamp), which the "
+	"answer\n"
+	"                             tells, or 2^-EV W/m² with --exposure EV; with --format exr values are as they are\n"
 	"  PREFIX-id.png              another colour for each side of each patch\n"
 	"  PREFIX-normal.png          normal, 0.5 + 0.5 times x, y, z, of the side that is seen\n"
 	"  PREFIX-row.png             the form factors from the patch in the middle of the picture, or from the side of a\n"
@@ -300,17 +321,17 @@ const struct command inspect_command = {
 	"A cell that holds the eye is looked through. `candil render --technique {voxels}\n"
 	"--set {voxels}.show=none|albedo|normal|emission|irradiance|radiance|coverage`, with {voxels}.level=N, and\n"
 	"{voxels}.axis=x|y|z with {voxels}.slice=K, makes any one of these pictures; and so does\n"
-	"`--technique {patches} --set {patches}.show=none|b|e|albedo|id|normal|row`.\n\n"
+	"`--technique {patches} --set {patches}.show=none|b|e|albedo|id|normal|residual|row`.\n\n"
 	"--json: {\"scene\", \"scene_hash\", \"technique\", \"device\", \"format\", \"figures\": [{\"name\", \"value\", "
 	"\"unit\"}],\n"
 	"\"stages\": [{\"name\", \"us\"}], \"elapsed_us\", \"images\": [{\"image\", \"kind\": "
 	"\"view\"|\"level\"|\"slice\"|\"patches\",\n"
 	"\"show\", \"level\" (of voxels), \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", "
 	"\"elapsed_us\", "
-	"\"stages\"}],\n"
+	"\"stages\", \"white\" (W/m² that a PNG shows as 1, of light of patches)}],\n"
 	"\"files\": [{\"file\", \"bytes\", \"elapsed_us\", \"stages\"}] (of patches),\n"
-	"\"warnings\": [] (about the scene), \"warnings_more\"}. Stages beside\n"
-	"the figures are the first image's, for which voxels or patches were made, if the daemon had none yet. Figures of\n"
+	"\"warnings\": [] (about the scene), \"warnings_more\"}. Stages and\n"
+	"elapsed_us beside the figures are those of all images and files together, the figures the first image's: of\n"
 	"voxels: grid.x, grid.y, grid.z (cells), low.x, low.y, low.z (the grid's low corner), voxel (a cell's side), "
 	"entries\n"
 	"(voxels of surface, two at most a cell: by the way they face), occupied.0, occupied.1… (share of a level's "
@@ -321,7 +342,10 @@ const struct command inspect_command = {
 	"sum.all.…\n"
 	"(with the share that meets nothing: 1), reciprocity.mean and reciprocity.most (how far area times factor there "
 	"and\n"
-	"back differ, as a share of the larger; the mean is by light exchanged), values.1e-1 (factors of 0.1 and more),\n"
+	"back differ, as a share of the larger; the mean is by light exchanged), reciprocity.chance (of rows by rays: what\n"
+	"the mean would be about if they were independent), b.most and reflected.most (W/m²), values.1e-1 (factors of 0.1 "
+	"and "
+	"more),\n"
 	"values.1e-2 (of 0.01 to 0.1)… values.0 (below 1e-7), and those of every such render.\n"
 	"Exit codes: 0 every file is written; others as in candil --help. Files already written stay. A PREFIX-factors.mtx\n"
 	"that would be too large is told, in the JSON as \"error\" in place of \"bytes\"; all else is written, and the exit "

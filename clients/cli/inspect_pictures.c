@@ -18,7 +18,7 @@ static struct inspect_picture *add_picture(struct inspect_list *list, const char
 void inspect_first(struct inspect_list *list, bool patches, const struct candil_render_request *request)
 {
 	// The last may be of nothing: of a row that no option names and nothing is in the middle of the picture for.
-	static const char *const shows[] = {"b", "e", "albedo", "id", "normal", INSPECT_SHOW_ROW};
+	static const char *const shows[] = {"albedo", "b", "e", "residual", "id", "normal", INSPECT_SHOW_ROW};
 	list->count = 0;
 	if (!patches)
 		add_picture(list, "view", "radiance", request);
@@ -32,6 +32,22 @@ double inspect_figure(const struct candil_done *done, const char *name)
 		if (strcmp(done->figures[i].name, name) == 0)
 			return done->figures[i].value;
 	return NAN;
+}
+
+double inspect_white(const struct inspect_list *list, const struct inspect_picture *p)
+{
+	const struct candil_done *first = &list->pictures[0].done;
+	const double most = inspect_figure(first, "b.most"), reflected = inspect_figure(first, "reflected.most");
+	double white = 0;
+	if (p == &list->pictures[0] || strcmp(p->kind, INSPECT_PATCHES) != 0)
+		return 0;
+	if (strcmp(p->show, "b") == 0)
+		white = reflected > 0 ? reflected : most;
+	if (strcmp(p->show, "e") == 0)
+		white = most;
+	if (strcmp(p->show, "residual") == 0)
+		white = inspect_figure(&p->done, "residual.most");
+	return white > 0 ? white : 0;
 }
 
 struct grid {

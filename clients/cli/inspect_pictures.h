@@ -17,6 +17,7 @@ struct inspect_picture {
 	uint32_t slice; // its cell; INSPECT_NO_SLICE: the camera's view
 	uint32_t width, height; // pixels
 	uint64_t bytes; // of the image
+	double white; // of light of patches in a PNG, W/m²: what is shown as 1; 0: values are as they are
 	struct candil_done done;
 };
 
@@ -25,14 +26,18 @@ struct inspect_list {
 	uint32_t count;
 };
 
-// Begin the list. Of patches these are all pictures. Of voxels it is the first one, the view of the radiance, and the
-// figures of its answer say what else there is.
+// Begin the list. Of patches these are all pictures, and no light is in the first. Of voxels it is the first one, the view
+// of the radiance, and the figures of its answer say what else there is.
 void inspect_first(struct inspect_list *list, bool patches, const struct candil_render_request *request);
 
 // Add all others of voxels, once the first is done. A cell of a slice is a whole number of pixels, and a slice has no more
 // pixels than the request asks for, unless the grid has more cells. false: the figures tell of no grid.
 bool inspect_others(struct inspect_list *list, const struct candil_render_request *request,
 		    const struct candil_scene_info *scene);
+
+// Of a picture of patches' light, the value that is to be white, as far as the figures of the first picture, which is
+// another, or its own tell: the largest, but that lamps in a picture of B are lighter. 0: they do not, or it shows no light.
+double inspect_white(const struct inspect_list *list, const struct inspect_picture *picture);
 
 // The value of the figure with this name; NaN: there is none.
 double inspect_figure(const struct candil_done *done, const char *name);

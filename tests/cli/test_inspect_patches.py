@@ -5,6 +5,7 @@ import unittest
 
 import numpy
 
+import make
 import rooms
 from images import rgb
 from render import Daemon
@@ -12,7 +13,7 @@ from writers import Gltf, quad
 
 daemon = Daemon()
 RHO = 0.5
-VIEWS = ("b", "e", "albedo", "id", "normal", "row")
+VIEWS = ("b", "e", "albedo", "id", "normal", "residual", "row")
 
 
 def setUpModule():
@@ -112,18 +113,54 @@ class Command(unittest.TestCase):
     def test_pictures_and_lines(self):
         _, out, _ = inspect(rooms.uniform_room(daemon.folder, RHO), "--set", "radiosity.patches=54", "--size", "16x16",
                             "--set", "radiosity.row=3")
-        for word in ("images     6", "patches    54", "factors", "row sums", "reciprocal", "solved", "time"):
+        for word in ("images     7", "patches    54", "factors", "row sums", "reciprocal", "solved", "time"):
             self.assertIn(word, out)
         with open(os.path.join(daemon.folder, "i.json")) as file:
-            self.assertEqual(len(json.load(file)["images"]), 6)
+            self.assertEqual(len(json.load(file)["images"]), 7)
         for view in VIEWS:
             with open(os.path.join(daemon.folder, f"i-{view}.png"), "rb") as file:
                 self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
 
+    def test_light_is_as_bright_as_a_picture_can_show(self):
+        """Of B 2 W/m² and more a PNG would show nothing but white: its exposure is chosen, and told; or it is the user's."""
+        g = Gltf()
+        for part, colour, corners in make.CORNELL:
+            g.place(*quad(*corners), g.material(part, colour))
+        g.place(*quad((-.3, 1.98, -.3), (.3, 1.98, -.3), (.3, 1.98, .3), (-.3, 1.98, .3)), g.material("lamp", (.3,) * 3, (200,) * 3))
+        g.camera((0, 1, 3.9), (0, 1, 0), 39)
+        scene = load(g.save(daemon.folder, "bright.gltf"), "bright")
+        options = ["--set", "radiosity.patches=200", "--set", "radiosity.rays=64", "--size", "64x64"]
+        _, out, _ = inspect(scene, *options)
+        with open(os.path.join(daemon.folder, "i.json")) as file:
+            answer = json.load(file)
+        white = {i["show"]: i["white"] for i in answer["images"] if "white" in i}
+        found = figures(answer)
+        self.assertEqual(set(white), {"b", "e", "residual"})
+        self.assertAlmostEqual(white["b"], found["reflected.most"], delta=1e-6 * white["b"])
+        self.assertAlmostEqual(white["e"], found["b.most"], delta=1e-6 * white["e"])
+        self.assertGreater(white["b"], 2)
+        self.assertLess(white["b"], .9 * white["e"])
+        self.assertLess(white["residual"], 1e-3 * white["b"])
+        self.assertIn("W/m² in residual", out)
+        for show in ("b", "residual"):
+            pixels = rgb(os.path.join(daemon.folder, f"i-{show}.png"))
+            self.assertGreater(float(pixels.max()), .94, show)
+            if show == "b":
+                self.assertLess(float((pixels.max(axis=2) >= 1).mean()), .05)
+        answer = inspect(scene, *options, "--exposure", "-3", "--json")
+        self.assertEqual({i["white"] for i in answer["images"] if "white" in i}, {8})
+
+    def test_the_time_is_of_all_pictures_and_files(self):
+        answer = inspect(rooms.uniform_room(daemon.folder, RHO), "--set", "radiosity.patches=54", "--size", "16x16", "--json")
+        parts = answer["images"] + answer["files"]
+        self.assertEqual(answer["elapsed_us"], sum(part["elapsed_us"] for part in parts))
+        for stage in answer["stages"]:
+            self.assertEqual(stage["us"], sum(s["us"] for part in parts for s in part["stages"] if s["name"] == stage["name"]))
+
     def test_wrong_command_lines(self):
         scene = rooms.uniform_room(daemon.folder, RHO)
         for wrong, word in ((["--set", "radiosity.show=b"], "radiosity.show is set by inspect"), (["-o", "-"], "several"),
-                            (["--set", "radiosity.row=108", "--set", "radiosity.patches=54"], "0 to 107"),
+                            (["--set", "radiosity.row=108", "--set", "radiosity.patches=54"], "elements 0 to 107"),
                             (["--set", "vct.level=1"], "vct.level"), (["--technique", "pt"], "patches")):
             status, _, said = inspect(scene, *wrong, check=False)
             self.assertEqual(status, 2, wrong)
