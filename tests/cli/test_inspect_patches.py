@@ -144,7 +144,8 @@ class Command(unittest.TestCase):
         self.assertIn("W/m² in residual", out)
         for show in ("b", "residual"):
             pixels = rgb(os.path.join(daemon.folder, f"i-{show}.png"))
-            self.assertGreater(float(pixels.max()), .94, show)
+            # The largest residual may be where the camera does not look.
+            self.assertGreater(float(pixels.max()), .94 if show == "b" else .3, show)
             if show == "b":
                 self.assertLess(float((pixels.max(axis=2) >= 1).mean()), .05)
         answer = inspect(scene, *options, "--exposure", "-3", "--json")
