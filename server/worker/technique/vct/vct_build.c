@@ -417,15 +417,16 @@ static void enter_pyramid(struct vct_volume *v)
 	enter(v, v->pyramid.name ? VCT_INJECT : VCT_DONE);
 }
 
-// Let entries gather by rays once more, over what they have sent so far; if they have done so often enough, let pixels look
-// up the total.
-static enum status enter_bounce(struct vct_volume *v, struct error *err)
+// Let entries, which have gathered so often, gather by rays once more, over what they have sent so far; if that was often
+// enough, let pixels look up the total. A call that fails is repeated, so a gathering counts only once this has worked.
+static enum status enter_bounce(struct vct_volume *v, uint32_t gathers, struct error *err)
 {
 	const uint64_t bytes = irradiance_bytes(v->voxels->grid.entries);
-	const bool done = v->gathers == v->gathers_wanted;
+	const bool done = gathers == v->gathers_wanted;
 	enum status s = vct_landed_view(&v->landed, v->voxels, done ? &v->total : &v->sent, err);
 	if (s != STATUS_OK)
 		return s;
+	v->gathers = gathers;
 	if (done) {
 		gl_buffer_finish(&v->sent, v->device);
 		enter_pyramid(v);
@@ -442,7 +443,7 @@ static enum status enter_first_pyramid(struct vct_volume *v, struct error *err)
 	if (v->gathers_first)
 		glClearNamedBufferData(v->total.name, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
 	if (v->options.rays)
-		return enter_bounce(v, err);
+		return enter_bounce(v, 0, err);
 	enter(v, VCT_INJECT);
 	return STATUS_OK;
 }
@@ -521,7 +522,7 @@ static enum status after_bounce(struct vct_volume *v, struct error *err)
 	enum status s = gl_buffer_read(&v->direct, v->device, bytes - sizeof cut, sizeof cut, &cut, err);
 	if (s == STATUS_OK && cut)
 		s = traversal_cut(err);
-	return s == STATUS_OK ? enter_bounce(v, err) : s;
+	return s == STATUS_OK ? enter_bounce(v, v->gathers + 1, err) : s;
 }
 
 static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t budget_us, struct error *err)
@@ -533,9 +534,9 @@ static enum status gather(struct vct_volume *v, struct gl_timer *timer, uint32_t
 	s = run_items(v, timer, "voxel-gather", 2ull * v->voxels->grid.entries, budget_us, &done, err);
 	if (s != STATUS_OK || !done)
 		return s;
-	v->gathers++;
 	if (v->options.rays)
 		return after_bounce(v, err);
+	v->gathers++;
 	enter(v, VCT_INJECT);
 	return STATUS_OK;
 }
