@@ -45,8 +45,9 @@ bool blend(surface s, bsdf b, visible_point v, uvec2 pixel, out indirect r)
 		blend_in(s, b.normal, breadth, base + step, part.x * part.y, r, sum);
 	}
 #ifdef VCT_RAYS
-	// A pixel's own rays are few. At edges, those of a place a little farther off say more.
-	for (int k = 0; k < 16 && sum < LEAST_WEIGHT; k++)
+	// A pixel's own rays are few. At edges, those of a place a little farther off say more. Among the rows are none but these:
+	// a band has TILE_SIDE rows beyond its own, and the texel below has taken a share of VCT_SHARE_SIDE - 1 below it.
+	for (int k = 0; k < 12 && sum < LEAST_WEIGHT; k++)
 		blend_in(s, b.normal, breadth, base + ivec2(k & 3, k >> 2) - 1, 1.0, r, sum);
 #endif
 	r.irradiance /= max(sum, 1e-6);

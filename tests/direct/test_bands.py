@@ -25,6 +25,21 @@ def glossy_room():
     return g.save(daemon.folder, "glossy.gltf")
 
 
+def blades():
+    """Slim blades, about a pixel broad and turned in many ways, one behind the other before a wall: silhouettes everywhere."""
+    g = Gltf()
+    g.place(*quad((-3, -3, -2), (3, -3, -2), (3, 3, -2), (-3, 3, -2)), g.material("wall", (.7, .6, .5)))
+    blade = g.material("blade", (.5, .6, .7), both_sides=True)
+    random = numpy.random.default_rng(1)
+    for _ in range(120):
+        middle, along, across = random.uniform((-1.5, -1.2, -1), (1.5, 1.2, 1)), random.normal(size=3), random.normal(size=3)
+        along, across = .5 * along / numpy.linalg.norm(along), .03 * across / numpy.linalg.norm(across)
+        g.place(*quad(*(tuple(map(float, middle + i * along + j * across)) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1)))), blade)
+    g.light("point", 30.0, (.5, 1, 3))
+    g.camera((0, 0, 4), (0, 0, 0), 45)
+    return g.save(daemon.folder, "blades.gltf")
+
+
 class Bands(unittest.TestCase):
     def check(self, technique, scene, size=(40, 50), spp=1, **options):
         def render(**more):
@@ -49,6 +64,11 @@ class Bands(unittest.TestCase):
     def test_cones_of_every_second_row(self):
         self.check("vct", make.cornell(daemon.folder), vct_resolution=16, vct_bounces=1)
         self.check("vct", glossy_room(), spp=2, vct_resolution=16, vct_bounces=1)
+
+    def test_rays_shared_by_neighbours(self):
+        """Also at silhouettes, where a pixel takes those of places farther off."""
+        for detail in ("half", "full"):
+            self.check("vct", blades(), (64, 50), vct_resolution=32, vct_bounces=1, vct_gather="rays", vct_rays=4, vct_detail=detail)
 
     def test_cones_of_every_pixel(self):
         self.check("vct", make.cornell(daemon.folder), vct_resolution=16, vct_bounces=1, vct_detail="full")
