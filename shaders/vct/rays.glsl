@@ -26,6 +26,7 @@ layout(binding = VCT_SKY_ROWS_UNIT) uniform usamplerBuffer sky_words;
 
 #define RAYS_FACES (EFFECT_GLASS ? 8u : 0u)   // clear faces that a ray passes
 #define RAYS_CLEAR 0.5                        // transmission from which a face is clear
+#define LEAST_LENGTH 1e-20                    // metres, of a ray: 1 / this is finite
 
 uint rays_traced = 0u;
 
@@ -40,21 +41,22 @@ struct rays_origin {
 struct ray_end {
 	vec3 radiance;    // from surfaces, W/(m² sr)
 	vec3 open;        // share of the background that it sees
-	float distance;   // metres; infinite where it sees the background
+	float nearness;   // 1 / its length, 1/m, through clear surfaces; 0 where it sees the background
 };
 
 ray_end ray_follow(vec3 origin, vec3 direction, vec2 chance)
 {
-	ray_end r = ray_end(vec3(0.0), vec3(0.0), INFINITY);
+	ray_end r = ray_end(vec3(0.0), vec3(0.0), 0.0);
 	vec3 through = vec3(1.0);
+	float travelled = 0.0;
 	for (uint face = 0u; face <= RAYS_FACES; face++) {
 		ray_hit hit;
 		rays_traced++;
-		if (!walk_single(origin, direction, vct_march.reach, false, hit)) {
+		if (!walk_single(origin, direction, vct_march.reach - travelled, false, hit)) {
 			r.open = through;
 			return r;
 		}
-		r.distance = min(r.distance, hit.t);
+		travelled += hit.t;
 		if (EFFECT_GLASS) {
 			surface s = surface_at(hit.id, hit.uv, origin, direction, hit.t);
 			if (s.transmission >= RAYS_CLEAR) {
@@ -63,6 +65,7 @@ ray_end ray_follow(vec3 origin, vec3 direction, vec2 chance)
 				continue;
 			}
 		}
+		r.nearness = 1.0 / max(travelled, LEAST_LENGTH);
 		r.radiance = through * landed_radiance(hit.id, origin + hit.t * direction, direction, chance);
 		return r;
 	}
@@ -102,7 +105,7 @@ vec3 rays_background(rays_origin o, vec3 w, uint all)
 }
 
 // The share of irradiance / π, W/(m² sr), that the rays from `first` to `end` bring of `all`. The place is part `part` of
-// those that share a set. `nearness` grows by the sum of 1 / distance over the rays by the cosine, 1/m.
+// those that share a set. `nearness` grows by that of the rays by the cosine, 1/m.
 vec3 rays_irradiance(rays_origin o, sampler_state random, uint part, uint first, uint end, uint all, inout float nearness)
 {
 	vec3 x, y;
@@ -126,9 +129,10 @@ vec3 rays_irradiance(rays_origin o, sampler_state random, uint part, uint first,
 		if (sky)
 			continue;
 		sum += r.radiance;
-		nearness += 1.0 / r.distance;
+		nearness += r.nearness;
+		// As 1 − 1 / (1 + fall-off · length), which is 1 where nothing is met, whatever the fall-off.
 		if (VCT_AMBIENT)
-			sum += vct_march.ambient * (1.0 - 1.0 / (1.0 + vct_march.falloff * r.distance));
+			sum += vct_march.ambient * (r.nearness > 0.0 ? vct_march.falloff / (vct_march.falloff + r.nearness) : 1.0);
 	}
 	return sum / float(all);
 }

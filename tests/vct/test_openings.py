@@ -10,6 +10,7 @@ import rooms
 import skies
 from common import WHITE, VctDaemon
 from table import HardCase
+from writers import Gltf, quad
 
 daemon = VctDaemon()
 SIDE = 32
@@ -53,6 +54,13 @@ class Wells(HardCase):
         print(f"mean square of the relative error: {few:.2e} by 4 rays, {many:.2e} by 64")
         self.assertLess(many, few / 8)
 
+    def test_ambient_that_every_surface_hides(self):
+        """Without a fall-off, ambient light comes from where no surface is: as a sky's."""
+        expected = .5 * openings.seen_from_floor(1, SIDE)
+        picture = rays(openings.well(daemon.folder, 1), rays=64, ambient=1, ao=0)
+        self.assertLess(abs(picture.mean() / expected.mean() - 1), .02)
+        self.assertLess(error(picture, expected), 2e-3)
+
     def test_full_detail(self):
         expected = .5 * openings.seen_from_floor(1, SIDE)
         picture = rays(openings.well(daemon.folder, 1), rays=16, detail="full", arguments=WHITE)
@@ -83,6 +91,35 @@ class Pictures(unittest.TestCase):
         expected = .5 * openings.seen_from_floor(1, SIDE)
         picture = rays(scene, rays=64, arguments=["--background", path])
         self.assertLess(abs(picture.mean() / expected.mean() - 1), .02)
+
+
+def under_a_roof(pane, roof):
+    """A floor, and over it as wanted a pane of glass that leaves light as it is, 1 m up, and a black roof, 2 m up."""
+    g = Gltf()
+    for name, height, there, look in (("floor", 0, True, {"albedo": (.5,) * 3}), ("roof", 2, roof, {"albedo": (0, 0, 0)}),
+                                      ("pane", 1, pane, {"clear": 1, "roughness": 0})):
+        if there:
+            g.place(*quad((-3, height, 3), (3, height, 3), (3, height, -3), (-3, height, -3)), g.material(name, **look))
+    g.camera((0, .8, .01), (0, 0, 0), 60)
+    return g.save(daemon.folder, f"roof_{pane:d}_{roof:d}.gltf")
+
+
+class Panes(unittest.TestCase):
+    """A pane is no surface that light comes from: rays go on behind it, as far as they would without it."""
+    def check(self, roof, **options):
+        bare, behind = (rays(under_a_roof(pane, roof), 32, **options).radiance for pane in (False, True))
+        self.assertGreater(float(bare.mean()), .02)
+        self.assertLess(float(numpy.abs(behind / bare - 1).max()), .01)
+
+    def test_ambient_light_under_a_pane(self):
+        picture = rays(under_a_roof(True, False), 32, ambient=1)
+        self.assertLess(float(numpy.abs(picture.radiance / .5 - 1).max()), 1e-3)
+
+    def test_a_roof_is_as_far_as_without_a_pane(self):
+        self.check(True, ambient=1)
+
+    def test_rays_end_as_far_as_without_a_pane(self):
+        self.check(True, distance=2.2, arguments=WHITE)
 
 
 class Near(unittest.TestCase):
