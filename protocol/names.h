@@ -107,6 +107,7 @@
 	X("vct.resolution", "32 64 256", "64") \
 	X("vct.bounces", "0 1 4", "") \
 	X("vct.cones", "6 16 32", "") \
+	X("vct.gather", "rays", "") \
 	X("vct.detail", "full", "") \
 	X("vct.emitters", "cones", "") \
 	X("vct.shadows", "map march cones volume", "") \
