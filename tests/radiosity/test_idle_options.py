@@ -60,6 +60,18 @@ class Idle(unittest.TestCase):
                    {"axis": "y", "detail": "full"}, resolution=16, show="albedo")
         self.assertEqual(idle(render("vct", resolution=16, shadows="cones", shadow_aperture=20)), [])
 
+    def test_rays_and_cones_of_vct(self):
+        marched = {"step": 1, "start": 2, "dither": 1, "pyramid": "isotropic", "cover": "product", "own": "in"}
+        told = ("vct.step, vct.start, vct.dither, vct.pyramid, vct.cover and vct.own do nothing without cones: vct.gather=cones, "
+                "glossy surfaces, glass, or vct.shadows through the voxels")
+        self.check("vct", ["vct.rays does nothing without vct.gather=rays"], {"rays": 8}, resolution=16)
+        self.check("vct", ["vct.cones does nothing without vct.gather=cones"], {"cones": 32}, resolution=16, gather="rays")
+        self.check("vct", ["vct.cones does nothing without vct.show=none"], {"cones": 32}, resolution=16, show="radiance")
+        self.check("vct", [told], marched, resolution=16, gather="rays")
+        for options in ({"gather": "rays", "rays": 8, "shadows": "march", **marched}, {"cones": 16, **marched},
+                        {"gather": "rays", "show": "coverage", "level": 1, **marched}):
+            self.assertEqual(idle(render("vct", resolution=16, **options)), [], options)
+
 
 if __name__ == "__main__":
     unittest.main()

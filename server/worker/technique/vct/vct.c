@@ -73,13 +73,6 @@ static uint32_t voxel_rays(uint32_t rays)
 	return rays / 4 > 4 ? rays / 4 : 4;
 }
 
-// Whether anything but the diffuse light of pixels and entries, which rays find, comes from the pyramid.
-static bool marches(const struct plan *plan)
-{
-	return plan_has(plan, candil_Effect_EFFECT_GLOSSY) || plan_has(plan, candil_Effect_EFFECT_GLASS) ||
-	       vct_shadows_in_volume(vct_settings(plan)->shadows) || vct_settings(plan)->show != VCT_SHOW_NONE;
-}
-
 static void options_of(const struct plan *plan, const struct resident_scene *scene, struct vct_volume_options *o)
 {
 	const struct vct_settings *s = vct_settings(plan);
@@ -99,7 +92,7 @@ static void options_of(const struct plan *plan, const struct resident_scene *sce
 	o->lambert = s->lambert;
 	o->volume_shadows = s->shadows;
 	o->rays = s->gather == VCT_GATHER_BY_RAYS ? voxel_rays(s->rays) : 0;
-	o->unmarched = o->rays > 0 && !marches(plan);
+	o->unmarched = !vct_options_march(plan);
 	o->marching = s->marching;
 	if (!(s->marching.ambient > 0))
 		o->marching.falloff = 0;

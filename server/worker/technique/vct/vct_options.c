@@ -84,7 +84,41 @@ static bool shows_no_voxels(const struct plan *plan)
 	return vct_settings(plan)->show == VCT_SHOW_NONE;
 }
 
-const struct option_need vct_needs[] = {{"vct.shadow_aperture", "vct.shadows=cones", shadows_by_cones},
+bool vct_shadows_in_volume(uint32_t way)
+{
+	return way != VCT_SHADOWS_RAYS && way != VCT_SHADOWS_MAP;
+}
+
+static bool gathers_by_cones(const struct plan *plan)
+{
+	return vct_settings(plan)->gather == VCT_GATHER_BY_CONES;
+}
+
+static bool gathers_by_rays(const struct plan *plan)
+{
+	return !gathers_by_cones(plan);
+}
+
+// Rays find the diffuse light of pixels and entries; all else comes from the pyramid.
+bool vct_options_march(const struct plan *plan)
+{
+	return gathers_by_cones(plan) || plan_has(plan, candil_Effect_EFFECT_GLOSSY) ||
+	       plan_has(plan, candil_Effect_EFFECT_GLASS) || vct_shadows_in_volume(vct_settings(plan)->shadows) ||
+	       !shows_no_voxels(plan);
+}
+
+static const char marched[] = "cones: vct.gather=cones, glossy surfaces, glass, or vct.shadows through the voxels";
+
+const struct option_need vct_needs[] = {{"vct.rays", "vct.gather=rays", gathers_by_rays},
+					{"vct.cones", "vct.gather=cones", gathers_by_cones},
+					{"vct.cones", "vct.show=none", shows_no_voxels},
+					{"vct.step", marched, vct_options_march},
+					{"vct.start", marched, vct_options_march},
+					{"vct.dither", marched, vct_options_march},
+					{"vct.pyramid", marched, vct_options_march},
+					{"vct.cover", marched, vct_options_march},
+					{"vct.own", marched, vct_options_march},
+					{"vct.shadow_aperture", "vct.shadows=cones", shadows_by_cones},
 					{"vct.ao", "vct.ambient", is_ambient},
 					{"vct.axis", "vct.slice", shows_a_slice},
 					{"vct.detail", "vct.show=none", shows_no_voxels},

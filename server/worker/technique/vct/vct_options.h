@@ -46,6 +46,12 @@ extern const struct option_need vct_needs[];
 void vct_options_default(void *settings);
 enum status vct_options_check(const struct plan *plan, struct error *err);
 
+// Whether anything reads the pyramid.
+bool vct_options_march(const struct plan *plan);
+
+// Whether shadows found this way, an enum vct_shadows, come from the voxels.
+bool vct_shadows_in_volume(uint32_t way);
+
 // The settings in a plan of this technique.
 static inline const struct vct_settings *vct_settings(const struct plan *plan)
 {

@@ -78,11 +78,6 @@ static float brightest(const struct resident_scene *scene)
 	return most;
 }
 
-bool vct_shadows_in_volume(uint32_t shadows)
-{
-	return shadows != VCT_SHADOWS_RAYS && shadows != VCT_SHADOWS_MAP;
-}
-
 void vct_define(struct gl_defines *d, const struct vct_volume_options *o)
 {
 	gl_define(d, "VCT_OWN", "%s", o->own ? "false" : "true");

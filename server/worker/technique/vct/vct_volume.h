@@ -91,9 +91,6 @@ enum status vct_volume_step(struct vct_volume *volume, struct gl_timer *timer, u
 bool vct_volume_finished(const struct vct_volume *volume);
 double vct_volume_fraction(const struct vct_volume *volume);
 
-// Whether these shadows, an enum vct_shadows, come from the voxels.
-bool vct_shadows_in_volume(uint32_t shadows);
-
 // Add the macros of vct/cone.glsl, for programs that include it.
 void vct_define(struct gl_defines *defines, const struct vct_volume_options *options);
 
