@@ -1,14 +1,18 @@
-// The parts of a patch that lie inside of other bodies: radiosity_patch.covered has a bit for each of PATCH_COVER_SIDE² equal
-// parts of the unit square that is mapped to the patch.
+// The parts of a patch that lie inside of other bodies: radiosity_patch.covered has two bits for each of PATCH_COVER_SIDE² equal
+// parts of the unit square that is mapped to the patch. Who reads them decides what counts (covers_part): they are never
+// rewritten, so that jobs which share them see the same.
 #ifndef RADIOSITY_COVER_GLSL
 #define RADIOSITY_COVER_GLSL
 
 #include "shared/radiosity.h"
 
-// The bits that count: those of a patch that is covered as a whole do not.
+// The bits that count. Those of a patch that is covered as a whole do not. Nor do those of a patch some open part of which
+// meets mostly backs: what it looks at is wound the other way, and backs tell nothing there.
 uint covers_part(uint covered)
 {
-	return covered == PATCH_COVER_ALL ? 0u : covered;
+	uint inside = covered & PATCH_COVER_ALL;
+	uint doubtful = covered >> PATCH_COVER_PARTS & ~inside;
+	return inside == PATCH_COVER_ALL || doubtful != 0u ? 0u : inside;
 }
 
 vec2 cover_middle(uint part)

@@ -38,12 +38,14 @@ struct radiosity_patch {
 	float share; // of it that the triangle of corners 0 1 2 has, 0…1
 	uint face;
 	uint triangle; // that its first corner is on; of a quad that two triangles share, the first
-	uint covered; // on the device, once surfaces.h is through: a bit for each part that is inside of another body
+	uint covered; // on the device, once surfaces.h is through: radiosity/cover.glsl
 };
 LAYOUT_ASSERT(radiosity_patch, 68)
 
-// Parts of a patch that may be covered, along each side of the unit square that is mapped to it.
+// Parts of a patch that may be covered, along each side of the unit square that is mapped to it. The low bits tell those
+// that are inside of another body, and the bits above them those from which at least half of the rays meet backs.
 #define PATCH_COVER_SIDE 4u
+#define PATCH_COVER_PARTS 16u
 #define PATCH_COVER_ALL 0xFFFFu
 
 // What a side of a patch is made of, means over its area.

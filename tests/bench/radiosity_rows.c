@@ -43,8 +43,9 @@ static void *allocate(size_t count, size_t size)
 static void make_surfaces(struct row_subject *s)
 {
 	const struct patch_scene of = {&matters, &s->scene, &s->elements, &s->buffers};
+	bool covered = false;
 	struct surfaces *pass;
-	need(surfaces_create(&of, s->devices->vk, &pass, &err));
+	need(surfaces_create(&of, &covered, s->devices->vk, &pass, &err));
 	need(surfaces_compile(pass, &err));
 	while (!surfaces_finished(pass))
 		need(surfaces_step(pass, 20000, &err));

@@ -17,9 +17,10 @@ static inline void compute(struct patch_model *m, const struct plan *plan, struc
 			   float (*out)[3])
 {
 	const struct patch_scene of = {plan, &m->scene, &m->elements, &m->buffers};
+	bool covered = false;
 	struct surfaces *s;
 	struct light *l;
-	assert_int_equal(surfaces_create(&of, device, &s, NULL), STATUS_OK);
+	assert_int_equal(surfaces_create(&of, &covered, device, &s, NULL), STATUS_OK);
 	while (!surfaces_finished(s))
 		assert_int_equal(surfaces_step(s, slice_us, NULL), STATUS_OK);
 	surfaces_destroy(s);

@@ -11,7 +11,7 @@ static void compute(struct patch_model *m, const struct plan *plan, uint32_t sli
 {
 	const struct patch_scene of = {plan, &m->scene, &m->elements, &m->buffers};
 	struct surfaces *s;
-	assert_int_equal(surfaces_create(&of, device, &s, NULL), STATUS_OK);
+	assert_int_equal(surfaces_create(&of, NULL, device, &s, NULL), STATUS_OK);
 	assert_int_equal(surfaces_compile(s, NULL), STATUS_OK);
 	assert_true(surfaces_compiled(s));
 	while (!surfaces_finished(s))

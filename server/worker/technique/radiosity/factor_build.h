@@ -34,6 +34,7 @@ struct factor_build {
 	struct elements elements;
 	struct element_buffers buffers; // without surfaces
 	uint32_t sent; // of the patches, to the buffers
+	bool covered; // the buffers tell what is covered of them (surfaces.h)
 	void *vertices,
 	    *triangles; // that the elements are of, where the scene is a variant, which may go before the factors
 	struct factors factors;

@@ -25,6 +25,7 @@ struct trial {
 	struct elements elements;
 	struct element_buffers buffers;
 	struct surfaces *surfaces;
+	bool covered; // what is covered of patches is known
 	struct light *light; // NULL: the scene has none that is no element
 	struct row_maker *maker;
 	struct factors factors;
@@ -114,7 +115,8 @@ static enum status make_passes(struct trial *t, struct error *err)
 {
 	const struct prospect_try *of = t->of;
 	const struct patch_scene on = {of->plan, of->scene, &t->elements, &t->buffers};
-	enum status s = surfaces_create(&on, t->device, &t->surfaces, err);
+	bool *const covered = surfaces_cover(of->factors->rows.way) ? &t->covered : NULL;
+	enum status s = surfaces_create(&on, covered, t->device, &t->surfaces, err);
 	if (s == STATUS_OK)
 		s = surfaces_compile(t->surfaces, err);
 	if (s == STATUS_OK && light_wanted(of->plan, of->scene, of->light->lamps))

@@ -58,7 +58,8 @@ void radiosity_solution_options(const struct plan *plan, const struct resident_s
 	o->factors.cut.edge = (double)s->edge;
 	o->factors.cut.count = s->edge > 0 ? 0 : s->patches;
 	rows_of(plan, scene, &o->factors.rows);
-	o->factors.effects = plan->imported.elements > 0 ? 0 : effects_of_rows(plan, o->factors.rows.mirrors);
+	// What masks cut out also changes what is covered of patches, whoever made the rows.
+	o->factors.effects = effects_of_rows(plan, o->factors.rows.mirrors && plan->imported.elements == 0);
 	memcpy(o->factors.imported, plan->imported.hash, sizeof o->factors.imported);
 	o->effects = plan->effects;
 	o->points = s->points;

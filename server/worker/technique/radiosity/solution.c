@@ -7,6 +7,7 @@
 #include "server/base/clock.h"
 #include "server/worker/technique/radiosity/solution_parts.h"
 #include "server/worker/technique/radiosity/solver.h"
+#include "server/worker/technique/radiosity/surfaces.h"
 
 // Share of the work that each stage counts for, for progress.
 static const double shares[SOLUTION_STAGES] = {
@@ -154,7 +155,9 @@ double solution_fraction(const struct solution *v)
 	double done = 0, within = 0;
 	for (unsigned i = 0; i < v->stage; i++)
 		done += shares[i];
-	if (v->stage == SOLUTION_FACTORS)
+	if (v->stage == SOLUTION_SURFACES && factor_build_ready(v->factors))
+		within = (double)surfaces_progress(v->surfaces);
+	else if (v->stage == SOLUTION_FACTORS)
 		within = reach_fraction(&v->reach);
 	else if (v->stage == SOLUTION_SOLVE && v->solver)
 		within = fmin(1, log(fmin(1, solver_residual(v->solver))) / log((double)v->options.residual));

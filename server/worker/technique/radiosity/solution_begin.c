@@ -40,7 +40,8 @@ static enum status make_passes(struct solution *v, struct gl_device *gl, const s
 	const struct code_list *code = v->device->code;
 	const uint32_t added = code ? code->added : 0;
 	const uint64_t start = clock_us();
-	enum status s = surfaces_create(&of, v->device, &v->surfaces, err);
+	bool *const covered = !v->taken && surfaces_cover(v->options.factors.rows.way) ? &v->factors->covered : NULL;
+	enum status s = surfaces_create(&of, covered, v->device, &v->surfaces, err);
 	if (s == STATUS_OK)
 		s = surfaces_compile(v->surfaces, err);
 	if (s == STATUS_OK && !v->taken)

@@ -9,9 +9,9 @@
 #include "shaders/patch_cover_comp.h"
 #include "shaders/patch_surface_comp.h"
 
-_Static_assert(PATCH_COVER_SIDE *PATCH_COVER_SIDE <= 32 &&
-		   PATCH_COVER_ALL == (1ull << PATCH_COVER_SIDE * PATCH_COVER_SIDE) - 1,
-	       "a part has a bit");
+_Static_assert(PATCH_COVER_SIDE *PATCH_COVER_SIDE == PATCH_COVER_PARTS && 2 * PATCH_COVER_PARTS <= 32 &&
+		   PATCH_COVER_ALL == (1ull << PATCH_COVER_PARTS) - 1,
+	       "a part has two bits");
 
 static const struct shader surface_shader = {.name = "patch_surface",
 					     .code = shader_patch_surface_comp,
@@ -26,11 +26,12 @@ static const struct shader cover_shader = {.name = "patch_cover",
 					   .texels = TRACE_TEXELS,
 					   .push_bytes = sizeof(struct patch_push)};
 
-#define TURNS (1 + PATCH_COVER_SIDE * PATCH_COVER_SIDE)
+#define TURNS (1 + PATCH_COVER_PARTS)
 
 struct surfaces {
 	struct patch_pass pass;
-	struct patch_pass cover;
+	struct patch_pass cover; // without a device if it is not wanted
+	bool *covered; // NULL: not wanted
 	uint32_t turn; // 0: what they are made of; from 1 on a part's cover
 	uint32_t next; // patch
 };
@@ -83,14 +84,16 @@ static enum status make_cover(struct patch_pass *pass, const struct patch_scene 
 	return patch_pass_bind(pass, of, &cover_shader, &c, own, err);
 }
 
-enum status surfaces_create(const struct patch_scene *of, struct device *device, struct surfaces **out, struct error *err)
+enum status surfaces_create(const struct patch_scene *of, bool *covered, struct device *device, struct surfaces **out,
+			    struct error *err)
 {
 	struct surfaces *s = calloc(1, sizeof *s);
 	*out = NULL;
 	if (!s)
 		return error_set(err, STATUS_MEMORY, "out of memory");
+	s->covered = covered && !*covered ? covered : NULL;
 	enum status status = make_pass(&s->pass, of, device, err);
-	if (status == STATUS_OK)
+	if (status == STATUS_OK && s->covered)
 		status = make_cover(&s->cover, of, device, err);
 	if (status != STATUS_OK) {
 		surfaces_destroy(s);
@@ -112,13 +115,13 @@ void surfaces_destroy(struct surfaces *s)
 
 bool surfaces_compiled(const struct surfaces *s)
 {
-	return patch_pass_compiled(&s->pass) && patch_pass_compiled(&s->cover);
+	return patch_pass_compiled(&s->pass) && (!s->covered || patch_pass_compiled(&s->cover));
 }
 
 enum status surfaces_compile(struct surfaces *s, struct error *err)
 {
 	const enum status status = patch_pass_compile(&s->pass, err);
-	return status == STATUS_OK ? patch_pass_compile(&s->cover, err) : status;
+	return status == STATUS_OK && s->covered ? patch_pass_compile(&s->cover, err) : status;
 }
 
 enum status surfaces_step(struct surfaces *s, uint32_t budget_us, struct error *err)
@@ -139,12 +142,17 @@ enum status surfaces_step(struct surfaces *s, uint32_t budget_us, struct error *
 		if (clock_us() - start >= budget_us)
 			break;
 	}
-	return status == STATUS_OK ? patch_pass_check(&s->cover, err) : status;
+	if (status == STATUS_OK && s->covered)
+		status = patch_pass_check(&s->cover, err);
+	if (status == STATUS_OK && s->covered && s->turn == TURNS)
+		*s->covered = true;
+	return status;
 }
 
+// What is covered another job may have found meanwhile.
 bool surfaces_finished(const struct surfaces *s)
 {
-	return s->pass.patches == 0 || s->turn == TURNS;
+	return s->pass.patches == 0 || s->turn == TURNS || (s->turn > 0 && (!s->covered || *s->covered));
 }
 
 float surfaces_progress(const struct surfaces *s)

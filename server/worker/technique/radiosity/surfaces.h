@@ -14,19 +14,31 @@
 // - dielectrics are diffuse, of their base colour, and their specular lobe is left out; glass is opaque;
 // - what is unlit is black, and does not emit: it only hides what is behind it.
 //
-// Of each patch it also finds what other bodies cover, as a block does of the floor that it stands on: of PATCH_COVER_SIDE²
-// parts those from whose middle all of PATCH_COVER_RAYS rays meet backs. No light gets there. So what a front receives, from
-// lights and by rows of rays, is a mean over the rest of it alone.
+// Of each patch it also finds, for surfaces_cover, what other bodies cover, as a block does of the floor that it stands on:
+// of PATCH_COVER_SIDE² parts those from whose middle all of PATCH_COVER_RAYS rays meet backs. No light gets there. So what a
+// front receives, from lights and by rows of rays, is a mean over the rest of it alone. It is kept in
+// element_buffers.patches, which jobs share: it depends on places, and on materials through masks, and bits there are only
+// ever added.
 #ifndef CANDIL_WORKER_TECHNIQUE_RADIOSITY_SURFACES_H
 #define CANDIL_WORKER_TECHNIQUE_RADIOSITY_SURFACES_H
 
 #include "server/worker/technique/radiosity/patch_pass.h"
+#include "server/worker/technique/radiosity/row_maker.h"
 
 struct surfaces;
 
-// Begin. What `of` names must outlive it; `of` itself need not. STATUS_MEMORY, STATUS_DEVICE, as all below; on failure
-// nothing is left.
-enum status surfaces_create(const struct patch_scene *of, struct device *device, struct surfaces **surfaces,
+// Whether to look for what is covered, for rows that are made this way. Those of rays leave it out. Hemicubes and analytic
+// factors are of whole patches, so that light must be, too. Rows of a file are taken for those of rays, as they are by
+// default.
+static inline bool surfaces_cover(enum row_way way)
+{
+	return way == ROWS_BY_HEMISPHERE || way == ROWS_IMPORTED;
+}
+
+// Begin. What `of` names must outlive it; `of` itself need not. `covered`: whether what is covered of these patches has been
+// found, and set once it has; it must outlive the surfaces; NULL: it is not wanted. STATUS_MEMORY, STATUS_DEVICE, as all
+// below; on failure nothing is left.
+enum status surfaces_create(const struct patch_scene *of, bool *covered, struct device *device, struct surfaces **surfaces,
 			    struct error *err);
 void surfaces_destroy(struct surfaces *surfaces);
 
