@@ -251,6 +251,9 @@ static enum exit_code do_inspect(struct inspect *inspect)
 	inspect->framed = !r->has_camera && !r->camera_name && inspect->job.target.info.camera_count == 0;
 	if (inspect->framed)
 		view_frame_bounds(&inspect->job.target.info, r);
+	inspect->lacks_factors = inspect->patches && inspect->job.target.imported.solution;
+	if (inspect->lacks_factors)
+		inspect_leave_out_factors(&inspect->list);
 	progress_say(&inspect->job.progress, inspect->patches ? "making patches" : "making voxels");
 	code = make_picture(inspect);
 	if (code == EXIT_DONE)
@@ -318,6 +321,7 @@ const struct command inspect_command = {
 	"exceed, unless they have more cells), --camera, --format exr, --exposure EV, --light and so on; --spp is 1, and\n"
 	"the technique, where none is given, {voxels}. There is no default light, and without light there are no form "
 	"factors.\n"
+	"With --set {patches}.import=FILE.ply, a solution, what takes form factors is left out, and the answer says so.\n"
 	"A cell that holds the eye is looked through. `candil render --technique {voxels}\n"
 	"--set {voxels}.show=none|albedo|normal|emission|irradiance|radiance|coverage`, with {voxels}.level=N, and\n"
 	"{voxels}.axis=x|y|z with {voxels}.slice=K, makes any one of these pictures; and so does\n"
@@ -329,7 +333,9 @@ const struct command inspect_command = {
 	"\"show\", \"level\" (of voxels), \"axis\", \"slice\" (of a slice), \"width\", \"height\", \"bytes\", "
 	"\"elapsed_us\", "
 	"\"stages\", \"white\" (W/m² that a PNG shows as 1, of light of patches)}],\n"
-	"\"files\": [{\"file\", \"bytes\", \"elapsed_us\", \"stages\"}] (of patches),\n"
+	"\"files\": [{\"file\", \"bytes\", \"elapsed_us\", \"stages\"}] (of patches), \"left_out\": [] (of "
+	"\"residual\",\n"
+	"\"row\" and \"factors\": all that an imported solution has nothing for),\n"
 	"\"warnings\": [] (about the scene), \"warnings_more\"}. Stages and\n"
 	"elapsed_us beside the figures are those of all images and files together, the figures the first image's: of\n"
 	"voxels: grid.x, grid.y, grid.z (cells), low.x, low.y, low.z (the grid's low corner), voxel (a cell's side), "

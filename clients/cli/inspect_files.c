@@ -58,7 +58,7 @@ enum exit_code inspect_make_files(struct inspect *inspect)
 {
 	static const enum candil_format formats[FILES] = {CANDIL_FORMAT_PLY, CANDIL_FORMAT_MTX};
 	enum exit_code code = EXIT_DONE;
-	for (; code == EXIT_DONE && inspect->file < FILES; inspect->file++)
+	for (; code == EXIT_DONE && inspect->file < inspect_file_count(inspect); inspect->file++)
 		code = interrupt_seen() ? job_fail_between(&inspect->job) : make_file(inspect, formats[inspect->file]);
 	return code;
 }

@@ -18,12 +18,22 @@ static struct inspect_picture *add_picture(struct inspect_list *list, const char
 void inspect_first(struct inspect_list *list, bool patches, const struct candil_render_request *request)
 {
 	// The last may be of nothing: of a row that no option names and nothing is in the middle of the picture for.
-	static const char *const shows[] = {"albedo", "b", "e", "residual", "id", "normal", INSPECT_SHOW_ROW};
+	static const char *const shows[] = {"albedo", "b", "e", INSPECT_SHOW_RESIDUAL, "id", "normal", INSPECT_SHOW_ROW};
 	list->count = 0;
 	if (!patches)
 		add_picture(list, "view", "radiance", request);
 	for (size_t i = 0; patches && i < sizeof(shows) / sizeof(shows[0]); i++)
 		add_picture(list, INSPECT_PATCHES, shows[i], request);
+}
+
+void inspect_leave_out_factors(struct inspect_list *list)
+{
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < list->count; i++)
+		if (strcmp(list->pictures[i].show, INSPECT_SHOW_ROW) != 0 &&
+		    strcmp(list->pictures[i].show, INSPECT_SHOW_RESIDUAL) != 0)
+			list->pictures[kept++] = list->pictures[i];
+	list->count = kept;
 }
 
 double inspect_figure(const struct candil_done *done, const char *name)
@@ -45,7 +55,7 @@ double inspect_white(const struct inspect_list *list, const struct inspect_pictu
 		white = reflected > 0 ? reflected : most;
 	if (strcmp(p->show, "e") == 0)
 		white = most;
-	if (strcmp(p->show, "residual") == 0)
+	if (strcmp(p->show, INSPECT_SHOW_RESIDUAL) == 0)
 		white = inspect_figure(&p->done, "residual.most");
 	return white > 0 ? white : 0;
 }

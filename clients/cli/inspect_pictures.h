@@ -8,6 +8,7 @@
 #define INSPECT_NO_SLICE UINT32_MAX
 #define INSPECT_PATCHES "patches" // kind of the pictures of patches
 #define INSPECT_SHOW_ROW "row" // what the picture of one row of form factors shows
+#define INSPECT_SHOW_RESIDUAL "residual" // what a solver left over, which form factors tell
 
 struct inspect_picture {
 	const char *kind; // "view", "slice" or "level"; of patches "patches"
@@ -29,6 +30,9 @@ struct inspect_list {
 // Begin the list. Of patches these are all pictures, and no light is in the first. Of voxels it is the first one, the view
 // of the radiance, and the figures of its answer say what else there is.
 void inspect_first(struct inspect_list *list, bool patches, const struct candil_render_request *request);
+
+// Leave out the pictures of patches that are of form factors. Call it before any but the first is made.
+void inspect_leave_out_factors(struct inspect_list *list);
 
 // Add all others of voxels, once the first is done. A cell of a slice is a whole number of pixels, and a slice has no more
 // pixels than the request asks for, unless the grid has more cells. false: the figures tell of no grid.

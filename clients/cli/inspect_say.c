@@ -9,6 +9,16 @@
 
 #define MIB (1.0 / 1048576.0)
 
+// What an imported solution has nothing for, as the answer names it.
+static const char *const factor_things[] = {INSPECT_SHOW_RESIDUAL, INSPECT_SHOW_ROW, "factors", NULL};
+
+uint32_t inspect_file_count(const struct inspect *inspect)
+{
+	if (!inspect->patches)
+		return 0;
+	return inspect->lacks_factors ? FILE_FACTORS : FILES;
+}
+
 const char *inspect_extension(const struct inspect *inspect)
 {
 	return inspect->job.options.request.format == CANDIL_FORMAT_PNG ? "png" : "exr";
@@ -87,7 +97,7 @@ static void sum_up(const struct inspect *inspect, struct candil_done *sum)
 	*sum = inspect->list.pictures[0].done;
 	for (uint32_t i = 1; i < inspect->list.count; i++)
 		add_time(sum, &inspect->list.pictures[i].done);
-	for (uint32_t i = 0; inspect->patches && i < FILES; i++)
+	for (uint32_t i = 0; i < inspect_file_count(inspect); i++)
 		add_time(sum, &inspect->files[i].done);
 }
 
@@ -105,9 +115,13 @@ json_t *inspect_answer_json(const struct inspect *inspect)
 		      candil_format_name(inspect->job.options.request.format), "figures", report_figures_json(&all),
 		      "stages", report_stages_json(&all), "elapsed_us", cli_json_u64(all.elapsed_us), "images", images);
 	json_t *files = json_array();
-	for (uint32_t i = 0; inspect->patches && i < FILES; i++)
+	for (uint32_t i = 0; i < inspect_file_count(inspect); i++)
 		json_array_append_new(files, inspect_file_json(&inspect->files[i]));
 	json_object_set_new(answer, "files", files);
+	json_t *left_out = json_array();
+	for (size_t i = 0; inspect->lacks_factors && factor_things[i]; i++)
+		json_array_append_new(left_out, json_string(factor_things[i]));
+	json_object_set_new(answer, "left_out", left_out);
 	job_put_warnings(&inspect->job, answer);
 	return answer;
 }
@@ -162,10 +176,8 @@ static void print_white(const struct inspect *inspect)
 		puts("");
 }
 
-static void print_patches(const struct candil_done *done)
+static void print_factors(const struct candil_done *done)
 {
-	printf("patches    %.0f, no side longer than %.6g m\n", inspect_figure(done, "patches"),
-	       inspect_figure(done, "edge"));
 	printf("factors    %.0f in %.0f rows that light reaches; %.2f MiB in all that are kept\n",
 	       inspect_figure(done, "check.factors"), inspect_figure(done, "check.rows"),
 	       inspect_figure(done, "bytes.factors") * MIB);
@@ -176,6 +188,20 @@ static void print_patches(const struct candil_done *done)
 	print_reciprocity(done);
 	printf("solved     to a residual of %.2e, in %.0f iterations\n", inspect_figure(done, "residual"),
 	       inspect_figure(done, "iterations"));
+}
+
+static void print_patches(const struct inspect *inspect, const struct candil_done *done)
+{
+	printf("patches    %.0f, no side longer than %.6g m\n", inspect_figure(done, "patches"),
+	       inspect_figure(done, "edge"));
+	if (!inspect->lacks_factors) {
+		print_factors(done);
+		return;
+	}
+	printf("left out   ");
+	for (size_t i = 0; factor_things[i]; i++)
+		printf("%s%s", i ? ", " : "", factor_things[i]);
+	puts(": what is imported is a solution, and has no form factors; a .mtx has them");
 }
 
 void inspect_print_answer(const struct inspect *inspect)
@@ -190,7 +216,7 @@ void inspect_print_answer(const struct inspect *inspect)
 			printf("file       %s, %" PRIu64 " bytes\n", inspect->files[i].name, inspect->files[i].bytes);
 	print_white(inspect);
 	if (inspect->patches)
-		print_patches(done);
+		print_patches(inspect, done);
 	else
 		print_voxels(done);
 	report_print_stages(&all, stdout);

@@ -25,6 +25,7 @@ struct inspect_file {
 struct inspect {
 	struct job job;
 	bool patches; // these are looked into; else voxels
+	bool lacks_factors; // of patches: what is imported is a solution, which has none to show
 	struct inspect_list list;
 	uint32_t done; // pictures that are written
 	struct inspect_file files[FILES];
@@ -34,6 +35,9 @@ struct inspect {
 	char row[LIMIT_OPTION_NAME + 1]; // of patches, the option that only the picture of a row takes
 	char wrong[256]; // the sentence that says what inspect cannot take
 };
+
+// How many of the files that are no pictures are made.
+uint32_t inspect_file_count(const struct inspect *inspect);
 
 // The extension of the pictures' files.
 const char *inspect_extension(const struct inspect *inspect);

@@ -239,6 +239,7 @@ static candil_status find_part(struct target *target, const char **name, struct 
 		status = load_temporary(target, file, &how, part->name, &part->temporary, &info, error);
 	if (status == CANDIL_STATUS_OK)
 		snprintf(part->hash, sizeof(part->hash), "%s", info.hash);
+	part->solution = status == CANDIL_STATUS_OK && info.patch_elements > 0;
 	return status;
 }
 

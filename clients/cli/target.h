@@ -12,6 +12,7 @@ struct target_part {
 	char name[64]; // in the daemon; "": there is none
 	char hash[40]; // likewise
 	bool temporary; // it was loaded for this command
+	bool solution; // it is a file of patches with their light, and has no form factors
 };
 
 struct target {

@@ -158,6 +158,27 @@ class Command(unittest.TestCase):
         for stage in answer["stages"]:
             self.assertEqual(stage["us"], sum(s["us"] for part in parts for s in part["stages"] if s["name"] == stage["name"]))
 
+    def test_what_is_imported(self):
+        """Form factors have all pictures; a solution has none of form factors, and the answer says so."""
+        scene = rooms.uniform_room(daemon.folder, RHO)
+        arguments = ["--set", "radiosity.patches=54", "--size", "16x16"]
+        made = inspect(scene, *arguments, "--json", prefix="made")
+        self.assertEqual(made["left_out"], [])
+        files = {file["file"].rsplit(".")[-1]: file["file"] for file in made["files"]}
+        for kind, lacks in (("mtx", []), ("ply", ["residual", "row", "factors"])):
+            answer = inspect(scene, *arguments, "--set", "radiosity.import=" + files[kind], "--json", prefix=kind)
+            self.assertEqual(answer["left_out"], lacks, kind)
+            self.assertEqual([i["show"] for i in answer["images"]], [i["show"] for i in made["images"] if i["show"] not in lacks])
+            self.assertEqual(len(answer["files"]), 1 if lacks else 2)
+            for file in answer["files"]:
+                self.assertEqual(os.path.getsize(file["file"]), file["bytes"])
+        # The patches of the solution are the file's to the bit.
+        with open(files["ply"], "rb") as first, open(answer["files"][0]["file"], "rb") as second:
+            self.assertEqual(first.read(), second.read())
+        _, out, _ = inspect(scene, *arguments, "--set", "radiosity.import=" + files["ply"], prefix="ply")
+        self.assertIn("left out   residual, row, factors: ", out)
+        self.assertNotIn("nan", out)
+
     def test_wrong_command_lines(self):
         scene = rooms.uniform_room(daemon.folder, RHO)
         for wrong, word in ((["--set", "radiosity.show=b"], "radiosity.show is set by inspect"), (["-o", "-"], "several"),
