@@ -168,6 +168,11 @@ static bool take_setting(struct reader *r, const char *key, const json_t *value,
 {
 	if (strlen(key) > LIMIT_OPTION_NAME || !strchr(key, '.') || !is_printable(key))
 		return refuse(r, "a setting is \"samples\" or the name of an option, as in --set " TECHNIQUE_OPTION_EXAMPLE);
+	if (strcmp(key, TECHNIQUE_OPTION_IMPORT) == 0)
+		return refuse(
+		    r,
+		    "a study imports no file: it measures what techniques make. candil render --set " TECHNIQUE_OPTION_IMPORT
+		    "=FILE does");
 	if (*count == STUDY_SETTINGS_MAX)
 		return refuse(r, "a run has no room for more than 16 options");
 	snprintf(settings[*count].name, sizeof(settings[*count].name), "%s", key);

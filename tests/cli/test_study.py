@@ -393,6 +393,7 @@ class Study(DaemonCase):
                 ({}, "points"), (dict(PLAN, sise=[1, 1]), "no key \"sise\""), (dict(PLAN, points=[]), "1 to 1024"),
                 (dict(PLAN, points=[dict(point, technique="magic")]), "technique"),
                 (dict(PLAN, points=[dict(point, technique="auto")]), "technique"),
+                (dict(PLAN, points=[dict(point, settings={"radiosity.import": "room.ply"})]), "a study imports no file"),
                 (dict(PLAN, points=[dict(point, extra=1)]), "points[0]"),
                 (dict(PLAN, points=[point, 7]), "points[1]"), (dict(PLAN, points=[dict(point, settings=[])]), "settings"),
                 (dict(PLAN, points=[dict(point, settings={"samples": 0})]), "16777216"),
