@@ -1,4 +1,5 @@
 """Options that are given and do nothing: told in notes, of every technique, and the picture is the same without them."""
+import os
 import unittest
 
 import numpy
@@ -45,6 +46,27 @@ class Idle(unittest.TestCase):
                    {"rays": 32}, factors="hemicube", patches=30, hemicube=16, origins=1)
         self.check("radiosity", ["radiosity.patches does nothing without radiosity.edge=0"], {"patches": 99}, edge=1, rays=16)
         self.check("radiosity", ["radiosity.bounces does nothing without mirrors"], {"bounces": 3}, **FEW)
+
+    def test_radiosity_with_a_file(self):
+        """Of form factors the light is found anew; of a solution nothing is."""
+        for kind in ("mtx", "ply"):
+            path = os.path.join(daemon.folder, "idle." + kind)
+            daemon.candil("render", make.cornell(daemon.folder), "-o", path, "--technique", "radiosity", "--set", "radiosity.patches=60",
+                          "--set", "radiosity.rays=16", "--no-default-light")
+            made = {"factors": "hemicube", "rays": 64, "hemicube": 16, "origins": 2, "mirrors": "off", "bounces": 3, "project": "sums"}
+            found = {"points": 1, "emitters": "factors", "solver": "jacobi", "residual": .05} if kind == "ply" else {}
+            given = {**made, **found}
+            picture = render("radiosity", "--set", "radiosity.import=" + path, patches=60, **given)
+            for name in given:
+                self.assertIn("radiosity." + name, " ".join(idle(picture)), kind)
+            self.assertTrue(all(note.endswith("imported") for note in idle(picture)), idle(picture))
+            plain = render("radiosity", "--set", "radiosity.import=" + path, patches=60)
+            self.assertEqual(idle(plain), [])
+            numpy.testing.assert_array_equal(picture.radiance, plain.radiance)
+
+    def test_pt(self):
+        self.check("pt", ["pt.light_tree does nothing without pt.lights=mis or nee"], {"light_tree": "on"}, lights="none")
+        self.assertEqual(idle(render("pt", light_tree="on", lights="nee")), [])
 
     def test_what_does_something_is_not_told(self):
         for options in ({"display": "gather", "gather": 1, "direct.samples": 1, "direct.shadows": "map", "direct.map": 256}, {},

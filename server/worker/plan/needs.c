@@ -6,6 +6,9 @@
 #include "server/worker/technique/common/scene_params.h"
 #include "server/worker/technique/technique.h"
 
+// Bytes of a note for the names of options and what they need: those that do not fit are told in another.
+#define NOTE_ROOM (sizeof((candil_Accepted *)0)->notes[0] - sizeof " and  do nothing without ")
+
 // The first need of an option that is not met, as a sentence's end. NULL: there is none.
 static const char *unmet(const char *option, const struct option_need *needs, const struct plan *plan)
 {
@@ -26,9 +29,10 @@ void needs_note(const candil_Render *request, const struct technique *technique,
 	for (pb_size_t i = 0; i < request->options_count; i++) {
 		const char *what = whats[i];
 		char list[LIMIT_TEXT + 1];
-		size_t count = 0;
+		size_t count = 0, length = 0;
 		for (pb_size_t k = i; what && k < request->options_count; k++)
-			if (whats[k] && !strcmp(whats[k], what)) {
+			if (whats[k] && !strcmp(whats[k], what) &&
+			    (length += strlen(request->options[k].name) + strlen(", ")) + strlen(what) < NOTE_ROOM) {
 				names[count++] = request->options[k].name;
 				whats[k] = NULL;
 			}

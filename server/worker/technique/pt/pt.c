@@ -380,6 +380,7 @@ static uint32_t pt_depth(const struct plan *plan)
 
 const struct technique technique_pt = {.number = candil_Technique_TECHNIQUE_PT,
 				       .options = pt_options,
+				       .needs = pt_needs,
 				       .defaults = pt_options_default,
 				       .depth = pt_depth,
 				       .effects = UINT32_MAX,

@@ -34,6 +34,13 @@ static const struct option_rule rules[] = {
 
 const struct option_table pt_options[] = {{rules, sizeof rules / sizeof *rules, 0}, {0}};
 
+static bool aims_at_lamps(const struct plan *plan)
+{
+	return pt_settings(plan)->lamps != LAMPS_BY_CHANCE;
+}
+
+const struct option_need pt_needs[] = {{"pt.light_tree", "pt.lights=mis or nee", aims_at_lamps}, {0}};
+
 void pt_options_default(void *settings)
 {
 	struct pt_settings *s = settings;

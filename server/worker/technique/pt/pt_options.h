@@ -2,6 +2,7 @@
 #ifndef CANDIL_WORKER_PT_OPTIONS_H
 #define CANDIL_WORKER_PT_OPTIONS_H
 
+#include "server/worker/plan/needs.h"
 #include "server/worker/plan/option.h"
 #include "server/worker/plan/plan.h"
 
@@ -29,8 +30,9 @@ struct pt_settings {
 	float clamp; // of a sample's largest component, W/(m² sr); 0: none
 };
 
-// struct technique's `options` and `defaults`.
+// struct technique's `options`, `needs` and `defaults`.
 extern const struct option_table pt_options[];
+extern const struct option_need pt_needs[];
 void pt_options_default(void *settings);
 
 // How settings reach the shaders: the variant of a pass, and what of a job's parameters is the settings' own.

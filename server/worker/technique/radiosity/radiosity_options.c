@@ -94,13 +94,23 @@ static bool mirrors(const struct plan *plan)
 
 static bool makes_factors(const struct plan *plan)
 {
-	return plan->imported.elements == 0;
+	return !imported_solution(plan) && !imported_factors(plan);
+}
+
+static bool solves(const struct plan *plan)
+{
+	return !imported_solution(plan);
 }
 
 static bool is_cut_by_count(const struct plan *plan)
 {
 	return !(radiosity_settings(plan)->edge > 0);
 }
+
+#define MADE(option) \
+	{ \
+		option, "factors that are made, not imported", makes_factors \
+	}
 
 #define GATHERED(option) \
 	{option, "a picture", makes_a_picture}, {option, "radiosity.show=none", shows_light}, \
@@ -109,12 +119,22 @@ static bool is_cut_by_count(const struct plan *plan)
 	}
 
 const struct option_need radiosity_needs[] = {{"radiosity.patches", "radiosity.edge=0", is_cut_by_count},
+					      MADE("radiosity.factors"),
+					      MADE("radiosity.rays"),
+					      MADE("radiosity.hemicube"),
+					      MADE("radiosity.origins"),
+					      MADE("radiosity.mirrors"),
+					      MADE("radiosity.bounces"),
+					      MADE("radiosity.project"),
+					      {"radiosity.points", "light that is found, not imported", solves},
+					      {"radiosity.emitters", "light that is found, not imported", solves},
+					      {"radiosity.solver", "light that is found, not imported", solves},
+					      {"radiosity.residual", "light that is found, not imported", solves},
 					      {"radiosity.rays", "radiosity.factors=hemisphere or analytic", has_rays},
 					      {"radiosity.hemicube", "radiosity.factors=hemicube", has_hemicubes},
 					      {"radiosity.origins", "radiosity.factors=hemicube", has_hemicubes},
 					      {"radiosity.mirrors", "radiosity.factors=hemisphere or hemicube", may_mirror},
 					      {"radiosity.bounces", "mirrors", mirrors},
-					      {"radiosity.project", "factors that are made, not imported", makes_factors},
 					      {"radiosity.display", "a picture", makes_a_picture},
 					      {"radiosity.display", "radiosity.show=none", shows_light},
 					      {"radiosity.show", "a picture", makes_a_picture},
