@@ -33,7 +33,7 @@
 #define LIMIT_ANIMATION_LIST 32u
 #define LIMIT_SCENES 64u // fewer where descriptors are; as many again while jobs use them after an UNLOAD
 #define LIMIT_STAGES 24u
-#define LIMIT_FIGURES 32u // in a Done
+#define LIMIT_FIGURES 48u // in a Done
 #define LIMIT_EFFECTS 32u
 #define LIMIT_NOTES 4u // in an Accepted
 

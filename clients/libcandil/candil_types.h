@@ -429,7 +429,7 @@ struct candil_done {
 	char device[128];
 	char reason[64]; // why it ended: "samples", "error" or "time"
 	uint32_t figure_count;
-	struct candil_figure figures[32];
+	struct candil_figure figures[48];
 	uint32_t note_count;
 	char notes[4][192]; // sentences on what may surprise and came out in the work alone
 	struct candil_verdict verdict; // on the picture; of a sweep, the mean; zero of a file that is none

@@ -36,8 +36,8 @@ struct encoder {
 
 static void fill_figures(const struct frame *f, candil_Done *done)
 {
-	const size_t capacity = sizeof done->figures / sizeof done->figures[0];
-	for (uint32_t i = 0; i < f->figure_count && i < capacity; i++) {
+	_Static_assert(sizeof done->figures / sizeof done->figures[0] == FRAME_FIGURES_MAX, "each has a place");
+	for (uint32_t i = 0; i < f->figure_count; i++) {
 		candil_Figure *figure = &done->figures[done->figures_count++];
 		snprintf(figure->name, sizeof figure->name, "%s", f->figures[i].name);
 		snprintf(figure->unit, sizeof figure->unit, "%s", f->figures[i].unit);

@@ -7,6 +7,7 @@
 
 #include "protocol/header.h"
 #include "server/base/checked.h"
+#include "server/base/log.h"
 
 // Make a zeroed plane of `components` 4-byte values a pixel. NULL: out of memory.
 static void *plane(size_t pixels, size_t components)
@@ -138,8 +139,11 @@ void frame_add_stage(struct frame *frame, const char *name, uint64_t us)
 
 void frame_add_figure(struct frame *frame, const char *name, double value, const char *unit)
 {
-	if (frame->figure_count >= FRAME_FIGURES_MAX)
+	if (frame->figure_count >= FRAME_FIGURES_MAX) {
+		log_line(LOG_WARNING, "the figure %s is not told: there is room for %u (LIMIT_FIGURES)", name,
+			 FRAME_FIGURES_MAX);
 		return;
+	}
 	struct frame_figure *f = &frame->figures[frame->figure_count++];
 	snprintf(f->name, sizeof f->name, "%s", name);
 	snprintf(f->unit, sizeof f->unit, "%s", unit);

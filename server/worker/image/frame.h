@@ -14,7 +14,7 @@
 
 #define FRAME_METADATA_MAX 80u // entries of each list at most
 #define FRAME_STAGES_MAX (LIMIT_STAGES - 4u) // the front adds what it knows
-#define FRAME_FIGURES_MAX 32u
+#define FRAME_FIGURES_MAX LIMIT_FIGURES // one more is told in the log, and left out
 #define FRAME_NOTES_MAX 4u
 
 // The stages that a device spends once, of every technique: opening it, and compiling programs that it does not have yet.
