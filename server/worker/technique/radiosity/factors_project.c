@@ -103,6 +103,13 @@ static void turn_row(struct factors_projection *p, uint32_t i)
 
 // ---- rows ---------------------------------------------------------------------------------------------------------------
 
+// The factor of element i from both of a pair. Of rows by as many rays each, the variance of A_i F_ij goes by the element's
+// own area, A_i, so that the mean of least variance of A_i F_ij and A_j F_ji weights each by the area of the other element.
+static double factor_of_pair(double area, double other_area, double own, double its)
+{
+	return (own + its) * (other_area / (area + other_area));
+}
+
 // Merge row i with column i. Returns the number of entries.
 static uint32_t merge(struct factors_projection *p, uint32_t i, const struct row_view *row)
 {
@@ -118,7 +125,7 @@ static uint32_t merge(struct factors_projection *p, uint32_t i, const struct row
 		// Of a row that is not there nothing is known.
 		const bool both = p->wish.average && row_of(p, j).there && p->area[i] > 0;
 		p->columns[n] = j;
-		p->merged[n++] = (float)(both ? 0.5 * (own + its * ((double)p->area[j] / (double)p->area[i])) : own);
+		p->merged[n++] = (float)(both ? factor_of_pair((double)p->area[i], (double)p->area[j], own, its) : own);
 	}
 	return n;
 }

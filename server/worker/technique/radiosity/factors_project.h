@@ -13,7 +13,8 @@
 
 // What to do with the factors.
 struct factors_wish {
-	bool average; // replace A_i F_ij and A_j F_ji by their mean; a row gets the entries that only the other has
+	bool average; // replace A_i F_ij and A_j F_ji by their mean, the smaller element's counting for more in proportion
+		      // of areas; a row gets the entries that only the other has
 	bool close; // scale every row so that Σ F + escaped + cut = 1; one without entries stays as it is
 };
 
