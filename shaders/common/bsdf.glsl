@@ -91,11 +91,7 @@ bsdf bsdf_make(surface s, vec3 direction)
 {
 	bsdf b;
 	vec3 v = -direction;
-	b.normal = s.shading;
-	float c = dot(b.normal, v);
-	// The view direction is behind the shading normal: tilt the normal towards it until it is barely in front.
-	if (c < 1e-3)
-		b.normal = normalize(b.normal + (1e-3 - c) * v);
+	b.normal = normal_in_front(s.shading, v);
 	b.geometric = s.geometric;
 	frame_make(b.normal, b.x, b.y);
 	b.view = vec3(dot(v, b.x), dot(v, b.y), max(dot(v, b.normal), 1e-4));

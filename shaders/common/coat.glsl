@@ -42,10 +42,7 @@ float coat_passed(clearcoat c, float mu)
 clearcoat coat_make(vec3 view, vec3 normal, float amount, float roughness, float below)
 {
 	clearcoat c;
-	c.normal = normal;
-	float mu = dot(normal, view);
-	if (mu < 1e-3)
-		c.normal = normalize(normal + (1e-3 - mu) * view);
+	c.normal = normal_in_front(normal, view);
 	frame_make(c.normal, c.x, c.y);
 	c.view = coat_frame(c, view);
 	c.view.z = max(c.view.z, 1e-4);

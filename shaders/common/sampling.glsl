@@ -168,6 +168,13 @@ void frame_make(vec3 n, out vec3 x, out vec3 y)
 	y = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
+// A normal, or if the view is behind it, the normal tilted towards the view until that is barely in front.
+vec3 normal_in_front(vec3 normal, vec3 view)
+{
+	float c = dot(normal, view);
+	return c < 1e-3 ? normalize(normal + (1e-3 - c) * view) : normal;
+}
+
 // Barycentrics of corners 1 and 2, uniform over the triangle. Near inputs give near points: Heitz 2019.
 vec2 sample_triangle(vec2 u)
 {

@@ -130,10 +130,10 @@ void aim_at_sky(surface s, sampler_state random, inout gathered g)
 #endif
 
 // The density of a direction by the cosine, and of the one that is folded to it, 1/sr.
-float cosine_density(surface s, vec3 w)
+float cosine_density(surface s, vec3 normal, vec3 w)
 {
 	vec3 below = w - 2.0 * dot(w, s.geometric) * s.geometric;
-	return (max(dot(w, s.shading), 0.0) + max(dot(below, s.shading), 0.0)) * (1.0 / PI);
+	return (max(dot(w, normal), 0.0) + max(dot(below, normal), 0.0)) * (1.0 / PI);
 }
 
 void main()
@@ -147,8 +147,10 @@ void main()
 		return;
 	float share = mirror_share_at(v.id, v.uv);
 	vec3 diffuse = s.base * ((1.0 - share) / float(rays.z));
+	// The one by which the points on lamps weigh these rays (bsdf_make).
+	vec3 normal = normal_in_front(s.shading, -v.direction);
 	vec3 x, y;
-	frame_make(s.shading, x, y);
+	frame_make(normal, x, y);
 	sampler_state random = sampler_make(pixel.y * turn.w + pixel.x, turn.x, 0u, job.seed[0], job.seed[1]);
 	vec3 radiance = vec3(0.0);
 	uint traced = 0u;
@@ -163,13 +165,13 @@ void main()
 		g.through = diffuse;
 		random.index = turn.y * rays.z + rays.x + i - 1u;
 		vec3 l = cosine_hemisphere(sample_2d(random, SET_BSDF));
-		g.direction = folded_up(s, l.x * x + l.y * y + l.z * s.shading);
+		g.direction = folded_up(s, l.x * x + l.y * y + l.z * normal);
 #ifdef RADIOSITY_SKY
 		random.index = turn.y * to_sky(rays.z) + to_sky(rays.x) + i - 1u - count;
 		if (i > count)
 			aim_at_sky(s, random, g);
 #endif
-		g.density = float(rays.z) * cosine_density(s, g.direction);
+		g.density = float(rays.z) * cosine_density(s, normal, g.direction);
 		if (g.plain) {
 			g.direction = mirrored(s, v.direction);
 			g.through = mirror_reflectance(s, share, v.direction);

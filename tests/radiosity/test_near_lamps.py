@@ -55,5 +55,35 @@ class BesideABall(unittest.TestCase):
                 self.assertLess(light.std(), bar)
 
 
+class NormalsThatFaceAway(unittest.TestCase):
+    def test_beneath_a_panel(self):
+        """A floor whose normals are turned away from the camera is shaded by normals that are turned back until they are square to the
+        view. The light of what is below them is folded to above the floor. Points and rays find a near panel together: all of
+        its light, and none of it twice."""
+        g = Gltf()
+        smooth = (.94, .342, 0)
+        positions, triangles = quad((-.5, 0, .5), (.5, 0, .5), (.5, 0, -.5), (-.5, 0, -.5))
+        g.node(mesh=g.mesh(positions, triangles, g.material("floor", (.5,) * 3), normals=[smooth] * 4))
+        panel = [(-.2, .12, -.2), (.2, .12, -.2), (.2, .12, .2), (-.2, .12, .2)]
+        # Of so many triangles that points choose among them.
+        shining, at = g.material("panel", (0, 0, 0), (4,) * 3), numpy.linspace(-.2, .2, 13)
+        for low, high in zip(at, at[1:]):
+            for near, far in zip(at, at[1:]):
+                g.place(*quad((low, .12, near), (high, .12, near), (high, .12, far), (low, .12, far)), shining)
+        scene = g.save(daemon.folder, "away.gltf")
+        view = numpy.array((-1, .1, 0)) / math.hypot(1, .1)
+        normal = numpy.array(smooth) / math.hypot(*smooth)
+        self.assertLess(normal @ view, -.5)
+        normal = normal + (1e-3 - normal @ view) * view
+        normal /= numpy.linalg.norm(normal)
+        expected = .5 / math.pi * 4 * sum(lambert([(x, side * y, z) for x, y, z in panel], normal) for side in (1, -1))
+        for spp in (1, 64):
+            camera = (*(4 * view), 0, 0, 0, 0, 1, 0, .05)
+            light = daemon.radiosity(scene, 64, (24, 24), spp, camera, display="gather").radiance[..., 0].astype(float) / expected
+            off, noise = light.mean() - 1, light.std() / math.sqrt(light.size)
+            print(f"{spp} samples: {100 * off:+.2f} % off, noise of the mean {100 * noise:.2f} %")
+            self.assertLess(abs(off), 4 * noise + 3e-3)
+
+
 if __name__ == "__main__":
     unittest.main()
