@@ -67,11 +67,18 @@ class Projected(unittest.TestCase):
         scene = white_box("white")
         options = dict(patches=200, emitters="factors", display="constant")
         right = daemon.radiosity(scene, rays=65536, **options).radiance
-        error = {project: float(numpy.sqrt(((daemon.radiosity(scene, rays=64, project=project, **options).radiance - right) ** 2).mean()))
-                 for project in ("none", "sums", "both")}
-        print(error)
-        self.assertLess(error["both"], .9 * error["none"])
-        self.assertAlmostEqual(error["sums"], error["none"], delta=1e-3 * error["none"])
+
+        def error(rays, project):
+            return float(numpy.sqrt(((daemon.radiosity(scene, rays=rays, project=project, **options).radiance - right) ** 2).mean()))
+
+        # Of patches whose areas differ little it is as twice the rays would have it, if all noise were of pairs. What lies above
+        # the lamp is covered, of some patches in part: what is open of them is what pairs exchange light by.
+        part = {rays: error(rays, "both") / error(rays, "none") for rays in (64, 96, 128, 192, 256)}
+        print(part)
+        self.assertLess(max(part.values()), .95)
+        self.assertLess(sum(part.values()) / len(part), .85)
+        none = error(64, "none")
+        self.assertAlmostEqual(error(64, "sums"), none, delta=1e-3 * none)
 
     def test_where_mirrors_are_it_does_nothing_and_says_so(self):
         g = Gltf()

@@ -20,6 +20,12 @@ enum status element_buffers_init(struct element_buffers *buffers, const struct e
 // Upload the patches that were made since `first` were. STATUS_MEMORY, STATUS_DEVICE.
 enum status element_buffers_send(struct element_buffers *buffers, const struct elements *elements, uint32_t first,
 				 struct device *device, struct error *err);
+
+// Read back the area of each element that is open, m²: that which rays of its row start from, and which others see. Of a
+// patch's front it is without the parts that are covered (surfaces.h), of a back all. *areas is the caller's, who frees it;
+// NULL after a failure. STATUS_MEMORY, STATUS_DEVICE.
+enum status element_buffers_areas(const struct element_buffers *buffers, const struct elements *elements,
+				  struct device *device, float **areas, struct error *err);
 void element_buffers_finish(struct element_buffers *buffers, struct device *device);
 
 // Put them in their places of binding_set_init's array, which has BIND_MOST.

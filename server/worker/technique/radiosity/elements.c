@@ -151,14 +151,6 @@ enum status elements_init(struct elements *e, const struct blob_view *scene, con
 	return s;
 }
 
-float *elements_areas(const struct elements *e)
-{
-	float *area = malloc((e->count + 1ull) * sizeof *area);
-	for (uint32_t i = 0; area && i < e->count; i++)
-		area[i] = e->shapes[i % e->patches.count].area;
-	return area;
-}
-
 void elements_finish(struct elements *e)
 {
 	free(e->shapes);

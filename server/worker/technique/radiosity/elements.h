@@ -33,9 +33,6 @@ enum status elements_begin(struct elements *elements, const struct blob_view *sc
 			   struct error *err);
 void elements_make(struct elements *elements, uint32_t patches);
 
-// The area of each element, m², which the caller frees. NULL: there is no memory.
-float *elements_areas(const struct elements *elements);
-
 // Free them. Elements that are all zero are fine.
 void elements_finish(struct elements *elements);
 

@@ -28,8 +28,7 @@ static enum status begin(struct solution *v, struct error *err)
 	struct solution_projecting *p = v->projecting = calloc(1, sizeof *p);
 	if (!p)
 		return error_set(err, STATUS_MEMORY, "out of memory");
-	p->area = elements_areas(&v->factors->elements);
-	enum status s = p->area ? STATUS_OK : error_set(err, STATUS_MEMORY, "out of memory");
+	enum status s = element_buffers_areas(&v->factors->buffers, &v->factors->elements, v->device, &p->area, err);
 	if (s == STATUS_OK)
 		s = factors_projection_init(&p->projection, &v->factors->factors, p->area, v->reached, &wish, err);
 	if (s != STATUS_OK)

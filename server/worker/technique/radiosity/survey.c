@@ -18,12 +18,12 @@ struct survey {
 static enum status begin_checking(struct survey *s, struct error *err)
 {
 	free(s->area);
-	s->area = elements_areas(&s->solution->factors->elements);
-	if (!s->area)
-		return error_set(err, STATUS_MEMORY, "out of memory");
-	const enum status status =
-	    factors_check_init(&s->check, s->again ? &s->solution->projected : &s->solution->factors->factors, s->area,
-			       s->solution->reached, err);
+	s->area = NULL;
+	const struct solution *v = s->solution;
+	enum status status = element_buffers_areas(&v->factors->buffers, &v->factors->elements, v->device, &s->area, err);
+	if (status == STATUS_OK)
+		status =
+		    factors_check_init(&s->check, s->again ? &v->projected : &v->factors->factors, s->area, v->reached, err);
 	s->checking = status == STATUS_OK;
 	if (s->solution->options.factors.rows.way == ROWS_BY_HEMISPHERE)
 		s->check.rays = s->solution->options.factors.rows.rays;
