@@ -149,25 +149,42 @@ static enum status trial_init(struct trial *t, struct error *err)
 	return s;
 }
 
-// What surfaces are made of, which is quick, and as many of the corners as fit.
+// What surfaces are made of, which is quick and all the rest wants to know, and as much of what is covered as fits. *us:
+// what all of it takes.
+static enum status try_surfaces(struct trial *t, uint32_t budget_us, double *us, struct error *err)
+{
+	const uint64_t start = clock_us();
+	enum status s = STATUS_OK;
+	while (s == STATUS_OK && !surfaces_made(t->surfaces))
+		s = surfaces_step(t->surfaces, SLICE_US, err);
+	const uint64_t made = clock_us();
+	const double before = (double)surfaces_progress(t->surfaces);
+	while (s == STATUS_OK && !surfaces_finished(t->surfaces)) {
+		s = surfaces_step(t->surfaces, SLICE_US, err);
+		if (clock_us() - start >= budget_us)
+			break;
+	}
+	const double share = before < 1 ? ((double)surfaces_progress(t->surfaces) - before) / (1 - before) : 1;
+	*us = (double)(made - start) + (double)(clock_us() - made) / fmax(share, 1e-6);
+	if (s == STATUS_OK)
+		s = buffer_read(&t->buffers.surfaces, t->device, 0, t->elements.count * sizeof *t->made_of, t->made_of, err);
+	return s;
+}
+
+// Surfaces, and as many of the corners as fit.
 static enum status try_cut(struct trial *t, uint32_t budget_us, struct error *err)
 {
 	struct corners *corners;
-	uint64_t start = clock_us();
-	enum status s = STATUS_OK;
-	while (s == STATUS_OK && !surfaces_finished(t->surfaces))
-		s = surfaces_step(t->surfaces, SLICE_US, err);
-	if (s == STATUS_OK)
-		s = buffer_read(&t->buffers.surfaces, t->device, 0, t->elements.count * sizeof *t->made_of, t->made_of, err);
-	const double surfaces_us = (double)(clock_us() - start);
+	double surfaces_us;
+	enum status s = try_surfaces(t, budget_us / 2, &surfaces_us, err);
 	if (s == STATUS_OK)
 		s = corners_create(&t->elements, &corners, err);
 	if (s != STATUS_OK)
 		return s;
-	start = clock_us();
+	const uint64_t start = clock_us();
 	do
 		s = corners_step(corners, SLICE_US, err);
-	while (s == STATUS_OK && !corners_finished(corners) && clock_us() - start < budget_us);
+	while (s == STATUS_OK && !corners_finished(corners) && clock_us() - start < budget_us / 2);
 	const double done = fmax(corners_progress(corners), 0.01);
 	t->found->cut = t->elements.count;
 	t->found->cut_us = surfaces_us + (double)(clock_us() - start) / done;

@@ -155,6 +155,11 @@ bool surfaces_finished(const struct surfaces *s)
 	return s->pass.patches == 0 || s->turn == TURNS || (s->turn > 0 && (!s->covered || *s->covered));
 }
 
+bool surfaces_made(const struct surfaces *s)
+{
+	return s->pass.patches == 0 || s->turn > 0;
+}
+
 float surfaces_progress(const struct surfaces *s)
 {
 	return surfaces_finished(s) ? 1 : ((float)s->turn + (float)s->next / (float)s->pass.patches) / TURNS;

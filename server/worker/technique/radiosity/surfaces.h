@@ -50,6 +50,9 @@ enum status surfaces_compile(struct surfaces *surfaces, struct error *err);
 // driver ended loops too early, and what is covered is not known.
 enum status surfaces_step(struct surfaces *surfaces, uint32_t budget_us, struct error *err);
 
+// Whether what they are made of is known, if not all that is covered.
+bool surfaces_made(const struct surfaces *surfaces);
+
 // Whether it is over, and the share of it that is done.
 bool surfaces_finished(const struct surfaces *surfaces);
 float surfaces_progress(const struct surfaces *surfaces); // 0…1
