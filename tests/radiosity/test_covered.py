@@ -12,7 +12,7 @@ from radiosity import standing_block
 from wire import pb
 from writers import Gltf, box, quad
 
-daemon = RadiosityDaemon("--slice", "5")
+daemon = RadiosityDaemon("--slice", "1")
 ABOVE = (0, 5, 0, 0, 0, 0, 0, 0, -1, 40)
 SIZE = 32
 FLOOR = numpy.array([[max(abs(x - 15.5), abs(y - 15.5)) > 8 for x in range(SIZE)] for y in range(SIZE)])
@@ -91,7 +91,12 @@ class Shared(unittest.TestCase):
     """Jobs of different lights share patches, and what is covered of them."""
     @classmethod
     def setUpClass(cls):
-        cls.file = block_on_floor("shared.gltf", False, False)
+        g = Gltf()
+        g.place(*quad((-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)), g.material("floor", (.5,) * 3))
+        block = g.mesh(*standing_block(.05, .1), g.material("block", (0, 0, 0)))
+        for i in range(100):
+            g.node(mesh=block, translation=[.2 * (i % 10) - .9, 0, .2 * (i // 10) - .9])
+        cls.file = g.save(daemon.folder, "shared.gltf")
         cls.connection = cls.enterClassContext(wire.Connection(daemon.socket))
 
     def setUp(self):
