@@ -149,7 +149,7 @@ class Refused(unittest.TestCase):
                                    (("furnace", "--background", "1,2"), "three numbers"),
                                    (("furnace", "--background", "even", "--background-scale", "0"), "a number above 0"),
                                    (("furnace", "--background", "even", "--background-scale", "1e12"), "scale is between"),
-                                   (("furnace", "--background", "even", "--background-turn", "1e9"), "between")):
+                                   (("furnace", "--background", "even", "--background-turn", "1e9"), "is turned by")):
             with self.assertRaises(Failed) as failure:
                 daemon.render(arguments[0], (8, 8), 1, arguments=arguments[1:])
             self.assertRegex(failure.exception.text, pattern)
