@@ -20,7 +20,7 @@
 
 static struct quote_query query(uint64_t scene, uint64_t view, uint32_t technique, double pixels, double samples)
 {
-	return (struct quote_query){.key = {1, scene, technique, view},
+	return (struct quote_query){.key = {.where = 1, .scene = scene, .look = technique, .view = view},
 				    .technique = technique,
 				    .software = true,
 				    .pixels = pixels,
