@@ -213,6 +213,7 @@ class Pipes(Case):
 
     def interrupt(self, process, number):
         process.send_signal(number)
+        process.wait(timeout=PATIENCE)  # and only then be the reader that it may have waited for
         _, error = process.communicate(timeout=PATIENCE)
         self.assertEqual(process.returncode, 8, error)
         self.assertIn(b"cancelled", error)
