@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #define SCENE_WITHOUT_LAMPS
 
+#include "vct/entry.glsl"
 #include "vct/rays.glsl"
 #include "voxel/octahedral.glsl"
 
@@ -24,10 +25,10 @@ uint part_of(uint entry, out uint block)
 {
 	uint number = texelFetch(vct_albedo, int(entry)).w >> 1;
 	uvec3 sides = grid_sides_entries.xyz;
-	uvec3 v = uvec3(number % sides.x, number / sides.x % sides.y, number / sides.x / sides.y);
+	uvec3 v = entry_voxel(number, sides);
 	uvec3 cell = v >> 1;
 	block = cell.x + sides.x * (cell.y + sides.y * cell.z);
-	return ((v.x ^ v.z) & 1u) | ((v.y ^ v.z) & 1u) << 1;
+	return entry_group(v);
 }
 
 void main()
@@ -48,9 +49,7 @@ void main()
 	uint part = part_of(entry, block);
 	sampler_state random = sampler_make(block, side, 0u, 0u, 0u);
 	float nearness = 0.0;
-	vec3 e = PI * rays_irradiance(o, random, part, 0u, vct_rays.x, vct_rays.x, nearness);
-	// Written as comparisons that a NaN fails.
-	e = vec3(e.r > 0.0 ? min(e.r, 1e30) : 0.0, e.g > 0.0 ? min(e.g, 1e30) : 0.0, e.b > 0.0 ? min(e.b, 1e30) : 0.0);
+	vec3 e = entry_bounded(PI * rays_irradiance(o, random, part, 0u, vct_rays.x, vct_rays.x, nearness));
 	uint at = entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS;
 	for (uint i = 0u; i < 3u; i++)
 		vct_total[at + i] = uintBitsToFloat(vct_direct[at + i]) + e[i];

@@ -5,6 +5,7 @@
 
 #include "common/pi.glsl"
 #include "vct/cone.glsl"
+#include "vct/entry.glsl"
 #include "voxel/lookup.glsl"
 
 layout(local_size_x = VCT_GROUP) in;
@@ -27,16 +28,6 @@ void frame_of(vec3 n, out vec3 x, out vec3 y)
 	y = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
-// A number that differs among the four voxels of any two by two that lie in a plane across an axis.
-uint group_of(uint entry)
-{
-	uint number = voxel_albedo[entry].w >> 1;
-	uvec3 sides = vct_sides_top.xyz;
-	uvec3 voxels = uvec3(sides.x, sides.yz) * 2u;
-	uvec3 v = uvec3(number % voxels.x, number / voxels.x % voxels.y, number / voxels.x / voxels.y);
-	return ((v.x ^ v.z) & 1u) | ((v.y ^ v.z) & 1u) << 1;
-}
-
 void main()
 {
 	uint item = range.x + gl_GlobalInvocationID.x;
@@ -51,7 +42,8 @@ void main()
 	frame_of(normal, x, y);
 	cone_origin o = cone_from(uintBitsToFloat(place.xyz), normal, 0.0);
 	vec3 e = vec3(0.0);
-	for (uint i = group_of(entry); i < VCT_GATHER_CONES; i += VCT_GATHER_GROUPS) {
+	uint group = entry_group(entry_voxel(voxel_albedo[entry].w >> 1, vct_sides_top.xyz * 2u));
+	for (uint i = group; i < VCT_GATHER_CONES; i += VCT_GATHER_GROUPS) {
 		vec4 c = vct_gather[i];
 		e += cone_radiance(o, c.x * x + c.y * y + c.z * normal, c.w);
 	}

@@ -11,6 +11,7 @@
 vertex_tangent tangents[1];
 vec2 ggx_table[1];
 
+#include "vct/entry.glsl"
 #if defined(VCT_SHADOW_HARD) && !defined(VCT_SHADOW_VOLUME)
 #include "vct/shadow.glsl"
 #endif
@@ -75,9 +76,7 @@ void main()
 		// The point is moved off the surface by a part of the voxel's size: the mean position of a curved surface
 		// lies slightly inside of it.
 		direct_share = vec2(0.0);
-		vec3 e = entry_irradiance(position, side == 0u ? normal : -normal, entry * 7u + side);
-		// Written as comparisons that a NaN fails.
-		e = vec3(e.r > 0.0 ? min(e.r, 1e30) : 0.0, e.g > 0.0 ? min(e.g, 1e30) : 0.0, e.b > 0.0 ? min(e.b, 1e30) : 0.0);
+		vec3 e = entry_bounded(entry_irradiance(position, side == 0u ? normal : -normal, entry * 7u + side));
 		for (uint i = 0u; i < 3u; i++)
 			vct_direct[entry * VCT_ENTRY_FLOATS + side * VCT_SIDE_FLOATS + i] = floatBitsToUint(e[i]);
 		// Where no light shines there is nothing to shade: the share is 1.

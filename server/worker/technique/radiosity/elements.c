@@ -208,6 +208,20 @@ static uint32_t patch_at(const struct radiosity_face *f, const double place[2])
 	return f->first + row * row + 2 * column + head;
 }
 
+uint32_t elements_corner_count(const struct elements *e, uint32_t patch)
+{
+	return e->faces[e->shapes[patch].face].v > 0 ? 4 : 3;
+}
+
+uint32_t elements_corners(const struct elements *e, uint32_t patch, const double origin[3], double world[4][3])
+{
+	const uint32_t count = elements_corner_count(e, patch);
+	for (uint32_t k = 0; k < count; k++)
+		for (uint32_t c = 0; c < 3; c++)
+			world[k][c] = origin[c] + (double)e->shapes[patch].corner[3 * k + c];
+	return count;
+}
+
 uint32_t elements_at(const struct elements *e, uint32_t triangle, const double uv[2], bool front)
 {
 	const uint32_t word = e->triangles[triangle];

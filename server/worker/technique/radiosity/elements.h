@@ -36,6 +36,13 @@ void elements_make(struct elements *elements, uint32_t patches);
 // Free them. Elements that are all zero are fine.
 void elements_finish(struct elements *elements);
 
+// The corners of a patch, 3 or 4, in world space: metres, counter-clockwise seen from its front. `origin`: the scene's.
+// Returns their number.
+uint32_t elements_corners(const struct elements *elements, uint32_t patch, const double origin[3], double world[4][3]);
+
+// Their number alone.
+uint32_t elements_corner_count(const struct elements *elements, uint32_t patch);
+
 // The element at barycentrics uv (of corners 1 and 2) of a triangle, as shaders/radiosity/element.glsl finds it; NONE: the
 // triangle has no area.
 uint32_t elements_at(const struct elements *elements, uint32_t triangle, const double uv[2], bool front);

@@ -94,16 +94,11 @@ enum status imported_rows_put(const struct imported_rows *r, uint32_t element, s
 // The corner of an element as files have it: counter-clockwise seen from its own side.
 static bool same_corners(const struct imported_element *of, const struct elements *e, uint32_t patch, const double origin[3])
 {
-	const struct radiosity_patch *shape = &e->shapes[patch];
-	const uint32_t count = e->faces[shape->face].v > 0 ? 4 : 3;
+	double world[4][3];
+	const uint32_t count = elements_corners(e, patch, origin, world);
 	bool same = of->corners == count;
-	for (uint32_t k = 0; same && k < count; k++) {
-		const uint32_t from = of->side ? count - 1 - k : k;
-		double world[3];
-		for (uint32_t c = 0; c < 3; c++)
-			world[c] = origin[c] + (double)shape->corner[3 * from + c];
-		same = !memcmp(world, of->corner[k], sizeof world);
-	}
+	for (uint32_t k = 0; same && k < count; k++)
+		same = !memcmp(world[of->side ? count - 1 - k : k], of->corner[k], sizeof *world);
 	return same;
 }
 

@@ -80,11 +80,6 @@ static enum status refuse(const struct patch_file *f, double bytes, struct error
 
 // ---- a PLY --------------------------------------------------------------------------------------------------------------
 
-static uint32_t corner_count(const struct elements *e, uint32_t patch)
-{
-	return e->faces[e->shapes[patch].face].v > 0 ? 4 : 3;
-}
-
 #define PROPERTY_LINE(type, name, member) "property " #type " " name "\n"
 
 static enum status put_ply_header(struct patch_file *f, struct error *err)
@@ -93,7 +88,7 @@ static enum status put_ply_header(struct patch_file *f, struct error *err)
 	const struct blob_header *blob = f->scene->view.blob;
 	uint64_t corners = 0;
 	for (uint32_t i = 0; i < e->patches.count; i++)
-		corners += corner_count(e, i);
+		corners += elements_corner_count(e, i);
 	const uint64_t bytes = corners * 3 * sizeof(double) + (uint64_t)e->count * PATCH_FACE_BYTES_MOST;
 	if (bytes > f->most)
 		return refuse(f, (double)bytes, err);
@@ -133,13 +128,8 @@ static enum status begin_ply(struct patch_file *f, struct error *err)
 
 static enum status put_corners(struct patch_file *f, uint32_t patch, struct error *err)
 {
-	const struct elements *e = elements_of(f);
-	const double *origin = f->scene->view.blob->origin;
-	const uint32_t count = corner_count(e, patch);
 	double world[4][3];
-	for (uint32_t k = 0; k < count; k++)
-		for (uint32_t c = 0; c < 3; c++)
-			world[k][c] = origin[c] + (double)e->shapes[patch].corner[3 * k + c];
+	const uint32_t count = elements_corners(elements_of(f), patch, f->scene->view.blob->origin, world);
 	char *at = room(f, sizeof world, err);
 	if (!at)
 		return err->code;
@@ -164,7 +154,7 @@ static struct imported_element element_of(const struct patch_file *f, uint32_t e
 				       .area = e->shapes[patch].area,
 				       .escaped = reached ? row->escaped : 0,
 				       .cut = reached ? row->cut : 0,
-				       .corners = (uint8_t)corner_count(e, patch),
+				       .corners = (uint8_t)elements_corner_count(e, patch),
 				       .side = element != patch,
 				       .straight = v->lamps,
 				       .reached = reached};
